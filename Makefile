@@ -44,10 +44,13 @@ extra-%: install
 	$(PIP) ".[$*]"
 web: extra-web
 
+# Words that users must not meet, with what stands for them; paths and commands of the simulated hands are none.
+DIALECT := --dictionary tests/dialect.txt --ignore-regex '^\S+:\d+:|knock SECONDS'
 lint:
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/python -m tests.docstring_check
+	$(BIN)/python -m tests.user_text | $(BIN)/codespell $(DIALECT) - README.md
 
 types:
 	$(BIN)/mypy

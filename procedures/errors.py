@@ -52,7 +52,7 @@ class FitsNoFace(ProcedureError, ValueError):
         self.step, self.position = step, position
         super().__init__(
             f"{step}: found accelerometer outputs of no face, expected those of position {position}; "
-            f"look for damaged samples in it, or leave it out"
+            f"check it for damaged samples, or remove it"
         )
 
 
@@ -81,8 +81,8 @@ class MoveContradicts(ProcedureError, ValueError):
     def __init__(self, move: str, before: str, after: str, off_deg: float) -> None:
         self.move, self.before, self.after, self.off_deg = move, before, after, off_deg
         super().__init__(
-            f"{move}: the gyroscopes turned {off_deg:.0f} deg otherwise than from {before} to {after}, expected "
-            f"less than 5; correct the position or axes of one of the two"
+            f"{move}: the gyroscopes show a rotation that differs by {off_deg:.0f} deg otherwise than from "
+            f"{before} to {after}, expected less than 5; correct the position or axes of one of the two"
         )
 
 
@@ -93,9 +93,7 @@ class TooShort(ProcedureError, ValueError):
 
     def __init__(self, step: str, samples: int, least: int) -> None:
         self.step, self.samples, self.least = step, samples, least
-        super().__init__(
-            f"{step} has {samples} samples, expected at least {least}; record it longer or leave it out"
-        )
+        super().__init__(f"{step} has {samples} samples, expected at least {least}; record it longer or remove it")
 
 
 class DoesNotFit(ProcedureError, ValueError):

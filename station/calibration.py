@@ -139,13 +139,13 @@ class Calibration:
         if output != self.output:
             raise DataRefused(
                 "calibration", None, f"one of {self.output}", f"one of {output}, which are given",
-                f"say output={self.output!r} where that is what they are",
+                f"state output={self.output!r} if that is what they are",
             )  # fmt: skip
         whole = CalibrationModel.of(self.document)
         model = whole.without(tuple(name for name in whole.taken_off if name not in self.effects))
         if output == "counts" and not _is_period(period):
             raise DataRefused(
-                "period", None, f"{period!r}"[:60], "seconds above nought, of a sample's interval", "say it"
+                "period", None, f"{period!r}"[:60], "a sample interval in seconds, above zero", "say it"
             )
         C = rotation_to(frame, axes)
         known = period if output == "counts" else None
@@ -205,7 +205,7 @@ def _period(t: NDArray[np.float64], told: float | None) -> float:
     pace = own_period(t)
     if told is not None and abs(pace / told - 1) > PACE_TOLERANCE:
         said = f"samples {pace:.6g} s apart"
-        raise DataRefused("t", None, said, f"{told:.6g} s within 1 %, as period= says", "correct one of them")
+        raise DataRefused("t", None, said, f"{told:.6g} s within 1 %, as stated by period=", "correct one of them")
     return pace if told is None else told
 
 

@@ -155,7 +155,7 @@ def pulsed(wire: WireFormat, clock_ppm: float) -> WireFormat:
     pulse, pace = wire.pulse, 1 + 1e-6 * clock_ppm
     if pulse is None:
         has = ", ".join(name for name, each in FORMATS.items() if each.pulse is not None)
-        raise TruthRefused(f"a pulse with format {wire.name}", f"a format that tells of one: {has}")
+        raise TruthRefused(f"a pulse with format {wire.name}", f"a format that reports one: {has}")
 
     def told(block: CountBlock) -> bytes:
         return pulse.mark(block, (block.device_time / pace) % 1.0 * pace)

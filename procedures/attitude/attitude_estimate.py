@@ -37,8 +37,8 @@ AID_COLUMN = {"airspeed": "airspeed", "airspeed-filter": "airspeed", "gnss": "ve
 MAX_FILTERED_TURN_S = 60.0  # the printed velocity filter is not believed beyond
 UPSIDE_DOWN_COSINE = 0.5
 VEHICLE_WARNING = (
-    "moves as a vehicle does, whose acceleration without a speed is a tilt: the gyros are believed for minutes, "
-    "sigma is wide; airspeed_m_s or vn_m_s, ve_m_s, vd_m_s would tell"
+    "moves like a vehicle; without a speed its acceleration looks like a tilt: the attitude relies on the "
+    "gyros for minutes, and its uncertainty is large; airspeed_m_s or vn_m_s, ve_m_s, vd_m_s would help"
 )
 FORCE_BIAS_WALK_RATIO = 5e-3  # 1/sqrt(s): an accelerometer's bias wanders by a third of its 1 sigma in an hour
 

@@ -38,6 +38,6 @@ def refuse_without_velocity(laws: Sequence[str], aid: str) -> None:
     for law in laws:
         if law != JOINT and aid not in FORMS[law]:
             raise ValueError(
-                f"law {law} takes a velocity, found aid {aid}, expected gnss or airspeed: give --gnss URL, or "
-                f"take the law paper or mixer"
+                f"law {law} needs a velocity, found aid {aid}, expected gnss or airspeed: give --gnss URL, or "
+                f"use the law paper or mixer"
             )

@@ -11,7 +11,7 @@ from procedures.frames import AXES
 
 
 def backward_gyroscopes(K: FloatArray, *, is_turned_freely: bool) -> list[str]:
-    """Say which gyroscopes count backwards beside gravity.
+    """Say which gyroscopes count backwards relative to gravity.
 
     ``K`` (3, 3) [output/deg] is in the accelerometers' frame, which ``is_turned_freely`` where no face ties it.
     """
@@ -19,7 +19,9 @@ def backward_gyroscopes(K: FloatArray, *, is_turned_freely: bool) -> list[str]:
     if not back:
         return []
     if len(back) == 3:
-        return ["all three gyroscopes count backwards beside gravity: the triad is left-handed; check their signs"]
+        return [
+            "all three gyroscopes count backwards relative to gravity: the triad is left-handed; check their signs"
+        ]
     if len(back) == 1:
         return [
             f"gyroscope {AXES[back[0]]} counts backwards: its scale factor is negative to that of the others, the "
@@ -28,4 +30,6 @@ def backward_gyroscopes(K: FloatArray, *, is_turned_freely: bool) -> list[str]:
     x, y = (AXES[i] for i in back)
     other = next(axis for i, axis in enumerate(AXES) if i not in back)
     instead = f", or accelerometer {other} does" if is_turned_freely else ""
-    return [f"gyroscopes {x} and {y} count backwards{instead}: beside gravity their scale factors are negative"]
+    return [
+        f"gyroscopes {x} and {y} count backwards{instead}: relative to gravity their scale factors are negative"
+    ]

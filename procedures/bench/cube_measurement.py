@@ -83,8 +83,8 @@ def _measured(campaigns: Sequence[Campaign], quadratic_std: float, dead: Sequenc
         roots.append(unit.root(fit, quadratic_std))
         if p_value < DOUBTFUL_P_VALUE:
             warnings.append(
-                f"{name}: the residual is larger than counting noise explains (p {p_value:.2g}); its sigmas were "
-                f"taken {factor:.2g} times as large"
+                f"{name}: residuals exceed counting noise (p = {p_value:.2g}); its uncertainties were "
+                f"multiplied by {factor:.2g}"
             )
     return _joined(list(units), roots, quadratic_std, warnings)
 

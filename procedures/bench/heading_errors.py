@@ -106,7 +106,7 @@ def heading_error_text(error: HeadingError) -> str:
     """Return a heading error in words: angle, direction, sigma."""
     way = "counter-clockwise" if error.angle > 0 else "clockwise"
     angle, std = np.degrees(abs(error.angle)), np.degrees(error.std)
-    return f"stood {angle:.1f} deg off, {way} from above, by the Earth rate (1 sigma {std:.1g} deg)"
+    return f"has a heading error of {angle:.1f} deg, {way} from above, by the Earth rate (u = {std:.1g} deg)"
 
 
 def _gain(fit: Fit, n: int) -> FloatArray:

@@ -155,14 +155,14 @@ def _of_gyroscopes(sensors: Sequence[int], C_sb: FloatArray, sign: int) -> str:
     turns = "all turns are" if len(sensors) == 3 else f"the turns about {cube_axis(C_sb, sensors[0])} are"
     if sign < 0:
         return (
-            f"{turns} labelled in the opposite direction: by them {they} backwards, by the Earth's rate in the "
+            f"{turns} labelled with the opposite direction: by them {they} backwards, by the Earth's rate in the "
             f"dwells forwards; correct their direction"
         )
     if sign > 0:
         return f"{who} inverted: {they} backwards in the turns, and under the Earth's rate in the dwells"
     return (
-        f"{turns} labelled in the opposite direction, or {who} inverted: by them {they} backwards, and the "
-        f"Earth's rate in the dwells does not tell which; look at the direction of one turn"
+        f"{turns} labelled with the opposite direction, or {who} inverted: by them {they} backwards, and the "
+        f"Earth's rate in the dwells does not determine which; check the direction of one rotation"
     )
 
 
@@ -172,10 +172,10 @@ def _of_accelerometers(sensors: Sequence[int], C_sb: FloatArray, sign: int) -> s
     if len(sensors) < 3:
         faces = f"the positions with {axis} up and those with {axis} down are exchanged"
     if sign > 0:
-        return f"{who} inverted: {they} backwards, and the Earth's rate in the dwells bears the positions out"
+        return f"{who} inverted: {they} backwards, and the Earth's rate in the dwells confirms the positions"
     if sign < 0:
         return f"{faces}: by them {they} backwards, and the Earth's rate in the dwells is that of the other faces"
-    return f"{who} inverted, or {faces}: {they} backwards; look at one position with {axis} up"
+    return f"{who} inverted, or {faces}: {they} backwards; check one position with {axis} up"
 
 
 def cube_axis(C_sb: FloatArray, sensor: int) -> str:

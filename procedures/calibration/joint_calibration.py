@@ -262,7 +262,7 @@ def _left_open(accelerometer: TriadFit, moves_show_skew: bool) -> list[str]:
     bench = accelerometer.bench
     if accelerometer.is_turned_freely:
         assumed = accelerometer.rests.assumed if accelerometer.rests is not None else ()
-        return [FREE_FRAME, *(f"accelerometer.{name} (the rests are too near the faces)" for name in assumed)]
+        return [FREE_FRAME, *(f"accelerometer.{name} (the rests are too close to the faces)" for name in assumed)]
     held = [axis for axis, it_is in zip(AXES, bench.held_pairs(0), strict=True) if it_is]
     found = [f"fixture.perpendicularity.{n} (with misalignment)" for n in tilt_names() if n[0] in held]
     if bench.skew_known() or moves_show_skew:
@@ -279,20 +279,22 @@ def _warnings(fits: CampaignFits, quality: FitQuality, leans: Sequence[Unnoticed
     found = list(fits.left_out)
     if quality.p_value < DOUBTFUL_P_VALUE:
         found.append(
-            f"the residual is larger than counting noise explains (chi-square {quality.chi2:.4g} at {quality.dof} "
-            f"degrees of freedom): the sigmas are too small; run `station diagnose`"
+            f"residuals exceed counting noise (chi-square {quality.chi2:.4g} at {quality.dof} "
+            f"degrees of freedom): the uncertainties are too small; run `station diagnose`"
         )
     if fits.accel is not None and fits.accelerometer is None:
         found.append(f"accelerometer not solved: {_why_not(fits.accel)}")
     if (joint := fits.accelerometer) is not None and joint.is_turned_freely and len(fits.rests) < FEW_RESTS:
         numbers = 9 - len(joint.rests.assumed if joint.rests is not None else ())
         found.append(
-            f"accelerometer: {len(fits.rests)} rests determine {numbers} numbers: the residual can hardly judge "
-            f"them, and a small one means nothing; record {FEW_RESTS} attitudes or more"
+            f"accelerometer: {len(fits.rests)} rests determine {numbers} parameters: the residual can hardly test "
+            f"them, and a small one proves nothing; record {FEW_RESTS} attitudes or more"
         )
     if fits.gyro is not None and fits.gyroscope is None and fits.moves is None:
         lacking = [a for a in AXES if not any(t.axis == a for c in fits.campaigns for t in c.turns)]
-        what = f"no turn about {', '.join(lacking)}" if lacking else "a channel is dead, or turns were left out"
+        what = (
+            f"no turn about {', '.join(lacking)}" if lacking else "a channel is dead, or rotations were not used"
+        )
         found.append(f"gyroscope not solved: its scale factor is unknown ({what})")
     found += sign_warnings(fits.campaigns, fits.accelerometer, fits.gyroscope, fits.gyro)
     if fits.moves is not None and fits.accelerometer is not None:
@@ -312,20 +314,21 @@ def _why_not(accel: TriadDwells) -> str:
 
 
 def _turn_warnings(gyroscope: GyroscopeFit) -> list[str]:
-    found = [f"{name}: samples were lost while turning; the turn is not used" for name in gyroscope.broken]
+    found = [f"{name}: samples were lost during the rotation; it is not used" for name in gyroscope.broken]
     found += gyroscope.moves.moves.left_out if gyroscope.moves else []
     for turn, shape in zip(gyroscope.turns, gyroscope.geometry, strict=True):
         if shape.open_ends:
             taken = np.degrees(shape.closure_std)
             found.append(
-                f"{turn.record.name}: less than 2 s of rest at an end; its closure is taken as {taken:.2g} deg"
+                f"{turn.record.name}: less than 2 s of rest at an end; its closure error is assumed to be "
+                f"{taken:.2g} deg"
             )
     for turn, lean in zip(gyroscope.turns, gyroscope.leans, strict=True):
         if lean is not None and lean.is_off:
             off, left = (float(np.linalg.norm(each)) / RAD_PER_ARCSEC for each in (lean.mean, lean.axis_std))
             found.append(
-                f"{turn.record.name}: the cube leant by {off:.0f} arcsec as it was turned: its axis is known to "
-                f"{left:.0f} arcsec; lift it, wipe cube and slab, and turn again"
+                f"{turn.record.name}: the cube tilted by {off:.0f} arcsec during the rotation: its axis is known "
+                f"only to {left:.0f} arcsec; lift it, wipe cube and plate, and rotate again"
             )
     return found
 
@@ -336,8 +339,8 @@ def _site_warnings(gyroscope: GyroscopeFit) -> list[str]:
         return []
     value, std, stated = np.degrees([seen.value, seen.std, seen.stated])
     return [
-        f"the gyroscopes measure the Earth's rate of latitude {value:.1f} deg (1 sigma {std:.2g}), but latitude "
-        f"{stated:.2f} deg is stated, {seen.sigmas:.0f} sigma away: check the latitude, the time base and the "
+        f"the gyroscopes measure the Earth's rate of latitude {value:.1f} deg (u = {std:.2g}), but latitude "
+        f"{stated:.2f} deg is stated, {seen.sigmas:.0f} u away: check the latitude, the time base and the "
         "headings of the positions"
     ]
 

@@ -25,10 +25,10 @@ def turn_on_warnings(
             spread = joint.spread / joint.k * per
             parts.append(f"{name} {', '.join(f'{each:.2g}' for each in spread)} {unit}")
         elif joint is not None:
-            parts.append(f"{name} not parted: one bias was solved for all")
+            parts.append(f"{name} not separated: one bias was solved for all")
     return [
-        f"the unit was switched on {times} times within a campaign: each time has biases of its own, and the "
-        f"bias here is their mean; 1 sigma of the mean x, y, z: {'; '.join(parts)}, which is in its sigma"
+        f"the unit was switched on {times} times within a campaign: each power-on has its own biases, and the "
+        f"bias here is their mean; u of the mean x, y, z: {'; '.join(parts)}, included in its uncertainty"
     ]
 
 

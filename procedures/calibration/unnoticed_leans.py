@@ -63,12 +63,12 @@ def unnoticed_lean_warnings(leans: Sequence[UnnoticedLean]) -> list[str]:
     if of_accelerometer:
         parts.append(f"in {_places(of_accelerometer)}: accelerometer {_values(of_accelerometer)} would be wrong")
     if of_gyroscope:
-        what = "gyroscope scale factor and misalignment would be wrong by the moves that begin or end there"
+        what = "gyroscope scale factor and misalignment would be wrong by the transfers from and to there"
         parts.append(f"in {_places(of_gyroscope)}: {what}")
     if not parts:
         return []
-    advice = "record both positions of these faces, until every channel counts, with the unit left on"
-    return [f"a crumb under the cube would not be noticed {'; '.join(parts)}; {advice}"]
+    advice = "record both positions of these faces, until every channel shows a count edge, without power-off"
+    return [f"debris under the cube would not be detected {'; '.join(parts)}; {advice}"]
 
 
 def unnoticed_leans(

@@ -205,10 +205,10 @@ def _sentence(one: _Channel, dead: Sequence[int]) -> str:
     value = f"{ends[0].value + 0.0:.6g}"
     triad = f"{one.triad}s"
     if len(dead) == len(one.steps) and all(end.begin == 0 for end in ends):
-        return f"{one.name} puts out a constant {value} in every step: the {triad} are left out"
+        return f"{one.name} outputs a constant {value} in every step: the {triad} are not used"
     names = [_where(one.steps[i], one.ends[i]) for i in dead]
     said = ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
-    return f"{one.name} puts out a constant {value} in {said}: the {triad} are left out there"
+    return f"{one.name} outputs a constant {value} in {said}: the {triad} are not used there"
 
 
 def _where(step: StepRecord | SoakRecord, end: ConstantEnd | None) -> str:
@@ -219,7 +219,7 @@ def _where(step: StepRecord | SoakRecord, end: ConstantEnd | None) -> str:
 
 def _of_soak(soak: SoakRecord) -> list[str]:
     return [
-        f"{triad} {axis} puts out a constant {end.value + 0.0:.6g} in {_where(soak, end)}: left out"
+        f"{triad} {axis} outputs a constant {end.value + 0.0:.6g} in {_where(soak, end)}: not used"
         for triad in TRIADS
         for axis, end in zip(AXES, dead_in_soak(soak, triad), strict=True)
         if end is not None
@@ -236,7 +236,7 @@ def _tables(campaign: Campaign) -> tuple[tuple[RateTable, ...], list[str]]:
             read = output[np.isfinite(output[:, axis]), axis]
             if len(read) >= MIN_CONSTANT_SAMPLES and np.ptp(read) == 0:
                 name, value = f"gyroscope {AXES[axis]}", f"{read[0]:.6g}"
-                said.append(f"{name} puts out a constant {value} in all of {table.name}: left out")
+                said.append(f"{name} outputs a constant {value} in all of {table.name}: not used")
                 output[:, axis] = np.nan
         kept.append(replace(table, output=output))
     return tuple(kept), said

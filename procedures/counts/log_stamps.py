@@ -45,11 +45,11 @@ class LogTimes:
         if self.wraps:
             said.append(f"time stamps wrap {self.wraps} times, at {self.modulus:.12g}")
         if self.shared:
-            said.append(f"{self.shared} rows have the time stamp of the row before: they are spread in between")
-        if self.out_of_order:
             said.append(
-                f"{self.out_of_order} time stamps are earlier than the row before: rows stay in their order"
+                f"{self.shared} rows have the time stamp of the row before: they are spaced evenly in between"
             )
+        if self.out_of_order:
+            said.append(f"{self.out_of_order} time stamps are earlier than the row before: rows keep their order")
         return said
 
 

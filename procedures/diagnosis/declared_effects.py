@@ -103,7 +103,7 @@ def declare(bench: BenchModel, terms: Sequence[TermEffect]) -> DeclaredModel:
     for term in terms:
         found = _declared(state, term, effects[id(term)].name)
         if isinstance(found, str):
-            left_out.append(f"{effects[id(term)].name} is left out: {found}")
+            left_out.append(f"{effects[id(term)].name} is not used: {found}")
         else:
             state = found
             kept.append(term)
@@ -118,14 +118,14 @@ def _declared(state: LoopState, term: TermEffect, name: str) -> LoopState | str:
     if not term.columns(seen):
         return f"{', '.join(term.terms)} is no finite number in this campaign"
     if not state.pool.get(name):
-        return "nothing in this campaign excites it as much as it may be"
+        return "nothing in this campaign excites it enough"
     evidence, ways = state.now.evidence, {name: state.pool[name]}
     alone = rank_effects(evidence, ways)
     alike = (a.candidate for a in state.adopted if alone and are_one(evidence, alone[0].candidate, a.candidate))
     if (one := next(alike, None)) is not None:
-        return f"in this campaign it is one with {one.effect.name}"
+        return f"in this campaign it is indistinguishable from {one.effect.name}"
     if not (tried := rank_effects(evidence, ways, state.adopted)):
-        return "the model's own parameters take its place in this campaign"
+        return "the model's own parameters absorb it in this campaign"
     try:
         return state.solved_with((*state.adopted, AdoptedEffect(tried[0].candidate, tried[0], 0.0)))
     except DoesNotFit as error:

@@ -202,7 +202,7 @@ def _bench_model(steps: ReducedSteps) -> BenchModel:
         return BenchModel(steps, fit_reduced(steps))
     except MoveContradicts as error:
         campaigns = tuple(replace(campaign, moves=()) for campaign in steps.campaigns)
-        bare = replace(steps, campaigns=campaigns, left_out=(*steps.left_out, f"all moves left out: {error}"))
+        bare = replace(steps, campaigns=campaigns, left_out=(*steps.left_out, f"no transfer is used: {error}"))
         return BenchModel(bare, fit_reduced(bare))
 
 

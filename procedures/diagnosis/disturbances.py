@@ -214,7 +214,7 @@ def _measured(
     finding = Finding(
         EFFECT, "procedure", ("x", "y", "z"), sine.amplitude, sine.std,
         "g" if triad == "accelerometer" else "deg/h", where, "established", (),
-        "the same position again, nobody near the slab", worst.log_p, 0.0,
+        "the same position again, with nobody near the surface plate", worst.log_p, 0.0,
         f"{sine.hertz:.3g} Hz" if sine.hertz else "",
     )  # fmt: skip
     is_state = end - first > MAX_CUT_SHARE * len(series)

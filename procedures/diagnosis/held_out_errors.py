@@ -22,7 +22,7 @@ SHOWN = (
     ("move", "moves", "", 0.0, "deg", 1.0),
     ("norm", "rests", "g", 1.0, "", 0.0),
     ("soak", "soaks", "g", 1.0, "deg/h", DEG_H_PER_DEG_S),
-    ("level", "soaks beside each other", "g", 1.0, "deg/h", DEG_H_PER_DEG_S),
+    ("level", "neighbouring soaks", "g", 1.0, "deg/h", DEG_H_PER_DEG_S),
     ("rate", "rate points", "", 0.0, "deg/s", 1.0),
 )
 LEFT_OUT_S = 100.0  # of a soak at a time: what its neighbours foretell of less says little

@@ -130,14 +130,14 @@ def _curves(seen: Excitation, output: FloatArray, triad: str) -> Iterator[tuple[
     u = np.where(resting[:, None], output / size, 0.0)
     yield "input at rest", [u**2, np.abs(u), u**3, np.tanh(u / THRESHOLD)]
     zones = [np.where(resting[:, None], np.exp(-((u / w) ** 2)), 0.0) for w in NEAR_NOUGHT]
-    yield "input near nought", [each * by for each in zones for by in (1 + 0 * u, u)]
+    yield "input near zero", [each * by for each in zones for by in (1 + 0 * u, u)]
     if np.isfinite(seen.magnetic).any():
         yield "magnetic field", [seen.magnetic[:, i] for i in range(3)]
     if triad == "gyroscope" and turning.any():
         u = np.where(turning[:, None], output / max(float(np.abs(output[turning]).max()), 1e-12), 0.0)
         around = [np.roll(u, shift, axis=1) ** 2 for shift in (1, 2)]
         yield "rate", [np.abs(u), u * np.abs(u), u**3, *around]
-        yield "warmth of turning", [_warmth(seen, turning, tau) for tau in WARMTH_TAUS_S]
+        yield "heating by rotation", [_warmth(seen, turning, tau) for tau in WARMTH_TAUS_S]
         yield "fast rate", [np.sign(u) * np.maximum(np.abs(u) - knee, 0.0) for knee in KNEES]
 
 

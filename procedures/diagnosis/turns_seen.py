@@ -130,10 +130,10 @@ def left_open(turns: Sequence[TurnSeen]) -> list[str]:
     said = sorted({_turned_otherwise(seen) for seen in turns if seen.other is not None or seen.is_reversed})
     if any(not seen.is_as_told and not seen.is_reversed for seen in right):
         said.append(
-            "a scale factor: the stated angle contradicts the gyroscope (say turn:+z:ANGLEdeg, or --reference)"
+            "a scale factor: the stated angle contradicts the gyroscope (state turn:+z:ANGLEdeg, or --reference)"
         )
     if any(seen.is_as_told and seen.scale is None for seen in right):
-        said.append("the bias apart from the turn (rest for 2 s before and after)")
+        said.append("the bias separately from the rotation (rest for 2 s before and after)")
     if one_way:
         said.append(f"a scale factor of {', '.join(one_way)} that differs by direction (turn the other way)")
     said.append("the bias without the Earth's rate")
@@ -145,9 +145,10 @@ def _turned_otherwise(seen: TurnSeen) -> str:
     told, axis = AXES[seen.sensor], seen.axis[1:]
     if seen.other is not None:
         most = AXES[seen.other]
-        return f"a scale factor of {told}: gyroscope {most} changed far more (say turn:+{most} or turn:-{most})"
+        return f"a scale factor of {told}: gyroscope {most} changed far more (state turn:+{most} or turn:-{most})"
     return (
-        f"a scale factor of {told}: it turned the other way (say turn:{'-' if seen.axis[0] == '+' else '+'}{axis})"
+        f"a scale factor of {told}: it turned the other way (state "
+        f"turn:{'-' if seen.axis[0] == '+' else '+'}{axis})"
     )
 
 

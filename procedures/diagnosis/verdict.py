@@ -12,8 +12,12 @@ from procedures.diagnosis.result import (
     verdict_with_excess,
 )
 
-REPEAT_CAMPAIGN = "the same campaign in another order, on another day: what does not come back is no effect"
-REPEAT_SOAK = "the same again, the temperature up and down, on another day: what does not come back is no effect"
+REPEAT_CAMPAIGN = (
+    "the same campaign in another order, on another day: an error that does not repeat is no error term"
+)
+REPEAT_SOAK = (
+    "the same again, with temperature up and down, on another day: an error that does not repeat is no error term"
+)
 
 
 def verdict_of(findings: Sequence[Finding], left: float, unnamed: Sequence[Reason] = ()) -> Verdict:

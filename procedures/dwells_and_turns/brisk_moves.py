@@ -42,7 +42,7 @@ def without_brisk(moves: PlacingMoves, K: FloatArray, b: FloatArray) -> PlacingM
     if kept.all():
         return moves
     brisk = [
-        f"{moves.records[i].name} left out: too brisk, {coning[i] / RAD_PER_ARCSEC:.0f} arcsec of coning"
+        f"{moves.records[i].name} not used: moved too fast, {coning[i] / RAD_PER_ARCSEC:.0f} arcsec of coning"
         for i in np.flatnonzero(~kept)
     ]
     records = tuple(each for each, is_kept in zip(moves.records, kept, strict=True) if is_kept)

@@ -98,13 +98,13 @@ def placing_moves(
         for move in campaign.moves:
             before, after = place.get((number, move.before)), place.get((number, move.after))
             if channel(move.series, "gyroscope") is None:
-                left_out.append(f"{move.name} left out: it has no gyroscopes")
+                left_out.append(f"{move.name} not used: it has no gyroscopes")
             elif before is None or after is None:
-                left_out.append(f"{move.name} left out: {move.before} or {move.after} is not used")
+                left_out.append(f"{move.name} not used: {move.before} or {move.after} is not used")
             elif len(move.series.starts) > 1:
-                left_out.append(f"{move.name} left out: samples were lost while the cube was moved")
+                left_out.append(f"{move.name} not used: samples were lost while the cube was moved")
             elif turn_on[move.before] != turn_on[move.after]:
-                left_out.append(f"{move.name} left out: the unit was switched off between its ends")
+                left_out.append(f"{move.name} not used: the unit was switched off between its ends")
             else:
                 used.append((number, move))
                 ends.append((before, after))

@@ -34,11 +34,11 @@ def columns(excitation: Excitation) -> list[Columns]:
 EFFECT = Effect(
     name="procedure.closure",
     unit="deg",
-    physics="every turn ends off its beginning by a draw of 1 sigma = value about the slab's normal",
+    physics="every rotation has a random closure error, standard deviation = value about the plate's normal",
     source="Yao, Hu, He 2018, section 2: whole turns from a mark back to it",
     plausible=0.04,
     columns=columns,
-    separate_by="the six turns again with three times the revolutions: a closure stays as it is, an error of the "
+    separate_by="the six rotations again with three times the revolutions: a closure error stays, an error of the "
     "scale factor grows with the angle",
     is_scatter=True,
     stated_share=1 / TIMES_STATED,

@@ -12,5 +12,5 @@ EFFECT = Effect(
     physics="specific force that comes and goes within a dwell",
     source="IEEE Std 1293, seismic noise of the test site",
     plausible=1e-2,
-    separate_by="the same position again, nobody near the slab",
+    separate_by="the same position again, with nobody near the surface plate",
 )

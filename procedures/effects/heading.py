@@ -39,11 +39,11 @@ def columns(excitation: Excitation) -> list[Columns]:
 EFFECT = Effect(
     name="procedure.heading",
     unit="deg",
-    physics="every placing is turned by a draw of 1 sigma = value about the vertical",
+    physics="every placement is turned at random, standard deviation = value about the vertical",
     source="IEEE Std 952, alignment errors of the multiposition test",
     plausible=0.2,
     columns=columns,
-    separate_by="the positions again, against a stop on the slab",
+    separate_by="the positions again, against a stop on the surface plate",
     is_scatter=True,
     stated_share=1 / TIMES_STATED,
 )

@@ -33,6 +33,6 @@ EFFECT = Effect(
     source="Yao, Hu, He 2018, section 2: the cube seated on its face",
     plausible=5e-4,
     columns=columns,
-    separate_by="the same position again, slab and face wiped",
+    separate_by="the same position again, with plate and face wiped",
     is_turn=True,
 )

@@ -32,10 +32,10 @@ def columns(excitation: Excitation) -> list[Columns]:
 EFFECT = Effect(
     name="placement.scatter",
     unit="rad",
-    physics="every seat is tilted by a draw of 1 sigma = value about each level axis",
+    physics="every seating is tilted at random, standard deviation = value about each level axis",
     source="IEEE Std 1293, repeatability of mounting in the multiposition test",
     plausible=1e-4,
     columns=columns,
-    separate_by="the positions again, each seated several times: a seat changes, the sensor does not",
+    separate_by="the positions again, each seated several times: the seating changes, the sensor does not",
     is_scatter=True,
 )

@@ -19,9 +19,9 @@ def columns(excitation: Excitation) -> list[Columns]:
 EFFECT = Effect(
     name="site.azimuth",
     unit="rad",
-    physics="the slab's North mark points east of true north: C_ln turns about the vertical",
+    physics="the surface plate's North mark points east of true north: C_ln turns about the vertical",
     source="IEEE Std 952, Earth rate as input in the multiposition test",
     plausible=0.02,
     columns=columns,
-    separate_by="a survey of the slab's North mark",
+    separate_by="a survey of the surface plate's North mark",
 )

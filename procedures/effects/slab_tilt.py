@@ -20,7 +20,7 @@ def columns(excitation: Excitation) -> list[Columns]:
 EFFECT = Effect(
     name="slab.tilt",
     unit="rad",
-    physics="up seen from the slab = (east, north, 1)",
+    physics="up in the surface plate's axes = (east, north, 1)",
     source="Yao, Hu, He 2018, section 2: positions in pairs turned by 180 deg",
     plausible=5e-3,
     columns=columns,

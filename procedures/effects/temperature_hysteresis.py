@@ -1,4 +1,4 @@
-"""Hysteresis of a bias between warming and cooling: ``h d``, d = 1 while it grows warmer, -1 while it cools.
+"""Hysteresis of a bias between warming and cooling: ``h d``, d = 1 while it warms, -1 while it cools.
 
 What mounting, adhesive and winding keep of the way they came. Either the direction turns at once where temperature
 has come back by half a kelvin, from the turning point on; or with a play, whose half width w is fitted: ``d = (T -
@@ -56,7 +56,7 @@ def first_ways(seen: Excitation) -> list[Columns]:
 ACCELEROMETER = Effect(
     name="accelerometer.temperature_hysteresis",
     unit="g",
-    physics="h d, d = 1 while it grows warmer, -1 while it cools; with a play d = (T - P) / w, abs(T - P) <= w",
+    physics="h d, d = 1 while it warms, -1 while it cools; with a backlash d = (T - P) / w, abs(T - P) <= w",
     source="IEEE Std 1293, hysteresis of bias over temperature; Krasnosel'skii and Pokrovskii 1989, play",
     plausible=ACCEL_RANGE,
     columns=lambda seen: [accelerometer_at(seen, way) for way in first_ways(seen)],

@@ -44,7 +44,7 @@ def _own(excitation: Excitation) -> tuple[tuple[str, ...], FloatArray]:
 ACCELEROMETER = Effect(
     name="accelerometer.turn_on_bias",
     unit="g",
-    physics="the bias of every recording is a draw of 1 sigma = value",
+    physics="the bias of every recording is random, standard deviation = value",
     source="IEEE Std 1293, bias repeatability",
     plausible=1e-3,
     columns=accelerometer_columns,

@@ -40,6 +40,6 @@ EFFECT = Effect(
     source="IEEE Std 1293, stability of the test pier",
     plausible=0.01,
     columns=columns,
-    separate_by="the rest once more, nobody near the stand; at another attitude a bias is along gravity",
+    separate_by="the rest again, with nobody near the stand; at another attitude a bias is along gravity",
     may_hang_on_a_step=True,
 )

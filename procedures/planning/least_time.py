@@ -86,7 +86,7 @@ def most_in_time(
     ]
     if not scanned:
         fewest = _least_seconds(sigmas, FEWEST, ()) / S_PER_MIN
-        raise ValueError(f"{fewest:.1f} min or more, for {FEWEST} placings")
+        raise ValueError(f"{fewest:.1f} min or more, for {FEWEST} placements")
     _, n, seconds, tail = min(scanned, key=lambda each: each[0])
     best, _ = OrderSearch(sigmas, wanted, seconds, tail=tail).best(n, seed)
     return planned(sigmas, wanted, shared_out(sigmas, wanted, best))

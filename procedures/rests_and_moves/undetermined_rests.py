@@ -60,7 +60,7 @@ class Undetermined:
             case Lack.UNEQUAL:
                 by = f": it differs by {self.excess:.2g} g" if self.excess > 0 else ""
                 return [
-                    f"rests whose specific force is equally long ({found}{by}): hold still, on a surface that "
+                    f"rests whose specific force has equal length ({found}{by}): hold still, on a surface that "
                     f"does not move, and check the accelerometers' columns"
                 ]
             case Lack.UNCERTAIN:

@@ -153,8 +153,8 @@ def _faces_in_turns(size: float, case: SetAsideCase) -> dict[str, FloatArray]:
 
 
 SET_ASIDE: Mapping[str, SetAsideItem] = MappingProxyType({
-    "slab-flatness": SetAsideItem("flatness of the slab", "mm", 0.008, "DIN 876, grade 0, 1 m", _slab_flatness),
-    "slab-level": SetAsideItem("level of the slab", "mm/m", 0.1, "a machinist's level", _slab_level),
+    "slab-flatness": SetAsideItem("flatness of the plate", "mm", 0.008, "DIN 876, grade 0, 1 m", _slab_flatness),
+    "slab-level": SetAsideItem("level of the plate", "mm/m", 0.1, "a machinist's level", _slab_level),
     "seat-base-flatness": SetAsideItem("flatness of the seat", "mm", 0.01, "Yao 2018, 3", _seat_base),
     "seat-base-parallelism": SetAsideItem("parallelism of the seat to C", "mm", 0.02, "Yao 2018, 3", _seat_base),
     "seat-stop-flatness": SetAsideItem("flatness of the seat's stop", "mm", 0.01, "Yao 2018, 3", _seat_stop),

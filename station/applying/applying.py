@@ -93,7 +93,7 @@ def _run(
     stream = calibration.stream(
         period, frame=asked.frame, output=calibration.output, axes=axes_of(source, asked), force=asked.force
     )
-    stream.physics.where, stream.physics.go_on = source.told.name, "go on with --force"
+    stream.physics.where, stream.physics.go_on = source.told.name, "continue with --force"
     stream.physics.axes = np.array(source.told.accelerometers)
     count, spans = 0, list[Calibrated]()
     for block in samples:
@@ -108,8 +108,8 @@ def _run(
     spans.append(_of_spans(last))
     left = [
         f"{source.told.damage}: samples until then are here" if source.told.damage else "",
-        f"{plural(samples.lost, 'row')} without a number in time or outputs: dropped" if samples.lost else "",
-        f"repeated rows dropped: {samples.repeated}" if samples.repeated else "",
+        f"{plural(samples.lost, 'row')} without a number in time or outputs: discarded" if samples.lost else "",
+        f"repeated rows discarded: {samples.repeated}" if samples.repeated else "",
     ]
     said = (*filter(None, left), *doubts(calibration.document, datetime.now(UTC)), *last.warnings)
     return Applied(count, found.period, document_of(source, calibration, found, asked, count, spans, said), said)
@@ -122,18 +122,16 @@ def _refuse_unlike(source: Source, calibration: Calibration) -> None:
     ):  # fmt: skip
         if theirs not in {None, UNKNOWN} and ours != UNKNOWN and theirs != ours:
             raise DataRefused(
-                told.name, None, f"{what} {theirs}", f"{ours}, which the calibration is of", "name that unit's own"
+                told.name, None, f"{what} {theirs}", f"{ours}, as the calibration", "name that unit's own"
             )
     is_of_counts = calibration.output == "counts"
     is_rate = told.output == "rate" or (told.output is None and bool(told.rates_in))
     if is_of_counts and is_rate:
         found = f"rates{f' in {told.rates_in}' if told.rates_in else ''}"
-        raise DataRefused(
-            told.name, None, found, "counts, which the calibration is of", "name the columns of counts"
-        )
+        raise DataRefused(told.name, None, found, "counts, as the calibration", "name the columns of counts")
     if not is_of_counts and told.output in {"increments", "cumulative"}:
-        expected = "rates, which the calibration is of"
-        raise DataRefused(told.name, None, f"counts ({told.output})", expected, "take a calibration of counts")
+        expected = "rates, as the calibration"
+        raise DataRefused(told.name, None, f"counts ({told.output})", expected, "use a calibration of counts")
     if not is_of_counts:
         refuse_other_units(told, document)
     model = CalibrationModel.of(document)
@@ -142,8 +140,8 @@ def _refuse_unlike(source: Source, calibration: Calibration) -> None:
     lacks = lacking(model, document, channels, told.triads, has_temperature=told.temperature)
     if lacks:
         sizes = ", ".join(f"{name} ({size or 'of unknown size'})" for name, size in lacks.items())
-        remedy = f"name its column, or go on with {' '.join(f'--without {name}' for name in lacks)}"
-        raise DataRefused(told.name, None, f"nothing of what these effects need: {sizes}", "their inputs", remedy)
+        remedy = f"name its column, or continue with {' '.join(f'--without {name}' for name in lacks)}"
+        raise DataRefused(told.name, None, f"no data for these error terms: {sizes}", "their inputs", remedy)
 
 
 def _of_spans(got: Calibrated) -> Calibrated:

@@ -60,7 +60,7 @@ class CheckedSamples:
         if (shared & ~same).any():
             at = int(np.flatnonzero(keep)[np.flatnonzero(shared & ~same)[0]])
             line = block.lines[at] if block.lines else None
-            found, remedy = f"time {block.t[at]:.9g} again", "say --rate HZ where stamps are those of reads"
+            found, remedy = f"time {block.t[at]:.9g} again", "state --rate HZ if the stamps are those of reads"
             raise DataRefused(
                 block.where, line, found, "a time of its own for each sample", remedy, code=ErrorCode.TIME_ORDER
             )
@@ -75,9 +75,7 @@ class CheckedSamples:
             number = next(v for v in values[row].tolist() if v != round(v))
             line = block.lines[row] if block.lines else None
             remedy = "name the columns of counts, or the calibration of this unit's rates"
-            raise DataRefused(
-                block.where, line, f"{number:.9g}", "whole counts, which the calibration is of", remedy
-            )
+            raise DataRefused(block.where, line, f"{number:.9g}", "whole counts, as the calibration", remedy)
 
     def _increments(self, block: Samples) -> Samples:
         """Return increments of running counts; the first row after a gap is their base, and no sample."""

@@ -62,16 +62,14 @@ def survey(source: Source) -> Survey:
     told = source.told.period
     if told is not None and abs(found / told - 1) > TOLERANCE:
         said = f"a sample rate of {1 / found:.6g} Hz by the times, {found / told - 1:+.1%} of the period"
-        raise DataRefused(
-            source.told.name, None, said, f"{1 / told:.6g} Hz as is stated, within 1 %", "correct one"
-        )
+        raise DataRefused(source.told.name, None, said, f"{1 / told:.6g} Hz as stated, within 1 %", "correct one")
     return Survey(rows, first, last, found)
 
 
 def _rising(t: FloatArray, told: Told) -> FloatArray:
     found = np.unique(t)
     if len(found) < 2:
-        raise DataRefused(told.name, None, "a time that never changes", "times that rise", "say --rate HZ",
+        raise DataRefused(told.name, None, "a time that never changes", "times that rise", "state --rate HZ",
                           ErrorCode.TIME_ORDER)  # fmt: skip
     return found
 

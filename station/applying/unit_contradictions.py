@@ -41,8 +41,8 @@ def refuse_other_units(told: Told, document: Mapping[str, Any]) -> None:
         if not 1 / MAX_TIMES_OFF < k / outputs < MAX_TIMES_OFF:
             raise DataRefused(
                 told.name, None, f"{triad} in {unit}, {outputs:.4g} outputs in 1 {per}",
-                f"{k:.4g} outputs in 1 {per}, which the calibration is of",
-                f"convert the columns, or say {option} raw if their names are wrong",
+                f"{k:.4g} outputs in 1 {per}, as in the calibration",
+                f"convert the columns, or state {option} raw if their names are wrong",
             )  # fmt: skip
 
 
@@ -52,5 +52,5 @@ def refuse_other_rate(t: FloatArray, column: str, rate_hz: float, name: str) -> 
     if step > 0 and abs(step * rate_hz - 1) > MAX_RATE_OFF:
         raise DataRefused(
             name, None, f"{1 / step:.6g} rows a second by column {column}", f"--rate {rate_hz:g} within 1 %",
-            "leave --rate out, or take the column out",
+            "omit --rate, or remove the column",
         )  # fmt: skip

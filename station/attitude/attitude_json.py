@@ -81,11 +81,11 @@ def attitude_text(log: AttitudeLog, document: dict[str, Any]) -> str:
         lines[0] += ", forwards and backwards"
     lines.append("gyro bias " + " ".join(f"{b:.1f}" for b in bias) + " deg/h")
     if std is not None:
-        lines[-1] += "  (1 sigma " + " ".join(f"{s:.1f}" for s in np.degrees(std) * DEG_H_PER_DEG_S) + ")"
+        lines[-1] += "  (u " + " ".join(f"{s:.1f}" for s in np.degrees(std) * DEG_H_PER_DEG_S) + ")"
     if "rms_deg" in document:
         lines.append("error rms " + ", ".join(f"{name} {v:.3f} deg" for name, v in document["rms_deg"].items()))
     if "sigma_deg" in document:
-        lines.append(f"1 sigma of the vertical, median {document['sigma_deg']:.3f} deg")
+        lines.append(f"standard uncertainty of the vertical, median {document['sigma_deg']:.3f} deg")
     if "observability" in document:
         seen = document["observability"]
         lines.append(

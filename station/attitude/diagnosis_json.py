@@ -8,14 +8,14 @@ from station.results.diagnosis.diagnosis_json import FORMAT, error_document, fin
 from station.results.diagnosis.diagnosis_text import coefficient_rows, tried_rows
 from station.results.diagnosis.diagnosis_wording import CONFIDENCE_SAID, TRIED_TITLE, both
 
-METHOD = "the last 40 % of the log, which had no say"
+METHOD = "the last 40 % of the log, held out"
 MAX_TRIED_SHOWN = 6
 EFFECT_TITLES = {
-    "consistent": "The model lacks nothing that this log can show.",
+    "consistent": "No further error term was detected in this log.",
     "established": "The model lacks {names}.",
     "likely": "The model probably lacks {names}.",
-    "ambiguous": "Something is there, but this log cannot say what: see what could be instead.",
-    "unexplained": "What was found does not foretell the rest of the log: what the model lacks is unexplained.",
+    "ambiguous": "An error term was detected, but this log cannot determine which: see the alternatives.",
+    "unexplained": "The findings do not predict the rest of the log: the error is unexplained.",
 }
 
 
@@ -42,11 +42,11 @@ def attitude_diagnosis_text(document: Mapping[str, Any]) -> str:
             f"   {CONFIDENCE_SAID[finding['confidence']]}",
         ]
         if finding["share"]:
-            lines.append(f"   it explains {finding['share']:.0%} of the residual's squares on stretches left out")
+            lines.append(f"   it explains {finding['share']:.0%} of the squared residual on held-out stretches")
         lines += [f"   {name:<9} {value:<44} {size:>12}" for name, value, size in coefficient_rows(finding)]
         if finding["aliases"]:
-            lines.append(f"   it could also be: {', '.join(finding['aliases'])}")
-            lines.append(f"   what would tell them apart: {finding['separate_by']}")
+            lines.append(f"   indistinguishable from: {', '.join(finding['aliases'])}")
+            lines.append(f"   to separate them: {finding['separate_by']}")
     for error in document["error"]:
         lines += ["", f"error, rms {error['unit']}: {error['quantity']}"]
         for title, name in (("in the rows used", ""), (error["method"], "held_out_")):

@@ -120,7 +120,7 @@ def _refuse_slow(chosen: LogColumns, t: FloatArray) -> None:
         expected = "from {:g} to {:g} s: no slower motion can be followed".format(*SAMPLE_PERIOD_RANGE_S)
         found = f"{period:.3g} s from row to row"
         raise DataRefused(
-            chosen.table.file, None, found, expected, "say --unit-time or --rate", ErrorCode.TIME_UNIT
+            chosen.table.file, None, found, expected, "state --unit-time or --rate", ErrorCode.TIME_UNIT
         )
 
 
@@ -131,12 +131,12 @@ def _refuse_beyond(log: AttitudeLog, place: LogPlace) -> None:
         if np.abs(values).max() > most:
             row = int(np.abs(values).max(axis=1).argmax())
             found, expected = f"{np.abs(values).max():.4g} {unit}", f"at most {most:g}, as of any sensor"
-            raise place.refused(row, found, expected, f"say the unit with {option}", ErrorCode.UNIT)
+            raise place.refused(row, found, expected, f"state the unit with {option}", ErrorCode.UNIT)
 
 
 def _unknown_unit(path: Path, what: str, option: str) -> DataRefused:
     return DataRefused(
-        path, None, f"{what} in no unit that is known", "rates and forces", f"say {option}", ErrorCode.UNIT
+        path, None, f"{what} in an unknown unit", "rates and forces", f"say {option}", ErrorCode.UNIT
     )
 
 

@@ -93,8 +93,8 @@ def _without_gravity(seen: GravityCheck, place: LogPlace) -> DataRefused:
         expected = "rates and specific force of one sensor, about the same axes"
         return place.refused(0, found, expected, "correct unit, signs or order of the rates", ErrorCode.AXES)
     found = (
-        f"specific forces that average {seen.largest:.2g} m/s2 over seconds ({seen.std:.2g} by motion, 1 sigma): "
-        "gravity was removed (linear or user acceleration)"
+        f"specific forces that average {seen.largest:.2g} m/s2 over seconds ({seen.std:.2g} by motion, standard "
+        "deviation): gravity was removed (linear or user acceleration)"
     )
     expected = f"specific force with gravity, {STANDARD_GRAVITY:.3g} m/s2"
     remedy = "name or record the raw accelerometer's columns, not those of linear acceleration"
@@ -102,7 +102,7 @@ def _without_gravity(seen: GravityCheck, place: LogPlace) -> DataRefused:
 
 
 def _rates_refused(seen: AxesDisagreement, place: LogPlace) -> DataRefused:
-    std = "" if seen.scale_std is None else f" (1 sigma {seen.scale_std:.2g})"
+    std = "" if seen.scale_std is None else f" (u = {seen.scale_std:.2g})"
     if seen.has_other_axes:
         letters = dict(zip("pqr", place.rate_names, strict=True))
         named = ",".join(each[:-1] + letters[each[-1]] for each in seen.reading.split(","))

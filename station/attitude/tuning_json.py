@@ -17,7 +17,7 @@ def tuning_document(tuning: GainTuning, aid: str, by_tau: bool) -> dict[str, Any
         point = {"k1": gains.k1, "k2": gains.k2, "rms_deg": _deg(rms), "by_stretch_deg": [_deg(x) for x in folds]}
         curve.append({"tau_s": 2 / gains.k1} | point if by_tau else point)
     best = {name: curve[tuning.best][name] for name in ("tau_s", "k1", "k2") if name in curve[tuning.best]}
-    warnings = ["the best stands at the end of the grid"] if tuning.at_edge else []
+    warnings = ["the best value is at the end of the grid"] if tuning.at_edge else []
     return {
         "format": FORMAT, "aid": aid, "rows": tuning.rows, "chosen": best,
         "rms_deg": _deg(tuning.rms[tuning.best]), "held_out_rms_deg": _deg(tuning.held_out),
@@ -42,7 +42,7 @@ def tuning_text(document: dict[str, Any]) -> str:
     option = (
         f"--tau {chosen['tau_s']:.4g}" if "tau_s" in chosen else f"--k1 {chosen['k1']:.4g} --k2 {chosen['k2']:.4g}"
     )
-    lines.append(f"chosen: {option}; on stretches that had no say {document['held_out_rms_deg']:.4f} deg rms")
+    lines.append(f"chosen: {option}; on held-out stretches {document['held_out_rms_deg']:.4f} deg rms")
     return "\n".join([*lines, *(f"warning: {warning}" for warning in document["warnings"])])
 
 

@@ -73,7 +73,7 @@ class CalibratedStream:
         }
         field = None if magnetic is None else numbers(magnetic, "magnetic")
         if field is not None and field.shape != (n, 3):
-            raise DataRefused("magnetic", None, f"shape {field.shape}", f"({n}, 3)", "give a row a sample")
+            raise DataRefused("magnetic", None, f"shape {field.shape}", f"({n}, 3)", "give one row per sample")
         f, omega = np.empty((n, 3)), np.empty((n, 3))
         for begin in range(0, n, BLOCK):
             part = slice(begin, min(begin + BLOCK, n))
@@ -94,25 +94,31 @@ class CalibratedStream:
 
     def warnings(self) -> tuple[str, ...]:
         """Return what is to know so far, in words."""
-        said = [f"{name} is left in{self._of(self._left_in[name])}, {why}" for name, why in self._left.items()]
+        said = [
+            f"{name} is not corrected{self._of(self._left_in[name])}, {why}" for name, why in self._left.items()
+        ]
         limits = self._document.get("temperature_range_c")
         if limits and self._range:
             low, high = self._range
             if low < limits[0] - TOLERANCE_K or high > limits[1] + TOLERANCE_K:
                 said.append(
                     f"temperature was {low:.1f} to {high:.1f} degC, the calibration's {limits[0]:.1f} to "
-                    f"{limits[1]:.1f} degC{self._of(self._outside)}: outside it nothing is known"
+                    f"{limits[1]:.1f} degC{self._of(self._outside)}: outside this range the calibration is not "
+                    "valid"
                 )
         if self._without_temperature and self._range:
             said.append(
-                f"the first {self._without_temperature} samples have no temperature: its effects are left in"
+                f"the first {self._without_temperature} samples have no temperature: temperature effects are not "
+                "corrected"
             )
         if self._unsettled:
             said.append(f"found {self._said_of_unsettled()}: nan there")
         if self._impossible:
             said.append(self._impossible)
         if self._document.get("status") == "measured":
-            said.append(f"the calibration is measured, not calibrated: {self._document.get('status_reason', '')}")
+            said.append(
+                f"the calibration was measured without valid references: {self._document.get('status_reason', '')}"
+            )
         return tuple(said)
 
     def _of(self, count: int) -> str:
@@ -121,11 +127,11 @@ class CalibratedStream:
     def _said_of_unsettled(self) -> str:
         names = [name for name in self._model.taken_off if name.split(".")[0] in self._lost]
         of = f"{self._unsettled} of {self._samples} samples, the first at {self._first_unsettled:.9g} s"
-        return f"{', '.join(names)} not to settle in {of}"
+        return f"{', '.join(names)} not to converge in {of}"
 
     def _refuse_unsettled(self) -> None:
-        expected = f"at most 1 in {1 / MAX_UNSETTLED:.0f}, as effects are small against the input"
-        remedy = "correct the calibration or the data, or leave effects out"
+        expected = f"at most 1 in {1 / MAX_UNSETTLED:.0f}, because error terms are small against the input"
+        remedy = "correct the calibration or the data, or leave error terms out"
         raise DataRefused("calibration", None, self._said_of_unsettled(), expected, remedy)
 
     def _checked(self, values: Any, t: FloatArray) -> int:
@@ -218,6 +224,6 @@ def _column(values: Any, n: int, name: str) -> FloatArray:
     found = numbers(values, name)
     if found.shape != (n,):
         raise DataRefused(
-            name, None, f"shape {found.shape}", f"({n},)", "give a value a sample, nan where unknown"
+            name, None, f"shape {found.shape}", f"({n},)", "give one value per sample, nan where unknown"
         )
     return found

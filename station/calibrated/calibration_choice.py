@@ -68,7 +68,7 @@ def nominal_scales(unit: Unit, wire: WireFormat) -> AppliedCalibration | None:
 def _nothing_of(unit: Unit) -> DataRefused:
     found, remedy = f"no calibration of {unit.model} {unit.serial}", "calibrate it"
     if UNKNOWN in {unit.model, unit.serial}:
-        found, remedy = "a device that does not say who it is", "give --model and --serial"
+        found, remedy = "a device that does not send its model and serial number", "give --model and --serial"
     return DataRefused(
         "the database", None, found, "a stored calibration, or a device with nominal scale factors",
         f"{remedy}, or give --calibration FILE", ErrorCode.CALIBRATION,

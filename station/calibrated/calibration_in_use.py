@@ -7,5 +7,5 @@ from dataclasses import dataclass
 class InUse:
     """The calibration in use, in words; ``note`` is what to know about it, such as effects left in."""
 
-    text: str = "not known before the unit is"
+    text: str = "not known before the unit is identified"
     note: str = ""

@@ -27,19 +27,19 @@ def left_for_good(entry: Mapping[str, Any]) -> str:
     name = str(entry["name"])
     if "definition" in entry:
         if own_effect(entry).term.looks_back:
-            return "of the campaign, or of what was before; one sample does not tell it"
+            return "specific to the campaign or to earlier steps; one sample does not determine it"
         return ""
     if name in TRANSIENT_EFFECTS:
-        return "of the campaign, not of the instrument for good"
+        return "specific to the campaign, not a constant of the instrument"
     if name not in CATALOGUE:
         return "not in this program's catalogue"
     if name in LOST:
-        return "what was lost above a rate is not put back"
+        return "counts lost above a rate cannot be restored"
     if not is_compiled(entry):
-        return "of the campaign; one sample does not tell it"
+        return "specific to the campaign; one sample does not determine it"
     if not all(tau > 0 for tau in temperature_lags(entry)):
-        return "a time constant that is not above nought"
-    return "" if all(width > 0 for width in plays(entry)) else "a play that is not above nought"
+        return "a time constant that is not above zero"
+    return "" if all(width > 0 for width in plays(entry)) else "a backlash that is not above zero"
 
 
 def needs(entry: Mapping[str, Any], around: Surroundings, triads: set[str]) -> str:
@@ -47,7 +47,7 @@ def needs(entry: Mapping[str, Any], around: Surroundings, triads: set[str]) -> s
     name = str(entry["name"])
     if name.split(".")[0] not in triads:
         return ""
-    return "what it depends on was not recorded" if _lacks(entry, around, triads) else ""
+    return "the quantity that it depends on was not recorded" if _lacks(entry, around, triads) else ""
 
 
 def _lacks(entry: Mapping[str, Any], around: Surroundings, triads: set[str]) -> bool:
@@ -106,6 +106,6 @@ def own_effect(entry: Mapping[str, Any]) -> EffectFile:
         raise DataRefused(f"effects.{name}", None, f"unit {entry['unit']!r}", f"{found.term.unit!r}, its term's")
     for parameter in found.term.parameters:
         if parameter not in entry.get("coefficients", {}):
-            expected = "one of every parameter of its term"
+            expected = "a value of every parameter of its term"
             raise DataRefused(f"effects.{name}", None, f"no value of {parameter}", expected, "solve it again")
     return found

@@ -50,7 +50,7 @@ class PhysicsCheck:
     is_of_counts: bool
     force: bool = False
     where: str = "counts"
-    go_on: str = "go on with force=True"
+    go_on: str = "continue with force=True"
     axes: BoolArray = field(default_factory=lambda: ALL_AXES)
     _survey: RestSurvey | None = None
     _first: list[tuple[FloatArray, FloatArray, FloatArray, FloatArray]] = field(default_factory=list)
@@ -123,7 +123,9 @@ class PhysicsCheck:
             code = ErrorCode.RATE_AT_REST
             if found.found < MAX_RAW_RATE:
                 named.append("the bias has changed since the calibration")
-        would = f"it would be right if {_either(named)}" if named else "no single wrong unit or range explains it"
+        would = (
+            f"it would be correct if {_either(named)}" if named else "no single wrong unit or range explains it"
+        )
         return DataRefused(
             self.where, None, f"{what}{after}", expected, f"{would}; correct it, or {self.go_on}", code
         )
@@ -140,7 +142,7 @@ class PhysicsCheck:
             small = [each for each in ranges if each.factor < 1]
             if self.is_of_counts:
                 return [Assumption("the gyroscopes' outputs are per second, not per sample", period), *small]
-            return [Assumption("angular rates are in deg/s and the calibration is of rad/s", RAD_PER_DEG), *small]
+            return [Assumption("angular rates are in deg/s and the calibration is in rad/s", RAD_PER_DEG), *small]
         if self.is_of_counts:
             times = [Assumption(_TIME.format(words), factor) for factor, words in _TIMES.items()]
             times = [Assumption("the outputs are per second, not per sample", period), *times]
@@ -150,10 +152,10 @@ class PhysicsCheck:
             return [increments]
         return [
             increments,
-            Assumption("the outputs are in g and the calibration is of m/s2", STANDARD_GRAVITY),
-            Assumption("the outputs are in m/s2 and the calibration is of g", 1 / STANDARD_GRAVITY),
-            Assumption("the outputs are in mg and the calibration is of g", 1e-3),
-            Assumption("the outputs are in g and the calibration is of mg", 1e3),
+            Assumption("the outputs are in g and the calibration is in m/s2", STANDARD_GRAVITY),
+            Assumption("the outputs are in m/s2 and the calibration is in g", 1 / STANDARD_GRAVITY),
+            Assumption("the outputs are in mg and the calibration is in g", 1e-3),
+            Assumption("the outputs are in g and the calibration is in mg", 1e3),
             *ranges,
         ]
 

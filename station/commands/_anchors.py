@@ -31,7 +31,7 @@ class Kept(NamedTuple):
         """Say until when the database is witnessed."""
         by = f"by {self.file}, written {self.written:%Y-%m-%d %H:%M} UTC{self.stamp}"
         if not self.anchor.entries:
-            return f"witnessed {by}, before there was a journal: the newest hash of each chain alone"
+            return f"witnessed {by}, before the journal existed: only the newest hash of each chain"
         return f"witnessed until entry {self.anchor.entries} {by}"
 
 
@@ -111,7 +111,7 @@ def _stamp_said(file: Path, trust: "Trust | None") -> str:
         raise NotVerified(stamp, {"time stamp": error.reason}, "use the anchor without it, or another") from error
     by = f", stamped {found.moment:%Y-%m-%d %H:%M} UTC by {found.certificate.subject.rfc4514_string()}"
     if trust is None:
-        return f"{by}, whom no root vouches for: give --trust ROOT.pem"
+        return f"{by}, not trusted by any root: give --trust ROOT.pem"
     service = standing(found.certificate, found.others, trust, found.moment, is_service=True)
     if not service.is_trusted:
         raise NotVerified(stamp, {"time stamp": f"{by[2:]}: {service.words}"}, "give the root of its service")
@@ -135,6 +135,6 @@ def _certificate(file: Path, trust: "Trust | None") -> Kept:
 def witness_said(kept: Sequence[Kept], entries: int) -> str:
     """Return since when a database of ``entries`` is witnessed, in words."""
     if not kept:
-        return "not witnessed: no --anchor was given, so that an older copy put back would not show"
+        return "not witnessed: no --anchor was given, so a restored older copy would not be detected"
     since = entries - kept[0].anchor.entries
     return f"{kept[0].witness}; {plural(since, 'change')} since"

@@ -27,7 +27,7 @@ def refuse_signed(paths: Iterable[Path]) -> None:
 
     for path in paths:
         if looks_signed(path):
-            raise CannotWrite(path, "a signed file is there, and this one would have no signature")
+            raise CannotWrite(path, "a signed file exists, and this one would have no signature")
 
 
 def signer(db: str | None, number: str, key: "SigningKey", time_service: str | None) -> Sign:
@@ -60,7 +60,7 @@ def write_copies(copies: Iterable[Copy], sign: Sign | None) -> None:
             except StationError as error:
                 failed = error
         if signed is None and looks_signed(path):
-            typer.echo(f"{path}: left as it is, signed before")
+            typer.echo(f"{path}: not changed, it was signed before")
             continue
         replace_file(path, make(False) if signed is None else signed)
         typer.echo(f"{path}: written{said}")

@@ -13,7 +13,7 @@ def check_copy(order: Mapping[str, object]) -> None:
     """Raise if anything of an order, by option, stands beside --copy: a copy says what was issued."""
     if given := [option for option, value in order.items() if value is not None]:
         said = ", ".join(given)
-        raise typer.BadParameter(f"--copy hands out what was issued, as it was: found {said}; leave out one")
+        raise typer.BadParameter(f"--copy writes the issued certificate unchanged: found {said}; omit one")
 
 
 def check_out(out: Path | None) -> None:

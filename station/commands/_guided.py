@@ -23,21 +23,19 @@ if TYPE_CHECKING:
     from station.guide.start_engine import EngineOptions
 
 WarmUp = Annotated[
-    bool, option("--warm-up/--no-warm-up", "", "Wait until the unit has settled. Never with --headless.")
+    bool, option("--warm-up/--no-warm-up", "", "Wait until the unit has warmed up. Not with --headless.")
 ]
 Headless = Annotated[bool, option("--headless", "", "Lines of text, no questions, no warm-up.")]
 Store = Annotated[bool, option("--store", "", "With --headless: store the calibration.")]
 Plain = Annotated[bool, option("--plain", "", "Lines of text instead of a screen.")]
-Web = Annotated[bool, option("--web", "", "The same screen in a browser of this machine.")]
-WebPort = Annotated[int, option("--port", "PORT", "Of --web; 0: any free one.", min=0, max=65535)]
-Slow = Annotated[bool, option("--slow", "", "Two views a second, for a slow console.")]
-Quiet = Annotated[bool, option("--quiet", "", "Ring no bell.")]
+Web = Annotated[bool, option("--web", "", "The same screen in a browser on this computer.")]
+WebPort = Annotated[int, option("--port", "PORT", "Port of --web; 0: any free one.", min=0, max=65535)]
+Slow = Annotated[bool, option("--slow", "", "Update twice per second, for a slow console.")]
+Quiet = Annotated[bool, option("--quiet", "", "No sounds.")]
 Hands = Annotated[str | None, option("--hands", "HOST:PORT", "Control address of a simulated device.")]
 MoveS = Annotated[float, option("--move-s", "S", "Device time a simulated move takes.")]
 
-Tremor = Annotated[
-    bool, option("--tremor", "", "With --hands: they tremble as real ones do, and stop in the air at times.")
-]
+Tremor = Annotated[bool, option("--tremor", "", "With --hands: move with tremor and pauses, like real hands.")]
 
 FAIL, CANNOT_GO_ON = 1, 2
 SITE_FIELDS = ("latitude_deg", "longitude_deg", "height_m", "gravity_m_s2", "gravity_std_m_s2")
@@ -155,9 +153,11 @@ def _nothing() -> None:
 
 def _announce(url: str) -> None:
     typer.echo(
-        "Open this address in a browser of this machine. Whoever has it can drive the bench: keep it secret."
+        "Open this address in a browser on this computer. Anyone who has it can control the bench: keep it secret."
     )
-    typer.echo("Each tab shows the same campaign, and closing one changes nothing; Ctrl-C here ends it all.")
+    typer.echo(
+        "Each tab shows the same campaign, and closing one changes nothing; Ctrl-C here stops the campaign."
+    )
     typer.echo(url)
 
 

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from station.files.logs.means_table import MeansTable
 
 Time = Annotated[str | None, option("--time", "COL", "Of a log: column of time, by name or number from 1.")]
-Gyro = Annotated[str | None, option("--gyro", "A,B,C", "Gyroscopes x,y,z; - for one that is not there.")]
-Accel = Annotated[str | None, option("--accel", "A,B,C", "Accelerometers x,y,z; - for one that is not there.")]
-Utc = Annotated[str | None, option("--utc", "COL", "UTC of the rows, which tells how right the time is.")]
+Gyro = Annotated[str | None, option("--gyro", "A,B,C", "Gyroscopes x,y,z; - for a missing one.")]
+Accel = Annotated[str | None, option("--accel", "A,B,C", "Accelerometers x,y,z; - for a missing one.")]
+Utc = Annotated[str | None, option("--utc", "COL", "UTC of the rows, to check the time.")]
 UnitTime = Annotated[
     str | None,
     option(
@@ -33,7 +33,7 @@ UnitGyro = Annotated[
 ]
 UnitAccel = Annotated[str | None, option("--unit-accel", "UNIT", "m/s2, g, mg, ug, cm/s2, raw, or N/g.")]
 Temperature = Annotated[str | None, option("--temperature", "COL", "Temperature [degC].")]
-Aux = Annotated[str | None, option("--aux", "COL,...", "Other channels that may act.")]
+Aux = Annotated[str | None, option("--aux", "COL,...", "Other channels that may affect the sensors.")]
 Rate = Annotated[float | None, option("--rate", "HZ", "Sample rate, of a log without time.", min=1e-6, max=1e7)]
 Reference = Annotated[
     str | None, option("--reference", "COL", "A rate table's rate [deg/s], a row a point, or the angle turned.")
@@ -75,7 +75,7 @@ class LogOptions:
     def refuse_beside_folders(self) -> None:
         """Raise typer's usage error if one was given: a campaign's folder says it all itself."""
         if told := [name for name, value in self.given.items() if value is not None]:
-            raise typer.BadParameter(f"--{told[0].replace('_', '-')} is of logs, but these are campaign folders")
+            raise typer.BadParameter(f"--{told[0].replace('_', '-')} is for logs, but these are campaign folders")
 
     def columns(self) -> "ToldColumns":
         """Return what they say of a log's columns; a usage error where a unit is none."""
@@ -140,10 +140,11 @@ def means_of_logs(files: Sequence[Path], told: LogOptions) -> "MeansTable | None
         return None
     found = means_of(table, columns)
     for line in found.found.guesses:
-        typer.echo(f"guessed: {files[0].name}: {line}", err=True)
+        typer.echo(f"inferred: {files[0].name}: {line}", err=True)
     if not kinds:
         typer.echo(
-            f"guessed: {files[0].name}: rows differ like poses, taken for a table of means (say --as)", err=True
+            f"inferred: {files[0].name}: rows differ like poses, treated as a table of means (or state --as)",
+            err=True,
         )
     for line in found.notes:
         typer.echo(f"note: {files[0].name}: {line}", err=True)
@@ -160,7 +161,7 @@ def read_logs(files: Sequence[Path], told: LogOptions, folder: Path | None) -> "
     """
     found = told.read(files)
     for line in found.guesses:
-        typer.echo(f"guessed: {line}", err=True)
+        typer.echo(f"inferred: {line}", err=True)
     for line in found.notes:
         typer.echo(f"note: {line}", err=True)
     if not told.given.get("as"):

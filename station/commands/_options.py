@@ -35,7 +35,7 @@ Heading = Annotated[
 OfModel = Annotated[str, option("--model", "MODEL", "The IMU model.")]
 OfSerial = Annotated[str | None, option("--serial", "SERIAL", "One unit of it; else all.")]
 Effects = Annotated[
-    list[Path] | None, option("--effects", "FILE", "An effect/1 that is in the model from the start; repeatable.")
+    list[Path] | None, option("--effects", "FILE", "An error term (effect/1) to include in the model; repeatable.")
 ]
 
 

@@ -55,6 +55,6 @@ def follow(
         if is_deaf.is_set():
             is_stuck = bool(asked_since) and time.monotonic() - asked_since > UNANSWERED_S
             if is_stuck:
-                typer.echo("nobody can answer: the input is at its end", err=True)
+                typer.echo("no answer is possible: the input has ended", err=True)
             if is_stuck or view.stage in VERDICT_STAGES:
                 connection.send(OperatorCommand(verb="leave"))

@@ -23,7 +23,9 @@ def apply(
     ] = "m/s2,rad/s",
     frame: Annotated[str, option("--frame", "FRAME", "sensor, cube or frd (forward-right-down).")] = "sensor",
     axes: Annotated[str, option("--axes", "F,R,D", "Which IMU axes point forward, right, down.")] = "",
-    without: Annotated[list[str] | None, option("--without", "EFFECT", "Leave one in; repeatable.")] = None,
+    without: Annotated[
+        list[str] | None, option("--without", "EFFECT", "Do not correct this error term; repeatable.")
+    ] = None,
     force: Annotated[
         bool, option("--force", "", "Write it even if specific force or rate at rest is impossible.")
     ] = False,
@@ -39,16 +41,17 @@ def apply(
     serial: _log_options.Serial = None,
     db: Database = None,
 ) -> None:
-    """Write specific force [m/s2] and angular rate [rad/s] of a recording, its effects taken off.
+    """Write specific force [m/s2] and angular rate [rad/s] of a recording, corrected by a calibration.
 
-    Columns t_s, f_x_m_s2, ..., omega_z_rad_s, then temp_c and auxiliary channels. Counts are those of each sample
-    alone; a campaign says itself what it holds. Beside the file, FILE.json has 1 sigma of what the calibration
-    leaves, minute by minute, in m/s2 and rad/s. Any length goes, in memory that does not grow, but of .mat.
+    Columns are t_s, f_x_m_s2, ..., omega_z_rad_s, then temp_c and auxiliary channels. Counts must be those of each
+    sample alone; a campaign states its own format. FILE.json beside the output holds the remaining standard
+    uncertainty of the calibration, minute by minute, in m/s2 and rad/s. A recording may have any length, in
+    constant memory, except for .mat.
 
-    Nothing is written, and the exit code is 3, if the calibration is of another unit, an effect's input is not in
-    the recording (--without goes on), rates are given for counts or counts for rates, the sample rate is more than
-    1 % off what is stated, time goes back, or the unit rests and its specific force is not 9.8 m/s2 within 20 % or
-    its rate not below 0.1 deg/s plus noise (--force goes on).
+    Nothing is written, and the exit code is 3, if the calibration belongs to another unit; the input of an error
+    term is not in the recording (--without continues); rates are given for counts or counts for rates; the sample
+    rate is more than 1 % off the stated one; time goes back; or the unit rests and its specific force is not 9.8
+    m/s2 within 20 % or its rate not below 0.1 deg/s plus noise (--force continues).
 
     Example: station apply drive.csv --calibration S123 --out drive.parquet
     """
@@ -72,7 +75,7 @@ def apply(
     source = _source(recording, given, serial)
     known = _calibration(calibration, db, source.told.model).without(*(without or ()))
     for note in source.told.notes:
-        typer.echo(f"guessed: {note}", err=True)
+        typer.echo(f"inferred: {note}", err=True)
     asked = OutputRequest(in_frame, axes or None, (words[0], words[1]), force=force)
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that what is written aside is taken away
     read = Path(calibration) if Path(calibration).is_file() else None

@@ -28,21 +28,22 @@ def attitude(
             "Without it: airspeed-filter, else gnss, else none.",
         ),
     ] = None,
-    tau: Annotated[float | None, option("--tau", "S", "Time constant of the mixing law [s].")] = None,
-    k1: Annotated[float | None, option("--k1", "", "K1 of the mixing law [1/s].")] = None,
-    k2: Annotated[float | None, option("--k2", "", "K2 of the mixing law [1/s].")] = None,
+    tau: Annotated[float | None, option("--tau", "S", "Time constant of the complementary filter [s].")] = None,
+    k1: Annotated[float | None, option("--k1", "", "K1 of the complementary filter [1/s].")] = None,
+    k2: Annotated[float | None, option("--k2", "", "K2 of the complementary filter [1/s].")] = None,
     gravity: Annotated[float, option("--gravity", "M_S2", "", min=9.7, max=9.9)] = STANDARD_GRAVITY,
     latitude: Latitude = None,
     heading: Heading = None,
     gyro_bias_std: Annotated[
-        float | None, option("--gyro-bias-std", "DEG_H", "1 sigma of the gyros' biases, if known.", min=1e-6)
+        float | None,
+        option("--gyro-bias-std", "DEG_H", "Standard uncertainty of the gyros' biases, if known.", min=1e-6),
     ] = None,
     accel_bias_std: Annotated[
         float | None,
         option(
             "--accel-bias-std",
             "UG",
-            "1 sigma of the accelerometers' biases, if known: the floor of the vertical's sigma.",
+            "Standard uncertainty of the accelerometers' biases, if known: the least uncertainty of the vertical.",
             min=1e-3,
             max=1e6,
         ),
@@ -52,11 +53,11 @@ def attitude(
     ] = 0.0,
     direction: Annotated[
         str,
-        option("--direction", "WAY", "forwards, as if online; both: forwards and backwards, for records."),
+        option("--direction", "WAY", "forwards, as online; both: forwards and backwards, for recordings."),
     ] = "forwards",
     out: Annotated[Path | None, option("--out", "OUT.csv", "Write roll, pitch and down vector here.")] = None,
     diagnose: Annotated[
-        bool, option("--diagnose", "", "Trace the residual to what the model lacks, and add it.")
+        bool, option("--diagnose", "", "Find the error terms that the model lacks, and correct them.")
     ] = False,
     json: Annotated[Path | None, option("--json", "OUT", "Write attitude/1 here instead of a summary.")] = None,
     axes: Annotated[
@@ -80,27 +81,27 @@ def attitude(
     rate: _log_options.Rate = None,
     db: Database = None,
 ) -> None:
-    """Find roll and pitch along a log of rates and specific forces.
+    """Compute roll and pitch along a log of rates and specific forces.
 
-    LOG is any table that `station diagnose` and `station noise` read: columns and units are taken from its header
-    or from the options, and each guess is printed. A file whose header is that of attitude-log/1 may also hold an
+    LOG is any table that `station diagnose` and `station noise` read: columns and units come from its header or
+    from the options, and every inference is printed. A file with the header of attitude-log/1 may also hold an
     airspeed, a velocity, a heading and truth (docs/attitude.md).
 
-    airspeed-filter and gnss are one filter of attitude, velocity and biases; none is the same without a velocity,
-    or with --tau or --k1 and --k2 the mixing law. airspeed is the law with forward speed and remembered angle of
-    attack; the paper- ones are the law as printed (K1 0.08, K2 0.0125), for reproduction: by forward speed, with
-    what airspeed or a GNSS velocity changes by, and by the velocity filter. Errors are given in deg where the log
-    has truth.
+    airspeed-filter and gnss are one Kalman filter of attitude, velocity and biases. none is the same filter
+    without a velocity, or, with --tau or --k1 and --k2, the complementary filter. airspeed is the complementary
+    filter with forward speed and remembered angle of attack. The paper- aids are the filter as printed (K1 0.08,
+    K2 0.0125), for reproduction: with forward speed, with changes of airspeed or GNSS velocity, and with the
+    velocity filter. Errors are given in deg if the log has truth.
 
-    --direction both runs that filter backwards from the end as well and takes the weighted mean of the two: a row
-    then knows what came after it.
+    --direction both also runs the filter backwards from the end and uses the weighted mean of both: each row then
+    also uses later data.
 
-    --diagnose finds, in the first 60 % of the log, what the residual between mixer and truth (or, without truth,
-    between gyros and accelerometers) says the model lacks; OUT.csv then is the attitude with it taken off, and the
-    error before and after is that of the other 40 %.
+    --diagnose finds which error terms the model lacks. It uses the first 60 % of the log, and the residual between
+    mixer and truth (without truth: between gyros and accelerometers). OUT.csv is then the corrected attitude, and
+    the error before and after is that of the other 40 %.
 
     Exit code 2 if the log lacks what the aid needs; 3 if it cannot be read, its specific force has no gravity, or
-    its rates are not of the axes and unit in which gravity turns.
+    its rates do not match the axes and unit in which gravity rotates.
 
     Example: station attitude phone.csv --axes y,x,-z --out attitude.csv
     """
@@ -137,12 +138,14 @@ def attitude(
     if needed is None or not np.isfinite(needed).any():
         raise typer.BadParameter(f"{chosen} needs {AID_COLUMN[chosen]}, which {log} has not", param_hint="--aid")
     if gains is not None and not takes_gains(chosen):
-        raise typer.BadParameter(f"{chosen} has no gains; they belong to the mixing law", param_hint="--tau")
+        raise typer.BadParameter(
+            f"{chosen} has no gains; they belong to the complementary filter", param_hint="--tau"
+        )
     if gains is not None and gains.k1 * read.nominal > 1:
         found = f"K1 {gains.k1:g} with samples {read.nominal:g} s apart"
         raise typer.BadParameter(f"{found}, expected a product of at most 1", param_hint="--tau")
     if direction == "both" and (gains is not None or chosen not in AID_CODE):
-        found = f"{chosen} is the mixing law, forwards only; both needs the Kalman filter"
+        found = f"{chosen} is the complementary filter, forwards only; both needs the Kalman filter"
         raise typer.BadParameter(f"{found}: {', '.join(AID_CODE)} without gains", param_hint="--direction")
     if heading is not None and read.heading is None:
         given = np.full(len(read.t), np.nan)
@@ -156,7 +159,7 @@ def attitude(
         track = traced.track
         document = attitude_document(read, track) | {"diagnosis": attitude_diagnosis_document(traced)}
         is_whole = not traced.findings or traced.corrected is read
-        which = "the log as it is" if is_whole else "the log with that taken off"
+        which = "the log as it is" if is_whole else "the log after correction"
         found = attitude_diagnosis_text(document["diagnosis"])
         text = f"{found}\n\nattitude of {which}:\n{attitude_text(read, document)}"
     else:
@@ -188,7 +191,7 @@ def _read(log: Path, told: _log_options.LogOptions, axes: str | None, convention
         C = None if axes is None else body_axes(axes)
     read = read_any_log(log, told.columns() if told.is_given else None, C, convention)
     for line in read.guesses:
-        typer.echo(f"guessed: {line}", err=True)
+        typer.echo(f"inferred: {line}", err=True)
     for line in read.notes:
         typer.echo(f"note: {line}", err=True)
     return read.log

@@ -26,41 +26,46 @@ def calibrate(
     device: Annotated[str, option("--device", "URL", "The IMU, as in serial:///dev/ttyUSB0.")] = "",
     out: Annotated[Path | None, option("--out", "FOLDER", "A new folder for the campaign.")] = None,
     gnss: Annotated[str, option("--gnss", "URL", "A GNSS receiver, as in mavlink:udpin:0.0.0.0:14550.")] = "",
-    latitude: Annotated[float | None, option("--latitude", "DEG", "Geodetic latitude of the slab.")] = None,
+    latitude: Annotated[
+        float | None, option("--latitude", "DEG", "Geodetic latitude of the surface plate.")
+    ] = None,
     longitude: Annotated[float | None, option("--longitude", "DEG", "")] = None,
     height: Annotated[float | None, option("--height", "M", "Above the ellipsoid.")] = None,
     gravity: Annotated[float | None, option("--gravity", "M/S2", "Surveyed gravity; else the normal one.")] = None,
-    gravity_std: Annotated[float | None, option("--gravity-std", "M/S2", "Its 1 sigma.")] = None,
+    gravity_std: Annotated[float | None, option("--gravity-std", "M/S2", "Its standard uncertainty.")] = None,
     cube: Annotated[str | None, option("--cube", "ID", "The cube, see `fixtures`.")] = None,
-    slab: Annotated[str | None, option("--slab", "ID", "The slab, see `fixtures`.")] = None,
+    slab: Annotated[str | None, option("--slab", "ID", "The surface plate, see `fixtures`.")] = None,
     operator: Annotated[str | None, option("--operator", "", "Who calibrates.")] = None,
     dwell_s: Annotated[
         float | None, option("--dwell-s", "S", "Accepted seconds per position; 0: from --bias-ug.", min=0.0)
     ] = None,
     bias_ug: Annotated[
-        float | None, option("--bias-ug", "UG", "1 sigma wanted of the accelerometer biases.")
+        float | None, option("--bias-ug", "UG", "Target for the uncertainty of accelerometer biases.")
     ] = None,
-    turns: Annotated[int | None, option("--turns", "N", "Revolutions per hand turn.", min=1)] = None,
+    turns: Annotated[int | None, option("--turns", "N", "Revolutions per manual rotation.", min=1)] = None,
     repeats: Annotated[
         int | None,
-        option("--repeats", "N", "How often the first position comes again at the end; else 1.", min=0, max=9),
+        option("--repeats", "N", "How often the first position is repeated at the end; else 1.", min=0, max=9),
     ] = None,
     heading_std: Annotated[
-        float | None, option("--heading-std", "DEG", "How well headings are set, 1 sigma.")
+        float | None, option("--heading-std", "DEG", "Standard uncertainty of headings.")
     ] = None,
-    closure_std: Annotated[float | None, option("--closure-std", "DEG", "How well turns close, 1 sigma.")] = None,
+    closure_std: Annotated[
+        float | None, option("--closure-std", "DEG", "Standard uncertainty of the closure error of rotations.")
+    ] = None,
     model: Annotated[str | None, option("--model", "", "For a device that does not send its own.")] = None,
     serial: Annotated[str | None, option("--serial", "", "For a device that does not send its own.")] = None,
-    plan: Annotated[Path | None, option("--plan", "FILE", "Other steps than the usual ones, as plan/1.")] = None,
+    plan: Annotated[Path | None, option("--plan", "FILE", "Steps of a plan/1 instead of the usual ones.")] = None,
     until_limits: Annotated[
-        bool, option("--until-limits", "", "Ask for what brings most, until the model's limits can be judged.")
+        bool, option("--until-limits", "", "Ask for the most useful positions until a verdict is possible.")
     ] = False,
     sigma: Annotated[
         list[str] | None,
-        option("--sigma", "NAME=SIGMA", "The same until a 1 sigma is reached, as in `plan`; repeatable."),
+        option("--sigma", "NAME=SIGMA", "The same until an uncertainty is reached, as in `plan`; repeatable."),
     ] = None,
     noise: Annotated[
-        list[Path] | None, option("--noise", "CAMPAIGN", "A campaign of the unit that says its noise; repeatable.")
+        list[Path] | None,
+        option("--noise", "CAMPAIGN", "A campaign of the unit that shows its noise; repeatable."),
     ] = None,
     warm_up: WarmUp = True,
     headless: Headless = False,
@@ -75,22 +80,24 @@ def calibrate(
     tremor: Tremor = False,
     db: Database = None,
 ) -> None:
-    """Guide a technician through 12 positions, 6 hand turns and the first position again to a verdict.
+    """Guide a technician through 12 positions, 6 manual rotations and the first position again to a verdict.
 
-    Without options the screen asks for what it needs; with --device and --latitude it begins at once. The counts
-    say which face is up and whether the cube rests; every accepted step is on the disk and in the database
-    before it is said to be. After a kill or a break `station resume` continues it. In the folder: campaign.toml
-    with a data file per step, the raw bytes, solution.json, report.html and, once stored, calibration.json.
-    Dwells are in seconds of device time, angles in deg. With --gnss latitude, longitude and height come from
-    averaged fixes where they are not given, rows hold UTC, and the sample rate is checked against it.
+    Without options the screen asks for what it needs; with --device and --latitude it starts at once. The station
+    recognises from the sensor data which face is up and whether the cube rests. A step is reported as accepted
+    only after it is on disk and in the database. After a crash or an interruption `station resume` continues. The
+    folder holds campaign.toml with a data file per step, the raw bytes, solution.json, report.html and, once
+    stored, calibration.json. Dwells are in seconds of device time, angles in deg. With --gnss, latitude, longitude
+    and height come from averaged fixes if they are not given, rows hold UTC, and the sample rate is checked
+    against UTC.
 
-    With --until-limits or --sigma the plan is not fixed: after each placing the one is asked for that brings it on
-    soonest, a dwell ends when more of it does not pay, and it is over when every sigma is met that --sigma or the
-    limits' guard bands ask for; the screen says how far each is. It needs the unit's noise, from its campaigns in
-    the database, else its model's, else --noise. `g` at the verdict goes on.
+    With --until-limits or --sigma the plan is not fixed: after each position the station asks for the one that
+    reduces uncertainty fastest; a dwell ends when more data would not help. The campaign is complete when every
+    uncertainty is reached that --sigma or the limits' guard bands need; the screen shows the progress. This needs
+    the unit's noise: from its campaigns in the database, else from its model's, else from --noise. Press `g` at
+    the verdict to continue.
 
-    Exit code 1 if the verdict is FAIL, 2 if the disk refuses, 3 if the sample rate is over 1 % off GNSS time,
-    4 if port or device fail, 130 if cancelled.
+    Exit code 1 if the verdict is FAIL, 2 if the disk cannot be written, 3 if the sample rate is over 1 % off GNSS
+    time, 4 if port or device fail, 130 if cancelled.
 
     Example: station calibrate --device serial:///dev/ttyUSB0?format=counts --latitude 48.1
     """
@@ -136,9 +143,7 @@ def _refuse_contradicting(
             raise typer.BadParameter("it is for --until-limits or --sigma", param_hint="--noise")
         return
     if given := [name for name, value in fixed.items() if value is not None]:
-        raise typer.BadParameter(
-            f"the plan is not fixed with --until-limits or --sigma: leave {', '.join(given)} out"
-        )
+        raise typer.BadParameter(f"the plan is not fixed with --until-limits or --sigma: omit {', '.join(given)}")
     from station.results.planning.wanted_by_limits import wanted_by_name
 
     with refused_as("--sigma"):

@@ -34,9 +34,9 @@ def certificate(
     customer_address: Annotated[str | None, option("--customer-address", "TEXT", "")] = None,
     customer_email: Annotated[str | None, option("--customer-email", "TEXT", "")] = None,
     received: Day = None,
-    condition: Annotated[str | None, option("--condition", "TEXT", "Of the unit on receipt.")] = None,
-    amend: Annotated[str, option("--amend", "REASON", "Replace the certificate issued before, and why.")] = "",
-    copy: Annotated[bool, option("--copy", "", "Hand out again what was issued.")] = False,
+    condition: Annotated[str | None, option("--condition", "TEXT", "Condition of the unit on receipt.")] = None,
+    amend: Annotated[str, option("--amend", "REASON", "Replace the earlier certificate; state the reason.")] = "",
+    copy: Annotated[bool, option("--copy", "", "Write the issued certificate again.")] = False,
     sign: Annotated[Path | None, option("--sign", "KEY.p12", "Sign XML and PDF; needs the extra `sign`.")] = None,
     token: Annotated[str | None, option("--token", "URI", "Sign with a key on a token: pkcs11:...")] = None,
     timestamp: Annotated[str | None, option("--timestamp", "URL", "A service of RFC 3161 that stamps it.")] = None,
@@ -45,18 +45,18 @@ def certificate(
     example: Annotated[bool, option("--example", "", "Print a sample LAB.toml to edit.")] = False,
     db: Database = None,
 ) -> None:
-    """Issue the certificate of a stored calibration: HTML that prints on numbered A4 pages, on request PDF.
+    """Issue the certificate of a stored calibration: HTML for numbered A4 pages, and PDF on request.
 
-    It states all that ISO/IEC 17025:2017, 7.8, requires: results with expanded uncertainty U, coverage factor and
-    degrees of freedom (count/(g s), ug, count/deg, deg/h, arcsec), conditions, references with due dates, as found
-    and as left, conformity with decision rule and risk. An expired reference makes it a measurement report.
-    --dcc writes the same as XML, a Digital Calibration Certificate (PTB, 3.1.2; quantities in D-SI), with the
-    covariance matrix and the budget; a PDF then has it attached (PDF/A-3).
-    What was issued is recorded whole: `station verify FILE.html` finds it, --copy writes it again.
-    --sign signs the XML (XAdES) and the PDF (PAdES) with the laboratory's key; its password is asked for.
+    It states all that ISO/IEC 17025:2017, 7.8, requires: results with expanded uncertainty U, coverage factor k
+    and degrees of freedom (count/(g s), ug, count/deg, deg/h, arcsec), conditions, references with due dates, as
+    found and as left, conformity with decision rule and risk. If a reference has expired it is a measurement
+    report. --dcc writes the same as XML, a Digital Calibration Certificate (PTB, 3.1.2; quantities in D-SI), with
+    the covariance matrix and the budget; it is then attached to the PDF (PDF/A-3). The issued document is stored
+    completely: `station verify FILE.html` finds it, --copy writes it again. --sign signs the XML (XAdES) and the
+    PDF (PAdES) with the laboratory's key and asks for its password.
 
-    Exit code 3 if anything is missing: all of it is listed, with where to give it; 2 if PDF cannot be made, or
-    options contradict each other.
+    Exit code 3 if anything is missing: everything missing is listed, with the option or file for it; 2 if PDF
+    cannot be made, or options contradict each other.
 
     Example: station certificate --example > lab.toml
 
@@ -76,7 +76,7 @@ def certificate(
         )
     if laboratory is None and not copy:
         raise typer.BadParameter(
-            "found no --laboratory LAB.toml, which says who certifies; print a sample to edit with "
+            "found no --laboratory LAB.toml with the laboratory's data; print a sample to edit with "
             "`station certificate --example > lab.toml`"
         )
     if copy:

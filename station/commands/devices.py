@@ -17,22 +17,20 @@ CLEAR = "\x1b[H\x1b[2J"
 
 
 def devices(
-    url: Annotated[
-        list[str] | None, option("--url", "URL", "Look at what this device sends; may be given again.")
-    ] = None,
+    url: Annotated[list[str] | None, option("--url", "URL", "Check what this device sends; repeatable.")] = None,
     seconds: Annotated[float, option("--seconds", "S", "For how long.", min=0.1)] = 2.0,
-    watch: Annotated[bool, option("--watch", "", "Look again and again, until Ctrl-C.")] = False,
-    json: Annotated[bool, option("--json", "", "Write JSON, a line for each look.")] = False,
+    watch: Annotated[bool, option("--watch", "", "Repeat until Ctrl-C.")] = False,
+    json: Annotated[bool, option("--json", "", "Write JSON, one line per check.")] = False,
     db: Database = None,
 ) -> None:
-    """List serial ports, CAN interfaces and MAVLink systems with what each sends, or look at one device closely.
+    """List serial ports, CAN interfaces and MAVLink systems and what each sends, or check one device in detail.
 
-    Every port is read for --seconds: the format that its bytes look like, frames/s, samples/s, errors. Nothing is
-    sent to a port that is only listed. Of a MAVLink link with --url: who is on it, what each message's rate is,
-    and where its receiver stands. Of a camera: images/s, size in px, bytes/s.
+    Every port is read for --seconds: likely format, frames/s, samples/s, errors. Nothing is sent to a port that is
+    only listed. For a MAVLink link with --url: systems, the rate of each message, and the receiver's position. For
+    a camera: images/s, size in px, bytes/s.
 
-    Exit code 4 if a port given with --url cannot be opened, is silent, or sends no frame of any known format, a
-    camera no image.
+    Exit code 4 if a port given with --url cannot be opened, is silent, or sends no frame of any known format, or a
+    camera sends no image.
 
     Example: station devices --url serial:///dev/ttyUSB0?baud=921600
     """
@@ -74,7 +72,7 @@ def _show(found: "Sequence[SurveyedPort]", *, json: bool, clear: bool) -> None:
         if sys.stdout.isatty():
             width, height = get_terminal_size()
             lines = fit_lines(lines, width, height - 2 if clear else len(lines) * width)
-        head = [f"{datetime.now():%H:%M:%S}  {len(found)} looked at; Ctrl-C ends"] if clear else []
+        head = [f"{datetime.now():%H:%M:%S}  {len(found)} checked; Ctrl-C stops"] if clear else []
         typer.echo((CLEAR if clear and sys.stdout.isatty() else "") + "\n".join([*head, *lines]))
     sys.stdout.flush()
 
@@ -83,7 +81,7 @@ def _pace(url: str, came_hz: float, rate_hz: float | None) -> str:
     """Return what to say of samples that come much faster or slower than they say, empty where they do not."""
     if rate_hz is None or url.startswith(("replay:", "camera:")) or abs(came_hz / rate_hz - 1) <= OFF_PACE:
         return ""
-    return f"{came_hz:.3g} Hz by this machine's clock; check sample period and sync line"
+    return f"{came_hz:.3g} Hz by this computer's clock; check sample period and sync line"
 
 
 def _closely(url: str, seconds: float) -> None:
@@ -100,10 +98,10 @@ def _closely(url: str, seconds: float) -> None:
 
     imu = probe_imu(url, seconds)
     typer.echo(f"format    {imu.format}")
-    typer.echo(f"unit      {imu.model or 'model not said'}, serial number {imu.serial or 'not said'}")
+    typer.echo(f"unit      {imu.model or 'model not sent'}, serial number {imu.serial or 'not sent'}")
     typer.echo(f"received  {imu.frames / imu.seconds:.1f} frames/s, {imu.bytes / imu.seconds:.0f} bytes/s")
     if imu.rate_hz is not None:
-        typer.echo(f"rate      {imu.rate_hz:.6g} Hz by the device's own time")
+        typer.echo(f"rate      {imu.rate_hz:.6g} Hz by the device's own clock")
     if lacking := sorted(ALL_CHANNELS - imu.channels):
         typer.echo(f"measures  {', '.join(sorted(imu.channels))}; not {', '.join(lacking)}")
     if imu.silent:

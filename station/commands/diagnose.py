@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 def diagnose(
     campaigns: Annotated[list[Path], argument("RECORDING", "Folders of campaign/1, or logs of one unit.")],
     validate: Annotated[
-        list[Path] | None, option("--validate", "RECORDING", "Test the findings on this one of the same unit.")
+        list[Path] | None,
+        option("--validate", "RECORDING", "Test the findings on this other campaign of the unit."),
     ] = None,
     time: _log_options.Time = None,
     gyro: _log_options.Gyro = None,
@@ -40,29 +41,30 @@ def diagnose(
     campaign: _log_options.Folder = None,
     effects: Effects = None,
     discover: Annotated[
-        bool, option("--discover", "", "Search ten thousand terms for a law that the catalogue lacks.")
+        bool, option("--discover", "", "Search ten thousand terms for an error term that the catalogue lacks.")
     ] = False,
     plan: Annotated[Path | None, option("--plan", "FILE", "Write the next measurement as plan/1.")] = None,
     json: Annotated[Path | None, option("--json", "OUT", "Write diagnosis/1 here instead of a summary.")] = None,
     html: Annotated[Path | None, option("--html", "FILE", "Write a page with plots here.")] = None,
     partial: Annotated[
-        bool, option("--partial", "", "Report what can be known even if no triad can be solved; of logs always.")
+        bool, option("--partial", "", "Report the findings even if no triad can be solved; always for logs.")
     ] = False,
     db: Database = None,
 ) -> None:
-    """Find what the residual says the model lacks, name it or say that it cannot be named, and add it.
+    """Find the error terms that the model lacks, in a campaign or any log, and add them to the model.
 
-    The verdict is one of consistent, established, likely, ambiguous, partly, unexplained. Each finding has
-    its coefficients with 1 sigma (ug, arcsec, ppm, deg/h), how sure its name is, how much it explains, what
-    else it could be and what would tell. The error before and after is that of positions, turns and rests left
-    out in turn; with --validate also that of another campaign with the coefficients as they were found here.
+    The verdict is one of consistent, established, likely, ambiguous, partly, unexplained. Each finding has its
+    coefficients with standard uncertainty u (ug, arcsec, ppm, deg/h), its confidence, the share that it explains,
+    the alternatives, and the measurement that separates them. The error before and after is that of held-out
+    positions, rotations and rests; with --validate also that of another campaign, with the coefficients found
+    here.
 
-    A log is a table from elsewhere: text with any delimiter, .mat, .npz or .parquet; with --as means a table of
-    mean outputs, a row a pose, which gives bias, scale factor and misalignment. Its header is guessed from
-    where nothing is told, and the guesses are shown.
+    A log is a table from another source: text with any delimiter, .mat, .npz or .parquet. With --as means it is a
+    table of mean outputs, one row per pose, which gives bias, scale factor and misalignment. Missing column names
+    and units are inferred from the file; every inference is printed.
 
-    Exit code 0 whatever the verdict, also where a log or a soak determines no calibration; 3 if a folder or a
-    log breaks a rule, 5 if a folder's positions solve neither triad (without --partial) or nothing can be said.
+    Exit code 0 for every verdict, also if a log or a soak determines no calibration; 3 if a folder or a log breaks
+    a rule, 5 if a folder's positions solve neither triad (without --partial) or the data show nothing.
 
     Example: station diagnose log.csv --time t --gyro wx,wy,wz --unit-gyro deg/s --temperature temp
     """

@@ -13,10 +13,10 @@ def export(
     calibration: Annotated[Path, argument("CALIBRATION", "A calibration.json.")],
     to: Annotated[
         Literal["c", "matlab", "px4", "ardupilot", "kalibr", "imu_calib"],
-        option("--to", "", "Who is to apply it."),
+        option("--to", "", "The target program."),
     ],
     out: Annotated[
-        Path | None, option("--out", "DIR|FILE", "Where to write; else to stdout, if it is one file.")
+        Path | None, option("--out", "DIR|FILE", "Where to write; else stdout, if it is one file.")
     ] = None,
     nominal_accel: Annotated[
         float | None, option("--nominal-accel", "COUNT/(G S)", "The driver's scale factor.")
@@ -25,17 +25,17 @@ def export(
         float | None, option("--nominal-gyro", "COUNT/DEG", "The driver's scale factor.")
     ] = None,
     single: Annotated[
-        bool | None, option("--float/--double", "", "The numbers of --to c; double if not said.")
+        bool | None, option("--float/--double", "", "Number type of --to c; default double.")
     ] = None,
     db: Database = None,
 ) -> None:
     """Write a calibration as a program, as ArduPilot or PX4 parameters, for Kalibr or for imu_calib of ROS.
 
-    --to c writes a C99 header and source, --to matlab a function and its .mat: counts to specific force and
-    angular rate, effects taken off. Names begin as the file is called, fog_imu in a folder. The others correct
-    what a driver leaves that turns counts into SI by one nominal scale factor for all axes (m/s2, rad/s);
-    without --nominal-accel and --nominal-gyro that is the mean of the unit's own axes, to 3 digits. Comments
-    say what is not carried and how large an error that is.
+    --to c writes a C99 header and source, --to matlab a function and its .mat: from counts to specific force and
+    angular rate, with all error terms corrected. Names begin with the file's name, or fog_imu in a folder. The
+    other formats correct the output of a driver that converts counts to SI with one nominal scale factor for all
+    axes (m/s2, rad/s); without --nominal-accel and --nominal-gyro that is the mean of the unit's own axes, to 3
+    digits. Comments list what the format cannot hold and the size of that error.
 
     Exit code 3 if the file is no calibration/1.
 
@@ -45,9 +45,9 @@ def export(
         if value is not None and not 0 < value < float("inf"):
             raise typer.BadParameter(f"{name} {value}: expected a positive number")
         if value is not None and to in {"c", "matlab"}:
-            raise typer.BadParameter(f"{name}: --to {to} takes counts; leave it out")
+            raise typer.BadParameter(f"{name}: --to {to} uses counts; omit it")
     if single is not None and to != "c":
-        raise typer.BadParameter(f"--float, --double: of --to c alone, not of {to}")
+        raise typer.BadParameter(f"--float, --double: only for --to c, not for {to}")
     from station.exports import EXPORTS, PREFIX, Request
     from station.exports.export_paths import export_paths
     from station.files.atomic_file import refuse_own, replace_file, replace_files
@@ -65,4 +65,4 @@ def export(
         replace_file(next(iter(paths.values())), next(iter(files.values())))
     else:
         replace_files({paths[end]: content for end, content in files.items()})
-    typer.echo(f"{', '.join(map(str, paths.values()))}: written; comments say what is not carried", err=True)
+    typer.echo(f"{', '.join(map(str, paths.values()))}: written; comments list what is not carried", err=True)

@@ -23,12 +23,13 @@ def history(
     html: Annotated[Path | None, option("--html", "FILE", "Write a page with charts.")] = None,
     db: Database = None,
 ) -> None:
-    """List every stored calibration of a unit and what they say together; or what stands out among all units.
+    """List every stored calibration of a unit with its drift, or find the units of a model that differ.
 
-    Of a unit: every calibration with 1 sigma and drift from the one before in sigmas of both; then per parameter
-    the turn-on repeatability, the control chart's last z, the value predicted for the due date with its 95 %
-    interval, and the probability of being outside the limits of the model. Of a model: units that differ from the
-    others, and cubes, slabs, sites and operators that shift a parameter. docs/history.md has the equations.
+    Of a unit: every calibration with standard uncertainty u and the change from the one before in units of their
+    combined u; then per parameter the turn-on repeatability, the control chart's last z, the value predicted for
+    the due date with its 95 % interval, and the probability of being outside the limits of the model. Of a model:
+    units that differ from the others, and cubes, surface plates, sites and operators that shift a parameter.
+    docs/history.md has the equations.
 
     Scale factors are in count/(g s) and count/deg, biases in ug and deg/h (in g and deg/h in files), misalignments
     in arcsec (1 in files). Without --json or --html the result is text.

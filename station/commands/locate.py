@@ -36,18 +36,18 @@ def locate(
     json: Annotated[Path | None, option("--json", "OUT", "Write location/1 here instead of a summary.")] = None,
     db: Database = None,
 ) -> None:
-    """Locate a recording: position and attitude of the IMU, East-North-Up, from IMU, odometry or camera and GNSS.
+    """Compute a trajectory: position and attitude, East-North-Up, from IMU, odometry or camera and GNSS.
 
-    Trajectories are TUM lines `t x y z qx qy qz qw` in s and m, quaternions take the IMU's axes to East-North-Up.
-    The online one uses nothing later than each pose and begins when heading and tilt are known; the smoothed one
-    uses all. Where the folder has a [truth], position errors in m are reported, nothing aligned. A vehicle's wheel
-    speed in m/s is used where it has a [wheel]: docs/locate-wheel.md.
+    Trajectories are TUM lines `t x y z qx qy qz qw` in s and m; quaternions rotate the IMU's axes to
+    East-North-Up. The online trajectory uses only data up to each pose and begins when heading and tilt are known;
+    the smoothed one uses all data. If the folder has a [truth], position errors in m are reported, without
+    alignment. A vehicle's wheel speed in m/s is used if the folder has a [wheel]: docs/locate-wheel.md.
 
-    --images DIR holds images.csv (`t_s,file`) and the images it names; or it is a camera as /dev/video0 or a video
-    file. The tracks are written where [tracks] says, in place of what is there; the source is then vision.
+    --images DIR holds images.csv (`t_s,file`) and the images it names; or it is a camera such as /dev/video0 or a
+    video file. The tracks are written to the file of [tracks] and replace it; the source is then vision.
 
-    Exit code 2 if an extra is missing, 3 if the folder breaks a rule of fusion/1, 5 if it never could be
-    initialised; the reason is said.
+    Exit code 2 if an extra is missing, 3 if the folder breaks a rule of fusion/1, 5 if it could not be
+    initialised; the reason is printed.
 
     Example: station locate drives/2026-05-11 --out track.tum --json location.json
     """

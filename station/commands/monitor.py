@@ -22,9 +22,10 @@ def monitor(
         str, option("--law", "LAWS", "joint, mixer, paper, paper-filter or paper-whole; two: joint,paper.")
     ] = "",
     tau: Annotated[
-        float | None, option("--tau", "S", "Time constant of the mixing laws; else K1 0.08, K2 0.0125.", min=0.1)
+        float | None,
+        option("--tau", "S", "Time constant of the complementary filters; else K1 0.08, K2 0.0125.", min=0.1),
     ] = None,
-    locate: Annotated[bool, option("--locate", "", "Also where it is and which way it points.")] = False,
+    locate: Annotated[bool, option("--locate", "", "Also position and heading.")] = False,
     lever_arm: Annotated[str, option("--lever-arm", "X,Y,Z", "For --locate: IMU to antenna [m], IMU axes.")] = "",
     camera: Annotated[
         Path | None, option("--camera", "FILE", "For --locate: a camera/1 file; extra `camera`.")
@@ -42,7 +43,7 @@ def monitor(
         float | None, option("--gravity", "M/S2", "Surveyed; else normal.", min=9.7, max=9.9)
     ] = None,
     alarm: Annotated[
-        list[str] | None, option("--alarm", "NAME=LIMIT", "Rings beyond: roll, pitch, rate, sigma, residual ...")
+        list[str] | None, option("--alarm", "NAME=LIMIT", "Alarm above: roll, pitch, rate, sigma, residual ...")
     ] = None,
     folder: Annotated[Path | None, option("--folder", "FOLDER", "A new folder for the recording.")] = None,
     record: Annotated[
@@ -55,7 +56,7 @@ def monitor(
     ] = "",
     stream: Annotated[
         list[str] | None,
-        option("--stream", "OUTPUT", "Also hands samples on, as `station stream --to`."),
+        option("--stream", "OUTPUT", "Also stream samples, as `station stream --to`."),
     ] = None,
     seconds: Annotated[float, option("--seconds", "S", "Device time after which it ends.", min=0.0)] = float(
         "inf"
@@ -63,26 +64,26 @@ def monitor(
     speed: Annotated[float, option("--speed", "N", "Of a replay; 0: as fast as it can.", min=0.0)] = 1.0,
     model: Annotated[str, option("--model", "", "For a device that does not send its own.")] = "",
     serial: Annotated[str, option("--serial", "", "For a device that does not send its own.")] = "",
-    slow: Annotated[bool, option("--slow", "", "Two views a second, for a slow console.")] = False,
-    quiet: Annotated[bool, option("--quiet", "", "Ring no bell.")] = False,
+    slow: Annotated[bool, option("--slow", "", "Update twice per second, for a slow console.")] = False,
+    quiet: Annotated[bool, option("--quiet", "", "No sounds.")] = False,
     db: Database = None,
 ) -> None:
-    """Watch roll and pitch [deg] of a live IMU, and its errors at rest with and without the calibration.
+    """Show roll and pitch [deg] of a live IMU, and its errors at rest with and without the calibration.
 
     Angles are of forward-right-down axes, rates in deg/s. The run is recorded: session_*.mcap has every byte,
-    recording.mcap bytes and counts, events.csv marks and alarms; `replay:FILE` gives the same attitude again. On
-    the screen: m mark, r record, z zero (of the display only), n anew, q leave.
+    recording.mcap bytes and counts, events.csv marks and alarms; `replay:FILE` gives the same attitude again. Keys
+    of the screen: m mark, r record, z zero (display only), n restart charts, q leave.
 
-    --law reads it by another law than the joint Kalman filter, or by two side by side: mixer and paper mix gyros
-    and accelerometers as You and Lee do, with the forward speed of a receiver or autopilot (paper-filter: their
-    velocity filter; paper-whole: also what the velocity changes by). What they read is in laws.csv and in --json.
+    --law uses another filter than the joint Kalman filter, or two side by side: mixer and paper are the
+    complementary filters of You and Lee, with the forward speed of a receiver or autopilot (paper-filter: their
+    velocity filter; paper-whole: also velocity changes). Their readings are in laws.csv and in --json.
 
-    --locate adds place [m, East-North-Up of the first fix] and true heading [deg] with sigmas, by IMU and GNSS;
-    with --camera also by what a camera sees, whose file docs/locate-vision.md describes, with --wheel by a
+    --locate adds position [m, East-North-Up of the first fix] and true heading [deg] with uncertainties, from IMU
+    and GNSS; with --camera also from a camera, whose file docs/locate-vision.md describes, with --wheel from a
     vehicle's speed over CAN: docs/locate-wheel.md.
 
-    Exit code 2 if the disk refuses or an extra is missing, 3 if there is no calibration, 4 if the port cannot be
-    opened, 130 on Ctrl-C.
+    Exit code 2 if the disk cannot be written or an extra is missing, 3 if there is no calibration, 4 if the port
+    cannot be opened, 130 on Ctrl-C.
 
     Example: station monitor serial:///dev/ttyUSB0?format=counts --latitude 48.1 --alarm roll=10
     """
@@ -121,7 +122,7 @@ def monitor(
     with refused_as("--alarm"):
         alarms = tuple(parse_alarm(text) for text in alarm or ())
     if laws and laws[0] != JOINT and any(each.name == "sigma" for each in alarms):
-        raise typer.BadParameter(f"law {laws[0]} has no sigma; name joint first", param_hint="--alarm")
+        raise typer.BadParameter(f"law {laws[0]} has no uncertainty; name joint first", param_hint="--alarm")
     for text in stream or ():
         if kind_of(text).scheme == "stdout":
             raise typer.BadParameter("stdout has the monitor's own lines; expected another", param_hint="--stream")

@@ -29,12 +29,12 @@ def noise(
     png: Annotated[Path | None, option("--png", "FILE", "Write the plot here.")] = None,
     db: Database = None,
 ) -> None:
-    """Tell the noise of every channel in its longest recording at rest.
+    """Compute the noise of every channel in its longest recording at rest.
 
     Overlapping Allan deviation; quantisation Q, random walk N, bias instability B, rate random walk K and ramp R
-    (IEEE 952, 647), fitted together, each where the curve supports it and else as a bound, with 95 %; spectrum,
-    and the lines that stand out of it. Gyroscopes in deg/h, accelerometers in ug, or outputs where no unit is
-    known. A campaign's counts are scaled by its own solution.
+    (IEEE 952, 647), fitted together with 95 % intervals, or as a bound if the curve does not show them; spectrum,
+    and its lines. Gyroscopes are in deg/h, accelerometers in ug, or outputs if no unit is known. A campaign's
+    counts are scaled by its own solution.
 
     Exit code 0; 3 if a folder or a log breaks a rule, 5 if nothing is long enough.
 

@@ -19,50 +19,55 @@ def plan(
         option("--limits", "MODEL|FILE", "Limits to be met: those stored of a model, or a limits.toml."),
     ] = None,
     sigma: Annotated[
-        list[str] | None, option("--sigma", "NAME=SIGMA", "A 1 sigma that is wanted; repeatable.")
+        list[str] | None, option("--sigma", "NAME=SIGMA", "A target for a standard uncertainty; repeatable.")
     ] = None,
-    serial: Annotated[str | None, option("--serial", "SERIAL", "The unit whose history says its noise.")] = None,
+    serial: Annotated[
+        str | None, option("--serial", "SERIAL", "The unit; its noise comes from its history.")
+    ] = None,
     noise: Annotated[
-        list[Path] | None, option("--noise", "CAMPAIGN", "A campaign of the unit that says its noise; repeatable.")
+        list[Path] | None,
+        option("--noise", "CAMPAIGN", "A campaign of the unit that shows its noise; repeatable."),
     ] = None,
-    cube: Annotated[str | None, option("--cube", "ID", "The cube, with what is certified of its faces.")] = None,
+    cube: Annotated[str | None, option("--cube", "ID", "The cube, with its face certificates.")] = None,
     latitude: Annotated[
         float | None,
         option(
             "--latitude",
             "DEG",
-            "Of the slab, else that of a campaign named, or of the last set-up.",
+            "Of the surface plate; else of a named campaign, or of the last set-up.",
             min=-90,
             max=90,
         ),
     ] = None,
     minutes: Annotated[
-        float | None, option("--minutes", "M", "The most that can be known in so many minutes.", min=1, max=1e4)
+        float | None, option("--minutes", "M", "The best result within so many minutes.", min=1, max=1e4)
     ] = None,
-    no_turns: Annotated[bool, option("--no-turns", "", "Plan no hand turns.")] = False,
+    no_turns: Annotated[bool, option("--no-turns", "", "Plan no manual rotations.")] = False,
     json: Annotated[Path | None, option("--json", "OUT", "Write planned/1 here instead of a summary.")] = None,
     out: Annotated[
         Path | None, option("--out", "PLAN", "Write plan/1 here, for `station calibrate --plan`.")
     ] = None,
     so_far: Annotated[
-        Path | None, option("--continue", "CAMPAIGN", "Say what comes next in a campaign that was begun.")
+        Path | None, option("--continue", "CAMPAIGN", "Name the next placement of an unfinished campaign.")
     ] = None,
     db: Database = None,
 ) -> None:
     """Plan the campaign that meets limits in the least time for this unit's noise.
 
-    Searched are the order of placings among the 24 attitudes of a cube, how long it rests in each, and whether
-    hand turns pay; the moves from placing to placing count. Every 1 sigma stands beside that of the usual plan and
-    what is wanted: an eighth of a limit's half interval, or what a known value leaves to its guard band. What
-    nobody limits is solved at least a tenth as well as usual. NAME=SIGMA is such as gyroscope.bias=0.02deg/h,
-    accelerometer.bias=0.1ug, gyroscope.scale_factor=3ppm, gyroscope.misalignment=2arcsec.
+    The search covers the order of placements among the 24 attitudes of a cube, the time in each, and whether
+    manual rotations help; transfers between placements count too. Every standard uncertainty is listed beside that
+    of the usual plan and its target: an eighth of a limit's half interval, or what a known value leaves to its
+    guard band. The uncertainty of all other parameters may grow to at most ten times the usual value. NAME=SIGMA
+    is for example gyroscope.bias=0.02deg/h, accelerometer.bias=0.1ug, gyroscope.scale_factor=3ppm,
+    gyroscope.misalignment=2arcsec.
 
-    --continue says which placing brings a campaign's folder on soonest, how far each sigma is and about how long
-    it will take, by what was done and how long: never by the values found. It needs --limits or --sigma.
+    --continue names the placement that reduces a campaign's uncertainty fastest, the uncertainties reached and the
+    time that remains. It uses the steps done and their durations, never the values found. It needs --limits or
+    --sigma.
 
     The noise is that of the unit's newest campaigns in the database, else of its model's, else of --noise.
 
-    Exit code 1 if something that is wanted is out of reach; 3 if limits or noise are not known.
+    Exit code 1 if a target cannot be reached; 3 if limits or noise are not known.
 
     Example: station plan --limits FOG-3 --serial 1042 --cube CUBE-7 --out plan.toml
 
@@ -99,9 +104,9 @@ def plan(
 def _refuse_beside_continue(*, has_wanted: bool, others: tuple[object, ...]) -> None:
     with refused_as("--continue"):
         if not has_wanted:
-            raise ValueError("found nothing that is wanted, expected --limits or --sigma beside it")
+            raise ValueError("found no target, expected --limits or --sigma with it")
         if any(other is not None for other in others):
-            raise ValueError("it says what comes next: leave --minutes, --no-turns, --json and --out out")
+            raise ValueError("it names the next placement: omit --minutes, --no-turns, --json and --out")
 
 
 def _continue(sigmas: "DesignSigmas", asked: "WantedSigmas", so_far: Path) -> None:

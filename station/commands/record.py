@@ -38,22 +38,22 @@ def record(
     serial: Annotated[str, option("--serial", "", "For a device that does not send its own.")] = "",
     db: Database = None,
 ) -> None:
-    """Record the raw bytes and the counts of a device; Ctrl-C ends it and keeps what was recorded.
+    """Record the raw bytes and the counts of a device; Ctrl-C stops and keeps the recording.
 
-    In the folder: session_*.mcap with every byte since the port was opened, written by the reader process, and
-    recording.mcap with bytes and counts of the seconds [s, device time] asked for; both open in Foxglove.
-    With --gnss also gnss_session_*.mcap (its bytes) and gnss_*.mcap (its fixes), and UTC beside the rows. What is
-    wrong with either is said on stderr as it appears, and when it is over.
+    The folder holds session_*.mcap with every byte since the port was opened, written by the reader process, and
+    recording.mcap with bytes and counts of the requested seconds [s, device time]; both open in Foxglove. With
+    --gnss also gnss_session_*.mcap (its bytes) and gnss_*.mcap (its fixes), and UTC beside the rows. A fault of
+    either device is reported on stderr when it begins and when it is over.
 
     With --camera also camera_session_*.mcap (its bytes: every image) and camera.toml, and with --fusion the tracks
-    of the features that were followed through its images.
+    of features in its images.
 
     With --wheel also wheel_session_*.mcap (every frame of its bus), wheel.toml and wheel.dbc, and with --fusion
     its speeds: docs/locate-wheel.md.
 
     With --fusion, IMU (calibrated: rad/s, m/s2) and fixes (m East-North-Up of the first) are then written on one
-    clock, noise densities from the Allan deviation of the longest rest. `replay:FILE` with --fusion and without
-    --out makes that folder of a recording that is there, of this command's or of `station monitor`'s.
+    clock, with noise densities from the Allan deviation of the longest rest. `replay:FILE` with --fusion and
+    without --out makes that folder from an existing recording of this command or of `station monitor`.
 
     Exit code 3 if there is no fix or no calibration for --fusion, or no sample in a replayed file, 4 if port or
     device fail, 130 on Ctrl-C.

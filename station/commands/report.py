@@ -17,10 +17,10 @@ def report(
     ] = None,
     db: Database = None,
 ) -> None:
-    """Solve and diagnose recorded campaigns; write the calibration report: HTML that needs no other file, on A4.
+    """Solve and diagnose recorded campaigns; write the calibration report, one self-contained HTML file for A4.
 
-    It holds every parameter with 1 sigma, 95 % interval and unit (count/(g s), count/deg, ug, deg/h, arcsec), its
-    uncertainty budget with expanded uncertainty, coverage factor and what contributes most, the residual of every
+    It lists every parameter with standard uncertainty u and unit (count/(g s), count/deg, ug, deg/h, arcsec), its
+    uncertainty budget (expanded uncertainty U, coverage factor k, largest contributions), the residual of every
     step against its limit, the Allan deviation of the longest dwell, conditions, warnings and the hashes of the
     inputs.
 
@@ -35,12 +35,20 @@ def report(
     # scipy and kernels: not before the data are right
     from station.results.diagnosis.closed_loop import close_loop
     from station.results.diagnosis.diagnosis_html import section_html
+    from station.results.diagnosis.diagnosis_wording import verdict_sentence
     from station.results.report.report import report_context, write_report
+    from station.results.verdict import what_to_do
 
     closed = close_loop(loaded)
     document = solution_document(closed.solution, loaded, closed.effects)
     origin = document["provenance"]
     target = campaigns[0] / "report.html" if out is None else out
     context = report_context(closed.solution, closed.fits.campaigns, document, closed.budgets())
-    write_report(target, replace(context, diagnosis=section_html(closed.document, closed.diagnosis)))
+    context = replace(
+        context,
+        diagnosis=section_html(closed.document, closed.diagnosis),
+        cause=verdict_sentence(closed.document),
+        advice=what_to_do("NOT_MEASURED", closed.document["next_measurement"], has_limits=False),
+    )
+    write_report(target, context)
     typer.echo(f"{target}: calibration report of {origin['model']} {origin['serial']}")

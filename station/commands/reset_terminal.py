@@ -15,9 +15,9 @@ RESET = "".join(f"\x1b[{mode}l" for mode in OFF) + f"\x1b[{HIDDEN_CURSOR}h{KEYBO
 def reset_terminal(db: Database = None) -> None:
     """Restore a terminal after a screen of the station was killed: its own screen, cursor, mouse and echo.
 
-    It is harmless on a terminal that is in order. --db, which every command takes, is not used.
+    It does no harm to a terminal that works. --db, which every command has, is not used.
 
-    Exit code 2 where there is no terminal.
+    Exit code 2 if there is no terminal.
 
     Example: station reset-terminal
     """

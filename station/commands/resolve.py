@@ -24,19 +24,19 @@ def resolve(
     json: Annotated[Path | None, option("--json", "OUT", "Write resolve/1 here instead of a summary.")] = None,
     db: Database = None,
 ) -> None:
-    """Solve campaigns again with today's code and report what changed; nothing that is stored is touched.
+    """Solve campaigns again with today's code and report what changed; stored results stay unchanged.
 
-    Each is solved and diagnosed by itself and compared with its newest stored calibration, else with its
-    solution.json: shifts in the sigma stated before (same counts), verdicts on the limits of today, what the
-    diagnosis finds now, new warnings, what is refused and why, and files altered since they were recorded.
-    Storing a new calibration stays the operator's act.
+    Each campaign is solved and diagnosed by itself and compared with its newest stored calibration, else with its
+    solution.json: changes in units of the uncertainty stated before (same counts), verdicts against today's
+    limits, new findings of the diagnosis, new warnings, refusals with reason, and files changed since they were
+    recorded. A new calibration is stored only when the operator confirms it.
 
-    An interrupted run continues where it stopped; a second one computes only what has other files or other code.
-    With --scheduler every worker needs this station and the folders under the same path. One worker needs no
+    An interrupted run continues where it stopped; a second run computes only campaigns with other files or other
+    code. With --scheduler every worker needs this station and the folders under the same path. One worker needs no
     Dask; more need the extra `cluster`.
 
-    Exit code 1 if a verdict turned FAIL or a recording was altered, 2 if there is no cluster, 4 if it was lost
-    during the run. A campaign that is refused is named and stops no other; where none is solved, the exit code is
+    Exit code 1 if a verdict changed to FAIL or a recording was changed, 2 if there is no cluster, 4 if it was lost
+    during the run. A refused campaign is named and does not stop the others; if none is solved, the exit code is
     that of the first refusal.
 
     Example: station resolve --all --workers 2 --json resolve.json

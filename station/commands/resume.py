@@ -43,10 +43,10 @@ def resume(
 ) -> None:
     """Resume an unfinished campaign on the same IMU.
 
-    Every step that was said to be accepted is there. The unit is known by its serial number, or by its rates and
-    noise, and then it is asked. The solution is the same to the last bit as without the interruption.
+    All accepted steps are kept. The unit is recognised by its serial number, or by its rates and noise; then the
+    station asks for confirmation. The solution is identical to that of an uninterrupted campaign.
 
-    Exit codes as `calibrate`; 3 if there is nothing to resume or its files were altered.
+    Exit codes as `calibrate`; 3 if there is nothing to resume or its files were changed.
 
     Example: station resume --list
     """
@@ -66,7 +66,7 @@ def resume(
         return
     if folder is not None and not any(Path(each.folder) == folder.resolve() for each in found):
         raise DataRefused(folder, None, "no unfinished campaign", "one that `station resume --list` names",
-                          "it was cancelled, stored, or is in another database (--db)")  # fmt: skip
+                          "it was cancelled or stored, or it is in another database (--db)")  # fmt: skip
     free = [Path(each.folder) for each in found if each.state == "free"]
     if folder is None and not free:
         raise DataRefused("database", None, "no unfinished campaign", "one that is free", "begin with `calibrate`")

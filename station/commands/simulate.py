@@ -27,12 +27,13 @@ if TYPE_CHECKING:
 def simulate(
     context: typer.Context,
     scenario: Annotated[Path | None, option("--scenario", "TOML", "A whole bench in a file; see below.")] = None,
-    truth: Annotated[Path | None, option("--truth", "TOML", "What is true of the unit and its bench.")] = None,
-    example: Annotated[int | None, option("--example", "SEED", "A random unit of the usual size instead.")] = None,
+    truth: Annotated[Path | None, option("--truth", "TOML", "True values of the unit and its bench.")] = None,
+    example: Annotated[int | None, option("--example", "SEED", "A random unit instead.")] = None,
     effect: Annotated[
-        list[Path] | None, option("--effect", "FILE", "An effect/1 whose sizes the truth has; repeatable.")
+        list[Path] | None,
+        option("--effect", "FILE", "An error term (effect/1) with sizes in the truth; repeatable."),
     ] = None,
-    latitude: Annotated[float | None, option("--latitude", "DEG", "Where it stands.", min=-90, max=90)] = None,
+    latitude: Annotated[float | None, option("--latitude", "DEG", "Its latitude.", min=-90, max=90)] = None,
     height: Annotated[float | None, option("--height", "M", "Above the ellipsoid.", min=-1000, max=20000)] = None,
     format: Annotated[str, option("--format", "", "Wire format.")] = "counts",
     pty: Annotated[Path | None, option("--pty", "LINK", "Keep this path pointing at the pty.")] = None,
@@ -46,7 +47,7 @@ def simulate(
     mapping: Annotated[str, option("--map", "TOML", "What the DBC's signals are.")] = "",
     control: Annotated[int, option("--control", "PORT", "Port of the hands; 0: any.", min=0, max=65535)] = 0,
     speed: Annotated[float, option("--speed", "N", "Device seconds per second; 0: as fast as read.")] = 1.0,
-    seed: Annotated[int, option("--seed", "", "Of noise, hands and faults.")] = 1,
+    seed: Annotated[int, option("--seed", "", "Seed of noise, hands and faults.")] = 1,
     faults: Annotated[Path | None, option("--faults", "TOML", "[[fault]] tables: kind, at_s, every_s ...")] = None,
     gnss: Annotated[
         str | None,
@@ -64,25 +65,27 @@ def simulate(
     pps: Annotated[
         bool,
         option(
-            "--pps", "", "A pulse a second at its input, told by its frames: --format stim300 or a NovAtel log."
+            "--pps",
+            "",
+            "A pulse per second, reported in its frames: --format stim300 or a NovAtel log.",
         ),
     ] = False,
-    hold: Annotated[bool, option("--hold", "", "Begin when the hands say go.")] = False,
+    hold: Annotated[bool, option("--hold", "", "Start when the hands send go.")] = False,
     db: Database = None,
 ) -> None:
     """Serve a simulated IMU in its cube until Ctrl-C; prints its URL and the control address of its hands.
 
-    It feels the normal gravity of its latitude and height unless the truth says another; the line `site` has what
-    `station calibrate` is to be told of it. Scale factors in a truth are in count/(g s) and count/deg, biases in g
-    and deg/s, tilts in rad, times in s. The hands take lines such as `place 3 45`, `turn x + 3 5`, `rest 10`,
-    `time`, `status` over TCP. With --gnss an autopilot with a GNSS receiver stands beside it, on the same truth
-    and clock; its faults are [[gnss_fault]]. With --wheel-file a wheel's speed along --track is on a CAN bus of
-    its own, 1.5 % too low; FILE is for `station monitor --wheel`.
+    Gravity is the normal gravity of its latitude and height unless the truth states another; the line `site` has
+    the options for `station calibrate`. Scale factors in a truth are in count/(g s) and count/deg, biases in g and
+    deg/s, tilts in rad, times in s. The hands accept lines such as `place 3 45`, `turn x + 3 5`, `rest 10`,
+    `time`, `status` over TCP. With --gnss there is also an autopilot with a GNSS receiver, with the same truth and
+    clock; its faults are [[gnss_fault]]. With --wheel-file a wheel's speed along --track is on a CAN bus of its
+    own, 1.5 % too low; FILE is for `station monitor --wheel`.
 
-    On CAN the URL has the sample period in it; `--transport slcan --pty LINK` keeps a link to the adapter.
+    On CAN the URL contains the sample period; `--transport slcan --pty LINK` keeps a link to the adapter.
 
-    With --scenario all of it stands in one file, the operator's moves and the faults at their times too, and what
-    happens is told as it happens: docs/testing.md. Only --speed and --camera-file go with it.
+    With --scenario one file describes everything, including timed moves of the operator and faults; events are
+    printed when they happen: docs/testing.md. Only --speed and --camera-file can be added.
 
     Exit code 3 if the truth, the faults or the scenario are wrong, 4 if the port cannot be made.
 

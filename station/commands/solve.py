@@ -16,12 +16,12 @@ def solve(
     json: Annotated[Path | None, option("--json", "OUT", "Write solution/1 here instead of a summary.")] = None,
     db: Database = None,
 ) -> None:
-    """Solve recorded campaigns for scale factor, misalignment and bias of both triads, each with 1 sigma.
+    """Solve recorded campaigns for scale factor, misalignment and bias of both triads, each with uncertainty.
 
     Several campaigns of one unit are solved jointly. Scale factors are in count/(g s) and count/deg, biases in g
-    and deg/h, tilts in rad (arcsec in the summary). Steps that the solve does not use are read, checked and named.
+    and deg/h, tilts in rad (arcsec in the summary). Steps that the solution does not use are checked and listed.
 
-    Effects that a folder lists under [effects], or --effects names, are in the model; nothing else is.
+    Error terms that a folder lists under [effects], or that --effects names, are in the model; no others.
 
     Exit code 3 if a folder breaks a rule of campaign/1, 5 if neither triad can be solved.
 

@@ -43,20 +43,21 @@ def stream(
     serial: Annotated[str, option("--serial", "", "For a device that does not send its own.")] = "",
     db: Database = None,
 ) -> None:
-    """Hand on calibrated samples as they come: specific force [m/s2], angular rate [rad/s], device time [s].
+    """Stream calibrated samples live: specific force [m/s2], angular rate [rad/s], device time [s].
 
-    Each has a sequence number, UTC [s since 1970] where --gnss tells it, temperature [degC], and flags such as
-    gap_before or saturated. Outputs: foxglove is a live server for Foxglove (extra `foxglove`; this machine's port
-    8765 unless told), udp a datagram of 96 bytes a sample, mavlink HIGHRES_IMU, stdout a line of JSON a sample:
-    the one without --to. Layouts, flags and readers in Python and C: docs/streaming.md.
+    Each sample has a sequence number, UTC [s since 1970] with --gnss, temperature [degC], and flags such as
+    gap_before or saturated. Outputs: foxglove is a live server for Foxglove (extra `foxglove`; port 8765 of this
+    computer by default), udp a datagram of 96 bytes per sample, mavlink HIGHRES_IMU, stdout a line of JSON per
+    sample (the default without --to). Layouts, flags and readers in Python and C: docs/streaming.md.
 
-    Without --calibration it is the newest stored one of the unit that is connected; another unit's is refused.
-    Samples are in the IMU's own axes; --frame frd turns them as --axes says, MAVLink's always are. No output waits
-    for anybody: what finds no room is dropped, counted and said on stderr every 10 s and at the end.
+    Without --calibration it is the newest stored one of the connected unit; that of another unit is refused.
+    Samples are in the IMU's own axes; --frame frd rotates them as --axes states, as always for MAVLink. An output
+    never waits for a reader: samples without room are discarded, counted and reported on stderr every 10 s and at
+    the end.
 
-    A lost port is tried again for 30 s, as `station record` does. Exit code 2 if an output's address is wrong or
-    its extra missing, 3 if there is no calibration or one of another unit, 4 if a port cannot be opened or the
-    device is gone, 130 on Ctrl-C.
+    A lost port is tried again for 30 s, as in `station record`. Exit code 2 if an output's address is wrong or its
+    extra missing, 3 if there is no calibration or one of another unit, 4 if a port cannot be opened or the device
+    is gone, 130 on Ctrl-C.
 
     Example: station stream serial:///dev/ttyUSB0?format=counts --to foxglove --to udp:127.0.0.1:5005
     """

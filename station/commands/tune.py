@@ -13,15 +13,17 @@ from station.commands._options import argument, hand_out, option
 def tune(
     log: Annotated[Path, argument("LOG", "A CSV file of attitude-log/1 with truth.")],
     aid: Annotated[str, option("--aid", "AID", "none, airspeed or a paper- aid of `station attitude`.")] = "none",
-    gains: Annotated[bool, option("--gains", "", "Search K1 and K2 separately, not one time constant.")] = False,
+    gains: Annotated[
+        bool, option("--gains", "", "Search K1 and K2 separately instead of one time constant.")
+    ] = False,
     gravity: Annotated[float, option("--gravity", "M_S2", "", min=9.7, max=9.9)] = STANDARD_GRAVITY,
     json: Annotated[Path | None, option("--json", "OUT", "Write tuning/1 here instead of the curve.")] = None,
     db: Database = None,
 ) -> None:
-    """Choose the mixing law's time constant [s], or its gains [1/s], by cross-validation, and show the curve.
+    """Choose the complementary filter's time constant [s] or gains [1/s] by cross-validation; show the curve.
 
-    The law runs over the log with every candidate; its inclination error is taken against the log's truth over
-    scored rows. Each fifth of the rows is judged with the candidate that the other four choose.
+    The filter runs over the log with every candidate; its inclination error against the log's truth is computed
+    over scored rows. Each fifth of the rows is evaluated with the candidate that the other four choose.
 
     Exit code 3 if the log breaks a rule of attitude-log/1, 5 if it has no truth.
 

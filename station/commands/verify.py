@@ -43,31 +43,34 @@ def verify(
     ] = None,
     head: Annotated[
         str | None,
-        option("", "SHA256", "Expect a row of this hash (6 digits or more), or the journal's code, as printed."),
+        option("", "SHA256", "Expect a row with this hash (6 digits or more) or journal code, as printed."),
     ] = None,
-    to: Annotated[Path | None, option("--write-anchor", "FILE", "Keep the heads in an anchor file.")] = None,
+    to: Annotated[
+        Path | None, option("--write-anchor", "FILE", "Write the chain heads to an anchor file.")
+    ] = None,
     stamp: Annotated[
         str | None, option("", "URL", "With --write-anchor: a service of RFC 3161 that stamps the file.")
     ] = None,
     db: Database = None,
 ) -> None:
-    """Look for anything that was altered since it was accepted.
+    """Detect anything that was changed after it was accepted.
 
-    With a folder: hash every recorded file again and compare with SHA256SUMS, written when it was accepted, and
-    with the database's rows, the effects it began with among them, if it knows the campaign. With an export of
+    With a folder: hash every recorded file again and compare with SHA256SUMS, written at acceptance, and with the
+    database's rows, if it knows the campaign; error terms in force at its start are included. With an export of
     `station fixtures`: compare with the hash in it; with a calibration.json or the HTML of a certificate: find it
     in the database. Without: check the database's journal against each row of each table, its chains of
-    calibrations, certificates, levels, effects and accepted steps, its triggers and its file; find the verdict
-    of each calibration anew from the limits of its day.
+    calibrations, certificates, levels, error terms and accepted steps, its triggers and its file; compute the
+    verdict of each calibration again from the limits of its day.
 
-    With the XML or PDF of a certificate: say of its signature, the key's certificate, time stamp, schema, chain
-    and raw data what holds and what not. Nothing is asked of a network: roots and revocation lists are files.
+    With the XML or PDF of a certificate: check its signature, the key's certificate, time stamp, schema, chain and
+    raw data. The network is not used: roots and revocation lists are files.
 
-    A database put back to an older state is whole: only an anchor, a hash or a code kept elsewhere reveals it. An
-    anchor that was stamped (`--stamp`) has the stamp beside it, FILE.tsr, which is checked with it. A certificate
-    whose own time stamp covers the journal's code is such a witness too: `--anchor CERT.xml --trust ROOT.pem`.
+    A database restored to an older state is consistent in itself: only an anchor, a hash or a code kept elsewhere
+    reveals it. A stamped anchor (`--stamp`) has the stamp beside it, FILE.tsr, which is checked with it. A
+    certificate whose own time stamp covers the journal's code can be used too: `--anchor CERT.xml --trust
+    ROOT.pem`.
 
-    Exit code 1 names the first that differs or is missing; 3 if there are no hashes to compare with.
+    Exit code 1 names the first difference or missing item; 3 if there are no hashes to compare with.
 
     Example: station verify campaigns/2026-05-11
     """
@@ -178,7 +181,9 @@ def _database(
         ]
     if to is not None:
         keep(to, now, stamp)
-        said.append(f"{to}: written{'' if stamp is None else ' and stamped'}; keep it where this database is not")
+        said.append(
+            f"{to}: written{'' if stamp is None else ' and stamped'}; keep it in another place than this database"
+        )
     return "\n".join(said)
 
 

@@ -27,8 +27,9 @@ class DemoProgress:
         self._progress.update(self._task, description=line, total=len(view.steps) or None, completed=view.done)
 
     def busy(self, text: str) -> None:
-        """Say what goes on after the campaign."""
-        self._console.print(text, highlight=False, markup=False)
+        """Say what goes on after the campaign: beside the bar, or in a line where there is no terminal."""
+        if not self._console.is_terminal:
+            self._console.print(text, highlight=False, markup=False)
         self._progress.update(self._task, description=text, total=None)
 
     def __enter__(self) -> Self:

@@ -53,7 +53,7 @@ def _thermal(correction: Correction) -> tuple[dict[str, float], float]:
 def _warnings(correction: Correction, values: dict[str, float]) -> list[str]:
     said = ["axes are the IMU's own; AHRS_ORIENTATION turns them to the vehicle's"]
     if correction.gyroscope is not None:
-        said.append("INS_GYR_CAL 0 keeps INS_GYROFFS: else they are measured anew at each start")
+        said.append("INS_GYR_CAL 0 keeps INS_GYROFFS: else they are measured again at each start")
     for name, one in outside(values, ARDUPILOT):
         remedy = "give --nominal-accel as the driver has it" if "SCAL" in name else "the vehicle will not arm"
         said.append(f"{name} is outside {one.low:g} to {one.high:g} {one.unit}".rstrip() + f": {remedy}")

@@ -115,7 +115,7 @@ def _of_catalogue(entry: Mapping[str, Any]) -> tuple[CarriedEffect, ...] | str:
     triad = name.split(".")[0]
     values = {key: float(one["value"]) for key, one in entry["coefficients"].items()}
     if PLAY in values:
-        return "programs do not follow the temperature with a play"
+        return "exported programs cannot follow temperature hysteresis"
     each = np.array([[values.get(axis, 0.0)] for axis in AXES])
     if name in POLYNOMIALS:
         table, terms = _polynomial(POLYNOMIALS[name], values)

@@ -140,5 +140,5 @@ def _remarks(document: Mapping[str, Any]) -> tuple[str, ...]:
     if "temperature_range_c" in document:
         low, high = document["temperature_range_c"]
         remarks.append(f"measured at {low:.1f} to {high:.1f} degC")
-    remarks.append("NOT CARRIED: the sigmas; they stand in the calibration")
+    remarks.append("NOT CARRIED: the uncertainties; see the calibration")
     return tuple(remarks)

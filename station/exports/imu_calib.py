@@ -27,7 +27,7 @@ def text(correction: Correction) -> str:
     said.append(f"accelerometer: counts to m/s2 by the nominal scale factor {triad.nominal}")
     said += effects_lost(correction, takes_temperature=False)
     if correction.gyroscope is not None:
-        said.append("NOT CARRIED: the gyroscopes; its node takes their mean while it starts as their bias")
+        said.append("NOT CARRIED: the gyroscopes; its node uses their mean at start as their bias")
     rows = [("SM", SM.ravel()), ("bias", SM @ triad.offset)]
     lines = [f"# {line}" for line in said]
     for name, values in rows:

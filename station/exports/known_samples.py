@@ -82,8 +82,10 @@ def rounds_needed(stored: StoredCalibration, effects: Sequence[CarriedEffect], w
         if number and best.residual < wanted:
             break
     if not best.residual < MOST_LEFT:
-        what = f"effects that do not settle up to {RANGE_G:g} g and {rate:.3g} deg/s"
-        raise DataRefused(stored.path, None, what, "effects that are small against the input", "solve it again")
+        what = f"error terms that do not converge up to {RANGE_G:g} g and {rate:.3g} deg/s"
+        raise DataRefused(
+            stored.path, None, what, "error terms that are small against the input", "solve it again"
+        )
     return best
 
 
@@ -139,7 +141,7 @@ def _by_station(
     u = {name: one for name, one in zip(TRIADS, (found.f, found.omega), strict=True) if one is not None}
     if found.not_applied or not all(np.isfinite(one).all() for one in u.values()):
         what = found.not_applied[0] if found.not_applied else "an effect without a finite value"
-        raise DataRefused(stored.path, None, what, "effects that samples tell", "solve it again")
+        raise DataRefused(stored.path, None, what, "error terms that samples determine", "solve it again")
     return u
 
 

@@ -73,7 +73,7 @@ def about(
     lines += [f"  {name}" for name in dict.fromkeys(one.name for one in effects)]
     if effects:
         lines.append(f"Rounds: {rounds}")
-    lines += ["NOT CARRIED: the sigmas; they stand in the calibration", *(f"NOT CARRIED: {one}" for one in left)]
+    lines += ["NOT CARRIED: the uncertainties; see the calibration", *(f"NOT CARRIED: {one}" for one in left)]
     return [plain(line) for line in (*lines, f"Numbers: {digits}")]
 
 

@@ -39,7 +39,9 @@ def check_effect(entry: Any, where: str) -> None:
     for key, one in coefficients.items():
         number(one["value"], f"{shown(name)[1:-1]} {shown(key)[1:-1]}", where)
         if one.get("std") is not None and number(one["std"], f"{name} {key} std", where) < 0:
-            raise DataRefused(where, None, f"a std of {name} {key} below nought", "1 sigma")
+            raise DataRefused(
+                where, None, f"a std of {name} {key} below zero", "a standard uncertainty of 0 or more"
+            )
     if "definition" not in entry:
         _check_of_catalogue(entry, name, where)
 

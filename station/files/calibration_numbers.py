@@ -46,7 +46,9 @@ def check_triads(document: Mapping[str, Any], triads: Sequence[str], where: str)
                 known.get("std") is not None
                 and (_array(known["std"], shape, f"{name}.{part}.std", where) < 0).any()
             ):
-                raise DataRefused(where, None, f"{name}.{part}.std below nought", "1 sigma")
+                raise DataRefused(
+                    where, None, f"{name}.{part}.std below zero", "a standard uncertainty of 0 or more"
+                )
             _check_unit(known, name, part, where)
             _check_usable(value, f"{name}.{part}", where)
     kinds = {str(document[name]["scale_factor"].get("unit", "count")).startswith("output") for name in triads}

@@ -8,7 +8,7 @@ MODEL = "SIM-FOG3"
 HEAD = """# Limits of an IMU model: edit the numbers, then
 #   station fixtures limits MODEL --import limits.toml
 # Units as the screens show them: ug, arcsec, deg/h, count/(g s), count/deg; or ppm of a nominal scale factor.
-# A value is accepted where it is inside by guard_band times its own 1 sigma.
+# A value is accepted if it is inside the limits by guard_band times its own standard uncertainty u.
 model = "MODEL"
 """
 LIMIT = """

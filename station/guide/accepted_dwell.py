@@ -47,6 +47,6 @@ def rates_and_sigmas(found: Sequence[RateEstimate]) -> tuple[FloatArray, FloatAr
 
 def triad_estimates(samples: IntArray | None, series: CountSeries) -> list[RateEstimate]:
     """Estimate the three channels of a triad from counts, ``samples`` (n, 3)."""
-    assert samples is not None, "the station's own recordings hold both triads"
+    assert samples is not None, "the station's own recordings contain both triads"
     channels = [[samples[:, i]] for i in range(3)]
     return [found[0] for found in estimate_channels(channels, series.period, [series.starts], [series.t])]

@@ -36,9 +36,13 @@ def wanted_record(database: Database, unit: Unit, asked: AskedSigmas) -> tuple[W
     sigmas = wanted_by_name(asked.sigma).and_also(by_limits).sigma
     named = {name: float(one) for name, one in zip(NAMES, sigmas, strict=True) if np.isfinite(one)}
     if not named:
-        found = f"limits of {unit.model} from which no sigma follows"
+        found = f"limits of {unit.model} that define no standard uncertainty"
         raise DataRefused(
-            "limits", None, found, "limits with two sides", "name what is wanted: --sigma NAME=SIGMA"
+            "limits",
+            None,
+            found,
+            "limits with a lower and an upper end",
+            "state the standard uncertainty that you want: --sigma NAME=VALUE",
         )
     known = noise_of(asked.noise) if asked.noise else noise_in_database(database, unit.model, unit.serial)
     hands, _ = hand_times(database)

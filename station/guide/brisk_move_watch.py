@@ -43,4 +43,6 @@ class BriskMoveWatch:
         context.chain.brisk(coning)
         enough = ceil(long_enough_s(coning, (block.first - first) * period))
         arcsec = coning / RAD_PER_ARCSEC
-        context.event_log.say("still", f"too brisk: {arcsec:.0f} arcsec of coning; at least {enough} s for a flip")
+        context.event_log.say(
+            "still", f"moved too fast: {arcsec:.0f} arcsec of coning; at least {enough} s for a flip"
+        )

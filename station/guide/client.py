@@ -12,7 +12,7 @@ from station.guide.command import OperatorCommand
 from station.guide.view import ENDED_STAGES, CalibrationView
 
 START_S = 30.0
-ENDED = "the engine has ended; what was accepted is safe: continue with `station resume`"
+ENDED = "the recording program has stopped; all accepted steps are safe: continue with `station resume`"
 
 
 class EngineConnection:

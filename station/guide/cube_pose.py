@@ -18,7 +18,7 @@ OFF_DEG, OFF_SIGMA = 10.0, 3.0
 WRONG_S = 20  # at rest
 QUARTER_DEG = 90.0
 HALF_DEG = 178.0  # beyond which no way round is the shorter one
-AS_WANTED = "it stands as wanted"
+AS_WANTED = "the position is correct"
 SIDES = ("east", "north", "west", "south")
 
 
@@ -60,7 +60,7 @@ class HeadingWatch:
         self._seconds = self._seconds + 1 if is_wrong else 0
         self.text = self.text if is_wrong else ""
         if pose is not None and self._seconds >= WRONG_S:
-            text = f"{face_in_words(look.face)} as wanted, but the heading is wrong: {pose.text}"
+            text = f"{face_in_words(look.face)} is correct, but the heading is wrong: {pose.text}"
             if not self.text:
                 self._context.event_log.say("rejected", text)
             self.text = text
@@ -89,7 +89,7 @@ def _left_to_do(
     if not getattr(step, "position", 0) and not isinstance(step, Turn):
         return AS_WANTED
     if off is None:
-        return "which way it points is not known yet"
+        return "its heading is not known yet"
     if abs(off) <= OFF_DEG:
         return AS_WANTED
     sense = "counter-clockwise" if off > 0 else "clockwise"
@@ -97,7 +97,7 @@ def _left_to_do(
     if abs(off) > HALF_DEG:
         text = "turn 180 deg, either way round"
     other = _position_as_it_stands(context, step, off)
-    return f"{text}; or leave it: position {position_name(other)} is to do as well" if other else text
+    return f"{text}; or leave it: position {position_name(other)} is also still to do" if other else text
 
 
 def face_wanted(step: Step | None) -> str:

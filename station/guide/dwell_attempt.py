@@ -18,8 +18,8 @@ from station.stream.live.accepted_blocks import runs_of_blocks
 from station.stream.live.stillness import Block
 from station.stream.recorder.sample_buffer import SampleRun
 
-TOUCHED = "touched just after it was set down"
-OTHERWISE = "the cube stands otherwise than when the dwell began"
+TOUCHED = "touched just after placement"
+OTHERWISE = "the cube has changed its position since the start of the dwell"
 OTHERWISE_BLOCKS = 5  # still ones in a row, away from what was kept: then what was kept was not at rest
 MOVED_DEG = 0.05
 CALM_BLOCKS = 1  # still ones after a disturbance that are not used
@@ -114,7 +114,7 @@ class DwellAttempt:
             return ""
         reason = self._moved(look)
         if self.is_early:
-            reason = f"{reason} just after it was set down" if reason else TOUCHED
+            reason = f"{reason} just after placement" if reason else TOUCHED
         self._away, self._calm = [], 0
         self._newest = [] if reason else [block]
         return reason
@@ -168,7 +168,7 @@ def crept(found: Sequence[RateEstimate], seconds: float, up: FloatArray) -> str:
     moved = np.abs(level @ slope * tilt)
     chi2 = float(np.sum((level @ slope) ** 2 / (level**2 @ std**2)))
     if moved.max() > CREEP_RAD and chi2 > CREEP_CHI2:
-        return f"the cube crept by {np.degrees(moved.max()) * ARCSEC_PER_DEG:.0f} arcsec"
+        return f"the cube moved slowly by {np.degrees(moved.max()) * ARCSEC_PER_DEG:.0f} arcsec"
     return ""
 
 

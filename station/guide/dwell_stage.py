@@ -25,8 +25,8 @@ from station.stream.live.stillness import Block
 FaceStep = Dwell | Soak | Monitor
 RestStep = FaceStep | FreePosition
 ASK_AFTER_S = 10.0  # of accepted seconds without a sure heading
-BY_EARTH, AS_SAID, AS_ASKED = "by the Earth rate", "as you said", "as asked for, not checked"
-ANY_HEADING = "any will do"
+BY_EARTH, AS_SAID, AS_ASKED = "from the Earth rate", "as you answered", "as requested, not checked"
+ANY_HEADING = "any heading"
 QUARTERS = {1: "90 deg more, counter-clockwise", 2: "180 deg more", 3: "90 deg more, clockwise"}
 
 
@@ -62,13 +62,13 @@ class RestRecording(Stage):
         self._thermometer.take(block)
         if why := self._dwelling.take(block, look):
             if why == TOUCHED:
-                self._context.event_log.say("still", "not let go yet: keep your hands off")
+                self._context.event_log.say("still", "the cube is still touched: keep your hands off")
                 return self._again("", must_move=False)
             if self._dwelling.is_turned and self._is_along_marks:
                 return self._again(f"{why}; lift it and set it along the marks", must_move=True)
-            return self._again(f"{why}; it begins again", must_move=False)
+            return self._again(f"{why}; the recording starts again", must_move=False)
         if self._dwelling.is_disturbed and not was_disturbed and not self._dwelling.is_early:
-            self._context.event_log.say("still", "disturbed: keep still, only those seconds are left out")
+            self._context.event_log.say("still", "disturbed: keep still, only the affected seconds are discarded")
         return None
 
     @property
@@ -83,7 +83,7 @@ class RestRecording(Stage):
         line = f"{where}: {accepted_s:.0f} of {step.seconds:.0f} s, hands off"
         return {
             "stage": "dwell", "live": step.name, "accepted_s": accepted_s, "wanted_s": step.seconds,
-            "hint": "disturbed: those seconds are left out; keep still" if self._dwelling.is_disturbed else "",
+            "hint": "disturbed: affected seconds are discarded; keep still" if self._dwelling.is_disturbed else "",
             "line": f"{line}; {soak_in_words(soak)}" if soak else line, "soak": soak,
         }  # fmt: skip
 
@@ -118,7 +118,7 @@ class DwellStage(RestRecording):
     def take(self, block: Block, look: BlockLook) -> Stage:
         """Take a second of the stream."""
         if self._is_neither:
-            return self._again("set the cube down along the marks on the slab", must_move=True)
+            return self._again("set the cube down along the marks on the surface plate", must_move=True)
         if begun_again := self._begun_again(block, look):
             return begun_again
         if self._dwelling.is_disturbed or not self._dwelling.kept:
@@ -132,7 +132,7 @@ class DwellStage(RestRecording):
     def interrupted(self) -> Stage:
         """Give the dwell up: the stream broke it."""
         self._context.position = 0
-        return self._again("the stream was interrupted; the dwell begins again", must_move=False)
+        return self._again("the data stream was interrupted; the dwell starts again", must_move=False)
 
     def answer(self, key: str) -> None:
         """Take the operator's word for the position."""
@@ -145,10 +145,10 @@ class DwellStage(RestRecording):
         step = self._step
         shown = self._progress(step, step_title(step) if self.is_known else f"{step_title(step)}?")
         if self._question and self._dwelling.is_complete:
-            shown["hint"] = "recorded; it is accepted once it is known which way the cube points"
+            shown["hint"] = "recorded; it is accepted when the heading of the cube is known"
         return shown | {
             "question": self._question, "position": self._position,
-            "heading": self._how or "reading the Earth rate",
+            "heading": self._how or "measuring the Earth rate",
             "seating": self._seat.words, "is_seated": not self._seat.is_to_lift,
         }  # fmt: skip
 
@@ -195,7 +195,7 @@ class DwellStage(RestRecording):
         if any(each.position == self._position for each in self._dwells):
             return ""
         is_done = self._context.checklist.dwell_at(self._position) is not None
-        why = f"position {position_name(self._position)} is {'done already' if is_done else 'not asked for'}"
+        why = f"position {position_name(self._position)} is {'done already' if is_done else 'not requested'}"
         wanted, quarters = self._dwells[0].position, range(4)
         stands = next(q for q in quarters if turned_position(self._face, q) == self._position)
         turn = {1: "90 deg, counter-clockwise", 3: "90 deg, clockwise"}.get(quarters_to(wanted, stands), "180 deg")
@@ -216,7 +216,7 @@ class DwellStage(RestRecording):
         if not dwelling.is_complete:
             return self
         if why := self._crept(context.C_sb @ face_normal(self._face)):
-            return self._again(f"{why}; it begins again", must_move=False)
+            return self._again(f"{why}; the recording starts again", must_move=False)
         if not self.is_known and not context.bench.asks:
             self._position, self._how = self._dwells[0].position, AS_ASKED
         if not self.is_known:

@@ -36,10 +36,10 @@ if TYPE_CHECKING:
     from station.results.campaign_results import CampaignResults
 
 REFUSALS = (StationError, DriverError, DatabaseError, ProcedureError)
-FOR_UNIT = "waiting for the unit to say who it is"
-THEN_SEARCHED = "; then the shortest way to what is wanted is searched, some seconds"
-WHOLE = "all is recorded: leave, and diagnose it together with the campaign that it complements"
-ELSEWHERE = "; if it is at another port now, check that address and resume, or use `station resume --device URL`"
+FOR_UNIT = "waiting for the unit's model and serial number"
+THEN_SEARCHED = "; then the shortest plan is computed, some seconds"
+WHOLE = "all steps are recorded: leave, and diagnose this campaign together with the first one"
+ELSEWHERE = "; if the unit is at another port now, use `station resume --device URL`"
 DEVICE_VERBS = frozenset({"redo", "choose", "more"})  # what needs the device of a campaign that is complete
 LOOK_VERBS = {
     "check": ("check", "is_checking"),
@@ -132,7 +132,7 @@ class CalibrationEngine:
             self._fail(error)
         if operator.lost != lost and self._campaign is not None:
             if operator.lost:
-                said = f"the simulated hands do not answer ({operator.lost}); they are called until they do"
+                said = f"the simulated hands do not answer ({operator.lost}); the station tries again"
                 self._campaign.say("rejected", said)
             else:
                 self._campaign.say("", "the simulated hands answer again")
@@ -151,7 +151,7 @@ class CalibrationEngine:
             self._cancel(campaign)
         elif command.verb == "leave":
             what = "left" if self._is_stored or self._verdict is None else "left, not stored"
-            after = "" if self._is_stored else f"; go on another day with `station resume {campaign.folder}`"
+            after = "" if self._is_stored else f"; continue later with `station resume {campaign.folder}`"
             self._end("left", what + after)
         elif command.verb == "finish":
             self._finish(campaign)
@@ -177,7 +177,7 @@ class CalibrationEngine:
         except REFUSALS as error:
             self._campaign = again = finished(folder, self._database)
             assert again is not None  # it was, and nobody else held it meanwhile
-            again.say("rejected", f"not done again: {error}")
+            again.say("rejected", f"not repeated: {error}")
             self._show(again)
         else:
             self._obey(command)
@@ -205,7 +205,7 @@ class CalibrationEngine:
             hint = FOR_UNIT + (THEN_SEARCHED if _is_planned_on_the_way(folder) else "")
             self._start(lambda: _resumed(folder, self._database, options), hint, is_to_go_on=True)
         elif command.verb in {"cancel", "leave"}:
-            self._end("cancelled", "nothing was begun; the database is unchanged")
+            self._end("cancelled", "nothing was started; the database is unchanged")
 
     def _consider(self, setup: Setup) -> None:
         """Have it said how ready the set-up is that stands in the form."""
@@ -257,7 +257,7 @@ class CalibrationEngine:
         except REFUSALS as error:
             if isinstance(error, CannotWrite) or not self._options.is_patient:
                 raise
-            self._refused = f"it cannot be solved by itself: {error}"
+            self._refused = f"this campaign alone cannot be solved: {error}"
             campaign.say("rejected", self._refused)
         self._show(campaign)
 
@@ -294,7 +294,7 @@ class CalibrationEngine:
         if self._campaign is not None:
             with contextlib.suppress(CannotWrite):  # a full disk refuses the end of a receiver's file as well
                 self._campaign.close()
-        done = f"{self.view.done} accepted steps are safe; `station resume` goes on with them"
+        done = f"{self.view.done} accepted steps are safe; `station resume` continues"
         self.view = self.view.model_copy(
             update={
                 "stage": "failed", "line": "the campaign has stopped", "error": str(error), "hint": done,

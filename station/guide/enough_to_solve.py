@@ -21,8 +21,8 @@ def lacking(steps: Sequence[StepView]) -> str:
         return ""
     missing = {step.position for step in steps if step.position and not step.repeat and not step.attempts}
     to_do = ", ".join(filter(None, [in_ranges(p for p in missing if p <= len(POSITIONS)), *_others(missing)]))
-    least = "X, Y and Z must each have been up or down, and one of them both"
-    return f"Too little to solve: {least}. Positions to do: {to_do}."
+    least = "each of X, Y and Z must have pointed up or down, and one of them both"
+    return f"Not enough steps to solve: {least}. Positions to do: {to_do}."
 
 
 def _others(positions: Iterable[int]) -> list[str]:

@@ -86,9 +86,9 @@ class FaceAndStillnessGate:
         if not block.is_healthy:
             hindrance = "the device reports a fault"
         elif not self.stillness.is_known:
-            hindrance = "learning the noise"
+            hindrance = "measuring the noise"
         elif not is_still:
-            hindrance = f"waiting for still: {CHANNEL_NAMES[worst]} moves"
+            hindrance = f"waiting for stillness: {CHANNEL_NAMES[worst]} moves"
         elif not is_upright:
             hindrance = f"tilted by {off:.1f} deg, limit {self.limit_deg:.1f} deg"
         calm = np.maximum(CALM_SHARE**2 * self.stillness.limit, CALM_COUNTING_VARIANCE)

@@ -24,10 +24,11 @@ def free_look(context: StageContext, block: Block, look: BlockLook) -> BlockLook
     apart = nearest_deg(up, context.leans_taken())
     fault = ""
     if look.off_deg < MIN_APART_DEG:
-        fault = f"{look.off_deg:.0f} deg from the nearest face, at least {MIN_APART_DEG:.0f}: lean it further"
+        fault = f"{look.off_deg:.0f} deg from the nearest face, at least {MIN_APART_DEG:.0f}: tilt it further"
     elif apart < MIN_APART_DEG:
         fault = (
-            f"{apart:.0f} deg from an attitude taken already, at least {MIN_APART_DEG:.0f}: lean it another way"
+            f"{apart:.0f} deg from an attitude already recorded, at least {MIN_APART_DEG:.0f}: tilt it in another "
+            "direction"
         )
     hindrance = look.hindrance if not look.is_still else fault
     return replace(look, is_upright=not fault, hindrance=hindrance)
@@ -48,7 +49,7 @@ class FreeAttitudeStage(RestRecording):
 
     def interrupted(self) -> Stage:
         """Give it up: the stream broke it."""
-        return self._again("the stream was interrupted; it begins again", must_move=False)
+        return self._again("the data stream was interrupted; the recording starts again", must_move=False)
 
     def shown(self) -> dict[str, Any]:
         """Return how far it is."""
@@ -60,7 +61,7 @@ class FreeAttitudeStage(RestRecording):
         if not dwelling.is_complete:
             return self
         if why := self._crept(context.C_sb @ context.gate.way_up(dwelling.rate()[3:])):
-            return self._again(f"{why}; it begins again", must_move=False)
+            return self._again(f"{why}; the recording starts again", must_move=False)
         context.free_attitudes[self._step.name] = np.array(dwelling.rate()[3:])
         context.accept(self._step, dwelling.runs())
         return self._again("", must_move=True)

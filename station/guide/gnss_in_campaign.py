@@ -57,7 +57,7 @@ class SampleRateWatch:
         now = (self._gnss.trouble if self._gnss else "") or self._rate.warning
         if without_numbers(now) != self._said:  # not once more for each new figure
             self._said = without_numbers(now)
-            well = "GNSS is well again" if self._gnss else "the sample rate is right again"
+            well = "GNSS works again" if self._gnss else "the sample rate is right again"
             self._event_log.say("rejected" if now else "", now or well)
 
 
@@ -89,7 +89,7 @@ def said_of_site(given: Setup, gnss: GnssFeed) -> str:
         return "no position from GNSS; the site is as stated"
     seen = _degrees(site)
     warnings = _warnings(site, seen, _stated(given, seen))
-    return "; ".join([f"site by GNSS: {site_in_words(site)}", *warnings])
+    return "; ".join([f"site from GNSS: {site_in_words(site)}", *warnings])
 
 
 def reopened(stack: ExitStack, setup: Setup, folder: Path) -> tuple[GnssFeed | None, str]:
@@ -99,7 +99,7 @@ def reopened(stack: ExitStack, setup: Setup, folder: Path) -> tuple[GnssFeed | N
     try:
         return stack.enter_context(open_gnss(setup.gnss, folder)), ""
     except DriverError as error:
-        return None, f"going on without GNSS: {error}"
+        return None, f"continuing without GNSS: {error}"
 
 
 def utc_now(gnss: GnssFeed) -> datetime | None:
@@ -123,10 +123,10 @@ def _stated(setup: Setup, names: Iterable[str]) -> dict[str, float]:
 
 def _warnings(site: AveragedSite, seen: Mapping[str, float | None], stated: Mapping[str, float]) -> list[str]:
     constant = (
-        f"all {site.fixes} fixes are alike to the last digit: the receiver holds its position, or it is made up"
+        f"all {site.fixes} fixes are identical: the receiver holds its position, or the position is simulated"
     )
     return [constant] * site.is_constant + [
-        f"{name} {value:g} is stated, GNSS says {seen[name]:g}"
+        f"{name} {value:g} is stated, GNSS gives {seen[name]:g}"
         for name, value in stated.items()
         if name != "height_m" and abs(value - (seen[name] or 0.0)) > MAX_SITE_DIFFERENCE_DEG
     ]

@@ -122,14 +122,14 @@ class Guide:
         if self.trouble:
             self.trouble = ""
             if not self._look_for_restart():
-                self.context.event_log.say("", "data are coming again")
+                self.context.event_log.say("", "data arrive again")
 
     def _look_for_restart(self) -> bool:
         """Say so if the unit was switched off and on: it warms up again, and its biases are others."""
         if (restarts := self.context.feed.restarts) == self._restarts:
             return False
         self._restarts = restarts
-        self.context.power_cycled("; it warms up again" if self._first is _warming else "")
+        self.context.power_cycled("; it must warm up again" if self._first is _warming else "")
         if not isinstance(self._stage, UnitRecognitionStage):
             self._stage = self._first(self.context)
         return True
@@ -256,7 +256,7 @@ class Guide:
             self._look_again()
         else:
             step = self.context.checklist.step(name)
-            what = f"{step_title(step)} is done already: r does it again" if step else "there is no such step"
+            what = f"{step_title(step)} is done already: r repeats it" if step else "there is no such step"
             self.context.event_log.say("", what)
 
     def _do_more(self) -> None:
@@ -269,10 +269,10 @@ class Guide:
     def _redo(self, name: str) -> None:
         step = self.context.checklist.step(name)
         if step is None or not self.context.checklist.redo(name):
-            self.context.event_log.say("", "nothing to do again yet")
+            self.context.event_log.say("", "nothing to repeat yet")
             return
         self.context.event_log.say(
-            "", f"{step_title(step)} is to be recorded again; the earlier recording counts until then"
+            "", f"{step_title(step)} will be recorded again; the earlier recording is used until then"
         )
         self._look_again()
 
@@ -309,7 +309,7 @@ class Guide:
 def trouble_of(error: DriverError) -> tuple[str, str]:
     """Return what an error of the stream is to the operator: in two words, and what to do."""
     word, remedy = next((word, remedy) for kind, word, remedy in TROUBLES if isinstance(error, kind))
-    return word, f"{remedy}; it goes on by itself"
+    return word, f"{remedy}; the campaign then continues by itself"
 
 
 def _warming(context: StageContext) -> Stage:

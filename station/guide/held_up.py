@@ -10,7 +10,7 @@ from station.guide.view import ENDED_STAGES, VERDICT_STAGES, CalibrationView
 HELD_UP_S = 3.0  # a round of the engine takes 0.1 s, accepting a step 0.3 s
 LOOK_S = 0.5
 SAYS_ITSELF = frozenset({"start", "connecting", "solving"}) | ENDED_STAGES | VERDICT_STAGES
-HINT = "writing to the disk for {seconds:.0f} s, which is slow: leave all as it is; what was accepted is safe"
+HINT = "writing to the disk for {seconds:.0f} s, which is slow: do nothing; all accepted steps are safe"
 
 
 class HeldUpWatch:

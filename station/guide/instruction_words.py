@@ -59,13 +59,13 @@ def step_title(step: Step) -> str:
 
 def rest_before(turn: Turn) -> str:
     """Return what is to be done until a turn may begin."""
-    return f"wait, hands off: it rests before {step_title(turn)}"
+    return f"wait, hands off: the cube rests before {step_title(turn)}"
 
 
 def turn_instruction(turn: Turn) -> str:
     """Return how the cube is to be turned, once it may be."""
     speed = "" if turn.speed_deg_s is None else f" at about {turn.speed_deg_s:g} deg/s"
-    return f"turn {times_in_words(turn)} {turn_sense(turn)} from above{speed}, flat, back to where it stood"
+    return f"turn {times_in_words(turn)} {turn_sense(turn)} from above{speed}, flat, back to its start"
 
 
 def instruction(step: Step, *, way: UpDirection = (1, 1, 0)) -> str:
@@ -78,6 +78,6 @@ def instruction(step: Step, *, way: UpDirection = (1, 1, 0)) -> str:
     if isinstance(step, Soak) and step.up:
         return f"put the cube down so that {face_in_words(step.up)}{after}"
     if isinstance(step, FreePosition | Soak):
-        return f"lean the cube {lean_in_words(way)}, near 45 deg; prop it{after}"
+        return f"tilt the cube {lean_in_words(way)}, near 45 deg; prop it{after}"
     where = f"{step.start_position}: {axes_in_words(step.start_position)}"
     return f"put the cube in position {where}; do not turn it before you are asked to"

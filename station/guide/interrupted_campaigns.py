@@ -65,7 +65,7 @@ def _reconciled(folder: Path, steps: Sequence[StepRow], named: Mapping[str, str]
         _check(folder, step.file, step.sha256, hashes)
         file = named.get(step.name, "")
         if not step.superseded and file != step.file and (file in known or not file):
-            raise _refusal(folder / CAMPAIGN_TOML, f"file = {file!r}", f"{step.file!r}, which was accepted")
+            raise _refusal(folder / CAMPAIGN_TOML, f"file = {file!r}", f"{step.file!r}, an accepted step")
     adopted = {name: hashes.get(file, "") for name, file in named.items() if file not in known}
     for name, sha256 in adopted.items():
         _check(folder, named[name], sha256, hashes)
@@ -94,7 +94,7 @@ def _check(folder: Path, file: str, sha256: str, hashes: Mapping[str, str]) -> N
     if hashes.get(file) != sha256 or not sha256:
         raise _refusal(folder / SHA256SUMS, f"{hashes.get(file, 'no hash')} for {file}", sha256 or "its hash")
     if not (folder / file).exists():
-        raise _refusal(folder / file, "no such file", "the one that was accepted")
+        raise _refusal(folder / file, "no such file", "the recording that was accepted")
     with open_inside(folder, file, folder / SHA256SUMS, None) as stream:
         found = hashlib.file_digest(stream, "sha256").hexdigest()
     if found != sha256:
@@ -102,5 +102,5 @@ def _check(folder: Path, file: str, sha256: str, hashes: Mapping[str, str]) -> N
 
 
 def _refusal(path: Path, found: str, expected: str) -> DataRefused:
-    remedy = "restore the folder from a copy, or begin a new campaign"
+    remedy = "restore the folder from a copy, or start a new campaign"
     return DataRefused(path, None, found, expected, remedy, ErrorCode.ALTERED)

@@ -166,7 +166,7 @@ def begin(setup: Setup, database: Database, options: CalibrationOptions) -> Live
         What port, disk, database or set-up refuse; nothing is left behind.
     """
     if setup.latitude_deg is None and not setup.gnss:
-        raise DataRefused("set-up", None, "no latitude", "the slab's latitude in deg", "enter it")
+        raise DataRefused("set-up", None, "no latitude", "the latitude of the surface plate in deg", "enter it")
     setup = from_anywhere(setup)
     steps = tuple(options.steps) or usual_steps(setup)
     fixture, table = cube_fixture(database, setup.cube or None, options.imu_axes)

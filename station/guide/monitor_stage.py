@@ -43,7 +43,7 @@ class LawsOfRest:
 
     def __init__(self, context: StageContext, step: Monitor) -> None:
         self._context, self._step = context, step
-        assert context.feed.unit is not None, "a guide begins once it is known which unit this is"
+        assert context.feed.unit is not None, "the guide starts when the unit is identified"
         aside = ThreadPoolExecutor(1, "calibration so far")
         self._asked: Future[AppliedCalibration] = aside.submit(
             context.recorder.calibration_so_far, context.feed.unit, context.feed.wire
@@ -92,7 +92,7 @@ class LawsOfRest:
         accepted = [laws for at, laws in self._read if any(first <= at < last for first, last in runs)]
         settled = accepted[round(len(accepted) * SETTLED_SHARE) :]
         if not settled:
-            return {"calibration": f"none: {self.why or 'too short a rest'}"}
+            return {"calibration": f"none: {self.why or 'the rest is too short'}"}
         angles = np.array([[[law.roll, law.pitch] for law in laws] for laws in settled])
         downs = np.array([[law.down for law in laws] for laws in settled])
         mean, middle = angles.mean(axis=0), downs.mean(axis=0)
@@ -113,11 +113,11 @@ class LawsOfRest:
         """Return what is shown."""
         laws = self.newest
         apart = difference(laws)
-        waits = "" if self._asked.done() else "solving what is accepted so far"
+        waits = "" if self._asked.done() else "solving the accepted steps"
         return MonitoredView(
             laws=tuple(LawView(law=law.law, roll_deg=law.roll, pitch_deg=law.pitch) for law in laws),
             difference_deg=None if apart is None else apart.angle,
-            calibration=self.calibration, text=self.why or waits or ("" if laws else "learning the noise"),
+            calibration=self.calibration, text=self.why or waits or ("" if laws else "measuring the noise"),
         )  # fmt: skip
 
     def _go_on(self) -> None:

@@ -12,10 +12,10 @@ from station.stream.recorder.sample_buffer import SampleBuffer
 
 MAX_MOVE_S = 600.0  # s of rows that are kept from step to step, which bounds the memory that a break takes
 MIN_MOVE_S = 1.0  # s; a turn that follows a turn at once leaves no move between them
-LOST, ANEW, LONG = "samples were lost", "the stream began anew", f"it took more than {MAX_MOVE_S / 60:.0f} min"
+LOST, ANEW, LONG = "samples were lost", "the data stream restarted", f"it took more than {MAX_MOVE_S / 60:.0f} min"
 SWITCHED, INTERRUPTED = "the unit was switched off and on", "the campaign was interrupted"
-DEAD = "a channel was dead meanwhile"
-SAME, UNEVEN = "the step before was recorded anew", "its rows did not come at the unit's period"
+DEAD = "a channel was dead during the transfer"
+SAME, UNEVEN = "the step before was recorded again", "its samples did not arrive at the unit's period"
 MAX_UNEVEN = 0.4  # of a period, by which a move's rows may begin early or late; a folder is refused at 0.5
 
 
@@ -45,7 +45,7 @@ class MoveChain:
 
     def brisk(self, coning: float) -> None:
         """Take it that coning leaves 1 sigma ``coning`` [rad] open in the move under way, too much to be used."""
-        self.doubt = f"its move is left out, {coning / RAD_PER_ARCSEC:.0f} arcsec of coning"
+        self.doubt = f"its transfer is not used, {coning / RAD_PER_ARCSEC:.0f} arcsec of coning"
 
     def look(self, buffer: SampleBuffer, needed: int, period: float) -> None:
         """See whether the rows go on up to the sample ``needed``; ``period`` [s]."""

@@ -75,7 +75,7 @@ def _to_redo(results: "CampaignResults") -> str:
 
 
 def worst_residual(residuals: Sequence[StepResidual]) -> str:
-    """Say which step's residual is the greatest in its own sigma, against the limit of a report."""
+    """Say which step's normalised residual is the largest, against the limit of a report."""
     ratios = [
         (abs(float(ratio)), f"{step.name}, {step.triad} {axis}")
         for step in residuals
@@ -85,21 +85,21 @@ def worst_residual(residuals: Sequence[StepResidual]) -> str:
     if not ratios:
         return "no residual: the steps determine the parameters exactly"
     worst, where = max(ratios)
-    side = "over" if worst > LIMIT_SIGMAS else "within"
-    return f"{where}: {worst:.1f} sigma, {side} the limit of {LIMIT_SIGMAS:g}"
+    side = "above" if worst > LIMIT_SIGMAS else "within"
+    return f"largest normalised residual {worst:.1f}, {side} the limit of {LIMIT_SIGMAS:g} ({where})"
 
 
 def change_in_words(moved: Mapping[str, ParameterShift], previous: Mapping[str, Any] | None) -> str:
     """Say what changed most since the last stored calibration."""
     if previous is None:
-        return "the first calibration of this unit"
+        return "this is the first calibration of this unit"
     day = str(previous["accepted_utc"])[:10]
     if (most := largest(moved)) is None:
-        return f"nothing to compare with in the calibration of {day}"
+        return f"the calibration of {day} has no parameter to compare with"
     count = sum(abs(one.sigmas) > NOTABLE_SIGMAS for one in moved.values()) or "none"
     return (
-        f"since the calibration of {day} {count} of {len(moved)} parameters moved by more than "
-        f"{NOTABLE_SIGMAS:g} sigma; most of all {most.parameter.title}, {most}"
+        f"since the calibration of {day}, {count} of {len(moved)} parameters changed by more than "
+        f"{NOTABLE_SIGMAS:g} u; largest change: {most.parameter.title}, {most}"
     )
 
 

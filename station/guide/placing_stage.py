@@ -26,9 +26,9 @@ from station.stream.live.stillness import Block
 
 SETTLE_BLOCKS = 3  # still ones that are not used
 TURNED_AWAY_DEG = 10.0  # a cube that rocks or is bumped turns by far less, one that a hand turns by 90 deg
-HANDS_OFF = "hands off: the cube comes to rest"
+HANDS_OFF = "hands off: wait until the cube is at rest"
 LEARNING = "wait, hands off: the noise of the unit at rest is being measured"
-SET_DOWN_AGAIN = "lift the cube, wipe it and the slab, set it down as it stood"
+SET_DOWN_AGAIN = "lift the cube, wipe it and the plate, set it down as before"
 
 
 class PlacingStage(Stage):
@@ -168,7 +168,11 @@ class PlacingStage(Stage):
 
     def _wrong(self, face: str) -> Stage:
         turns = [each for each in open_turns(self._context) if face_of(each.start_position) == face]
-        left = f"{step_title(turns[0])} comes later, or choose it" if turns else "nothing is left to do there"
+        left = (
+            f"{step_title(turns[0])} follows later, or choose it now"
+            if turns
+            else "nothing remains to be done there"
+        )
         why = f"{face_in_words(face)}: {'its positions are done; ' if turns else ''}{left}"
         return self._again(why, must_move=True)
 

@@ -31,7 +31,9 @@ def planned_bench(
     sites = (read_campaign_toml(folder)[0].site for folder in campaigns if latitude is None)
     stated = next((site for site in sites if site is not None), None)
     if setup.latitude_deg is None and stated is None:
-        raise DataRefused("set-up", None, "no latitude", "the slab's latitude in deg", "name it: --latitude DEG")
+        raise DataRefused(
+            "set-up", None, "no latitude", "the latitude of the surface plate in deg", "state it: --latitude DEG"
+        )
     at, care = stated or site_table(setup), procedure_table(setup)
     fixture, _ = cube_fixture(database, cube or None)
     return bench_of(at, care, fixture)

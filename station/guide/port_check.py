@@ -44,7 +44,7 @@ def check_port(url: str, seconds: float = PORT_LOOK_S) -> PortCheck:
         frames=seen.frames,
         bad_frames=bad,
         noise=noise_in_words(seen.samples, seen.rate_hz),
-        text="; ".join(remedies) or "frames come as they should",
+        text="; ".join(remedies) or "the frames are correct",
     )
 
 
@@ -68,7 +68,7 @@ def noise_in_words(samples: SampleBlock, rate_hz: float | None) -> str:
     size = round(rate_hz) if rate_hz else 0
     seconds = len(samples) // size if size >= TICKS_PER_BLOCK else 0
     if not seconds:
-        return "less than a second came: too short to say the noise"
+        return "less than 1 s of data: too short to measure the noise"
     blocks = [
         block_of(block_rows(samples, slice(i, i + size)), i, 1 / size, is_broken=False, is_anew=False)
         for i in range(0, seconds * size, size)
@@ -85,12 +85,12 @@ def _remedies(seen: "ImuProbe", bad: int) -> list[str]:
     counters, said = seen.counters, list[str]()
     if bad > BAD_SHARE * (seen.frames + bad):
         said.append(
-            f"{bad} of {seen.frames + bad} frames are damaged, expected under {BAD_SHARE:.0%}; check cable, "
+            f"{bad} of {seen.frames + bad} frames are damaged, expected less than {BAD_SHARE:.0%}; check cable, "
             f"ground and termination"
         )
     if counters.counter_jumps:
         said.append(
-            f"frames are missing in {counters.counter_jumps} places, expected none; check that the baud rate is "
+            f"frames are missing at {counters.counter_jumps} places, expected none; check that the baud rate is "
             f"high enough and nothing else reads the port"
         )
     if counters.bad_status:

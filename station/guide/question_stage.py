@@ -54,16 +54,16 @@ def which_position(face: str, asked: Iterable[int] = ()) -> OperatorQuestion:
     may_be = list(dict.fromkeys([*pair, *asked]))
     choices = [Choice(key=str(p), title=f"position {position_name(p)}: {axes_in_words(p)}") for p in may_be]
     none = "neither" if len(may_be) == len(pair) else "none of them"
-    choices.append(Choice(key=NEITHER, title=f"{none}: I set it down again"))
-    text = "The Earth rate does not tell which way the cube points. Which is it?"
+    choices.append(Choice(key=NEITHER, title=f"{none}: I place it again"))
+    text = "The Earth rate does not determine the heading of the cube. Which position is it?"
     return OperatorQuestion(text=text, choices=tuple(choices))
 
 
 def which_turn(asked: Turn, other: Turn) -> OperatorQuestion:
     """Ask whether a turn the wrong way is to be the other step, which is to be done as well."""
-    text = f"You turn {turn_sense(other)}: that is {step_title(other)}, asked for is {step_title(asked)}."
+    text = f"You turn {turn_sense(other)}: that is {step_title(other)}; requested is {step_title(asked)}."
     choices = (
-        Choice(key=TAKE, title=f"take it as {step_title(other)}: turn on to the end"),
-        Choice(key=OTHER_WAY[1], title=f"no: I begin {step_title(asked)} anew, {turn_sense(asked)}"),
+        Choice(key=TAKE, title=f"record it as {step_title(other)}: continue to the end"),
+        Choice(key=OTHER_WAY[1], title=f"no: I start {step_title(asked)} again, {turn_sense(asked)}"),
     )
     return OperatorQuestion(text=text, choices=choices)

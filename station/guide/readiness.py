@@ -68,7 +68,7 @@ def _no_pass(model: str, check: PortCheck | None, known: PriorKnowledge) -> str 
     if not (limits := known.limits.get(model)):
         return f"no limits are stored for {model}"
     never = [one.parameter for one in limits if _is_never(one, check, usual=known.usual)]
-    return f"{never[0]} is limited and not determined by the steps" if never else ""
+    return f"{never[0]} has a limit but the steps do not determine it" if never else ""
 
 
 def _is_never(limit: Limit, check: PortCheck | None, *, usual: bool) -> bool:
@@ -82,7 +82,7 @@ def _lacks(setup: Setup, known: PriorKnowledge) -> list[str]:
     """Return in words what a certificate needs and could never be given afterwards."""
     references = [one for kind in ("cube", "slab") if (one := _chosen(kind, setup, known)) is not None]
     own = {"operator": setup.operator, "software": known.software, "references": references}
-    document = {"model": "as the unit says", "serial": "as the unit says", **own}
+    document = {"model": "from the unit", "serial": "from the unit", **own}
     return list(dict.fromkeys(_in_words(field, setup, known) for field in missing_before(document)))
 
 
@@ -111,7 +111,7 @@ def _survey(setup: Setup, known: PriorKnowledge) -> Mapping[str, Any] | None:
 
 def _limits(model: str, no_pass: str | None, known: PriorKnowledge) -> StateAndText:
     if not model:
-        return "note", "model unknown: look at the port first"
+        return "note", "model unknown: check the port first"
     if no_pass:
         remedy = f"; `station fixtures limits {model} --example`" if model not in known.limits else ""
         return "lacks", no_pass + remedy
@@ -143,11 +143,11 @@ def _fixture(kind: str, name: str, known: PriorKnowledge) -> StateAndText:
 
 def _site(setup: Setup, known: PriorKnowledge) -> StateAndText:
     if setup.gravity_m_s2 is None:
-        return "note", "gravity from latitude and height, known to 5e-4 m/s2: not surveyed"
+        return "note", "gravity from latitude and height, known to 5e-4 m/s2: not a survey"
     if setup.latitude_deg is None:
-        return "note", "whose survey shows once the receiver has said the latitude"
+        return "note", "its survey is looked up when the receiver gives the latitude"
     if (survey := _survey(setup, known)) is None:
-        return "note", "no survey with this gravity is stored; the laboratory file must name one"
+        return "note", "no survey with this gravity is stored; name one in the laboratory file"
     name, due = survey["id"], survey.get("due_date")
     if due is not None and is_expired(date.fromisoformat(due), known.today):
         return "lacks", f"{name}, its survey expired on {due}"
@@ -156,16 +156,16 @@ def _site(setup: Setup, known: PriorKnowledge) -> StateAndText:
 
 def _disk(known: PriorKnowledge) -> StateAndText:
     if known.free is None:
-        return "note", "the free space is not known"
+        return "note", "the free disk space is not known"
     free = f"{megabytes(known.free)} free"
     if known.needed is None:
-        return "note", f"{free}; what is needed follows from the port's rate"
+        return "note", f"{free}; the space needed depends on the port's rate"
     return "ready" if known.free >= known.needed else "lacks", f"{free}, about {megabytes(known.needed)} needed"
 
 
 def _receiver(setup: Setup, receiver: PortCheck | None) -> StateAndText:
     if not setup.gnss:
-        return "note", "none: this machine's clock is used"
+        return "note", "none: the clock of this computer is used"
     if receiver is None:
-        return "note", "not listened to yet"
+        return "note", "not checked yet"
     return "ready" if receiver.is_good else "lacks", receiver.text

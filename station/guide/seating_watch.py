@@ -27,10 +27,10 @@ from station.stream.recorder.sample_buffer import SampleRun
 LOOKS_S = (3.0, 6.0, 10.0, 20.0, 40.0, 70.0)  # of accepted seconds
 ALIKE_RAD = 5e-5  # 10 arcsec, or three sigma
 KEPT_SHARE = 0.2  # of a kept seat's tilt: by so much it may move as it is let go
-FIRST_ON_FACE = "the first on this face: nothing to compare it with yet"
-FIRST_SINCE_ON = "the first on this face since the unit was switched on: not judged yet"
+FIRST_ON_FACE = "first placement on this face: nothing to compare with yet"
+FIRST_SINCE_ON = "first placement on this face since power-on: not checked yet"
 SHARP_RAD = 3e-4  # rad, 1 sigma: a crumb of 0.1 deg is told
-CONTRADICTORY = "not judged: the seats before contradict each other"
+CONTRADICTORY = "not checked: the earlier placements contradict each other"
 
 
 class SeatCheck:
@@ -78,10 +78,10 @@ class SeatCheck:
             return self._not_judged(FIRST_SINCE_ON)
         self.is_off, self._off = bool(why), found.off
         arcsec = np.degrees(np.abs(found.off).max()) * ARCSEC_PER_DEG
-        self.words = why or f"seated within {arcsec:.0f} arcsec"
+        self.words = why or f"seating error within {arcsec:.0f} arcsec"
         self.is_to_lift = False
         if why and self._is_kept(position, found):
-            self.words = f"kept as it sits: {why}"
+            self.words = f"kept: {why}"
             return ""
         if not why or self._is_known(position, found):
             return ""
@@ -110,7 +110,7 @@ class SeatCheck:
             # no cube's own face is tilted by more: this seat or one before it is wrong, and the verdict says so
             self.is_off = bool(np.linalg.norm(found.off) > PLAUSIBLE_FACE_TILT_RAD)
             self.came_back = found.off if self.is_off else None
-            self.words = "the same again after lifting: taken as it is"
+            self.words = "the same after lifting: accepted"
         return alike
 
 
@@ -128,8 +128,11 @@ def keep_question(context: StageContext) -> OperatorQuestion | None:
     if off <= PLAUSIBLE_FACE_TILT_RAD:
         return None
     text = (
-        f"The cube sits tilted by {np.degrees(off):.2f} deg: no clean seat does. Kept so, it is recorded as "
-        f"tilted and spoils the calibration. Keep it?"
+        f"The cube is tilted by {np.degrees(off):.2f} deg. A clean seating is not tilted so much. If you keep it, "
+        f"it is recorded as tilted and the calibration will be wrong. Keep it?"
     )
-    choices = (Choice(key="n", title="no: lift, wipe, set down"), Choice(key="y", title="yes, keep it as it sits"))
+    choices = (
+        Choice(key="n", title="no: lift, wipe, place again"),
+        Choice(key="y", title="yes, keep this seating"),
+    )
     return OperatorQuestion(text=text, choices=choices)

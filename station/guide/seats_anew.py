@@ -73,11 +73,15 @@ def ask_again(context: StageContext, step: Step, marked: Mapping[Dwell, FloatArr
         if off is None:
             if is_asked:
                 context.checklist.keep(each.name)
-            context.event_log.say("", f"{step_title(each)} sat well: what it was compared with did not")
+            context.event_log.say(
+                "", f"{step_title(each)} was seated correctly: the recording it was compared with was not"
+            )
         elif not is_asked and context.checklist.redo(each.name):
             context.seats_asked_again.add(each.name)
-            why = f"{step_title(step)} came back the same after lifting, so that it or this one stood on something"
-            context.event_log.say("rejected", f"{step_title(each)} is to be recorded again: {why}")
+            why = (
+                f"{step_title(step)} gave the same result after lifting, so there was debris under one of the two"
+            )
+            context.event_log.say("rejected", f"{step_title(each)} will be recorded again: {why}")
 
 
 def _suspects(standing: _Standing, now: AcceptedDwell, asked_again: set[str]) -> list[AcceptedDwell]:

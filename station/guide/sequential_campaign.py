@@ -28,9 +28,9 @@ from station.results.planning.continued import NO_ATTITUDE_LEFT, SigmaSoFar, all
 
 LEAST_FACTOR, MOST_FACTOR = 0.5, 3.0  # by which white noise may differ from what was known: more is no noise
 NUMBERS = {(step.axis, step.direction): i for i, step in enumerate(TURNS)}
-MET = "all that is wanted is met"
+MET = "all targets are met"
 FIRST_POSITION = 1  # of a unit whose noise is not known
-NOT_KNOWN = f"nothing is known of this unit's noise: {NOISE_S:.0f} s at rest show it, then the plan is made"
+NOT_KNOWN = f"the noise of this unit is unknown: it is measured for {NOISE_S:.0f} s at rest, then the plan is made"
 
 
 class SequentialCampaign:
@@ -126,7 +126,7 @@ class SequentialCampaign:
             return MET if found is None or found.is_reachable else NO_ATTITUDE_LEFT
         far = ", ".join(one.text for one in self._views(CampaignDesign(tuple(self._placings))))
         left = f"about {np.ceil(found.seconds / S_PER_MIN):.0f} min left"
-        return f"{far}, {left if found.is_reachable else 'out of reach of the placings that are left'}"
+        return f"{far}, {left if found.is_reachable else 'not reachable with the remaining placements'}"
 
     def limits(self, step: Step | None, seconds: float, *, is_carried: bool) -> tuple[LimitView, ...]:
         """Return how far each sigma is, with a dwell under way that was accepted for so long [s]."""

@@ -71,11 +71,11 @@ class Readiness(FrozenValue):
     def said(self) -> tuple[str, str]:
         """Both consequences in words: of the verdict, and of a certificate."""
         if self.can_pass is None:
-            passes = "PASS: unknown until the unit's model is known"
+            passes = "PASS: not known before the unit's model is known"
         else:
             passes = "PASS: yes" if self.can_pass else f"PASS: no, {self.no_pass}"
-        certified = "certificate: yes" if self.can_certify else f"certificate: no, {self.no_certificate}"
-        return f"can end in {passes}", f"can end in a {certified}"
+        certified = "a certificate: yes" if self.can_certify else f"a certificate: no, {self.no_certificate}"
+        return f"can end in {passes}", f"can end in {certified}"
 
 
 class UnfinishedCampaign(FrozenValue):

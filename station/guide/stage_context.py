@@ -34,7 +34,7 @@ from station.stream.stream_events import EventLog
 if TYPE_CHECKING:
     from station.guide.sequential_campaign import SequentialCampaign  # a fixed plan need not wait for it
 
-POWER_CYCLED = "the unit was switched off and on: its biases are solved apart from before"
+POWER_CYCLED = "the unit was switched off and on: its biases are solved separately from before"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -167,7 +167,7 @@ class StageContext:
             self.checklist.redo(again)
         if not self.bench.asks and self.closings.is_vain(step.axis):
             wide = np.degrees(self.closings.found_std(step.axis))
-            remedy = f"check marks and stop, or state a closure of {wide:.2g} deg"
+            remedy = f"check marks and stop, or state a closure error of {wide:.2g} deg"
             raise DataRefused(
                 "hand turns", None, why, f"closures of {np.degrees(stated):.2g} deg", remedy, ErrorCode.PROCEDURE
             )
@@ -180,7 +180,7 @@ class StageContext:
             if isinstance(step, Turn) and step.axis == axis:
                 self.checklist.keep(step.name)
         self.event_log.say(
-            "", f"closures are now {np.degrees(now):.2g} deg, 1 sigma; recorded, and sigmas become wider"
+            "", f"closure error is now {np.degrees(now):.2g} deg (u); this is recorded, and uncertainties increase"
         )
 
     def accept(
@@ -207,7 +207,7 @@ class StageContext:
         )
         seconds = sum(last - first for first, last in runs) * period
         is_carried = moved is not None and not self.chain.doubt
-        no_move = f"no move to it: {self.chain.why}" if self.chain.why else self.chain.doubt
+        no_move = f"no transfer to it: {self.chain.why}" if self.chain.why else self.chain.doubt
         self.recorder.keep_no_move(step, no_move)
         note = ", ".join(filter(None, [note, no_move]))
         self.chain.begin(step, file, runs[-1][1], buffer)

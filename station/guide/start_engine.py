@@ -32,7 +32,8 @@ class EngineFailed(StationError):
         self.exit_code, self.said = exit_code, said
         last = said.strip().splitlines()[-1:] or [f"exit code {exit_code}"]
         super().__init__(
-            f"the engine has ended: {last[0]}; what was accepted is safe, see `station resume`. Report this bug"
+            f"the recording program has stopped: {last[0]}; all accepted steps are safe, see `station resume`. "
+            "Report this bug"
         )
 
 

@@ -65,7 +65,7 @@ def gap_in_words(warning: str, left_out: Mapping[str, Sequence[float]]) -> str:
     file, seconds = found["file"], float(found["seconds"])
     if not any(abs(seconds - each) < _NEAR_S for each in left_out.get(file, ())):
         return f"{file}: a gap of {seconds:.3g} s: samples were lost"
-    return f"{file}: {seconds:.1f} s left out, the cube was disturbed; the rest was accepted"
+    return f"{file}: {seconds:.1f} s discarded, because the cube was disturbed; the rest was accepted"
 
 
 def _words(found: re.Match[str]) -> str:

@@ -17,7 +17,7 @@ from station.stream.stream_events import Event, NewEvents, Sound
 
 BELL_STROKES: dict[Sound, int] = {"": 0, "start": 1, "still": 2, "accepted": 3, "rejected": 4}
 PROGRESS_EVERY_S = 25.0  # of accepted seconds between two lines of progress
-QUIET_HINTS = ("learning the noise", "waiting for still")
+QUIET_HINTS = ("measuring the noise", "waiting for stillness")
 CALIBRATION_KEYS: dict[str, CommandVerb] = {
     "r": "redo", "p": "pause", "k": "keep_seating", "f": "finish", "s": "store", "q": "leave", "c": "cancel",
     "g": "more",
@@ -26,13 +26,13 @@ STAGE_KEYS: dict[tuple[StageName, str], CommandVerb] = {  # where a key means an
     ("warm_up", "s"): "skip_warm_up", ("paused", "p"): "go_on",
 }  # fmt: skip
 KEYS_HELP = (
-    "keys, each followed by Enter: r do the last step again, r 3 position 3 again, r x+ that turn, n 4 do it "
-    "next, p pause or go on, k keep the cube as it sits, f finish with what is there, s skip the warm-up, at the "
-    "verdict s store, q leave to resume later, c cancel; a question is answered with the key it names"
+    "keys, each followed by Enter: r repeat the last step, r 3 repeat position 3, r x+ repeat that rotation, n 4 "
+    "do it next, p pause or continue, k keep the seating, f finish with the steps done, s skip the warm-up, at "
+    "the verdict s store, q leave to resume later, c cancel; answer a question with the key that it names"
 )
 AT_THE_END: dict[StageName, str] = {  # what can be typed then, each followed by Enter
-    "verdict": "s store the calibration, d the diagnosis, o the report, r 3 do position 3 again, r x+ that "
-    "turn, g one placing more where the plan is not fixed, q leave: it can be stored another day, c cancel",
+    "verdict": "s store the calibration, d the diagnosis, o the report, r 3 repeat position 3, r x+ repeat "
+    "that rotation, g one more placement (if the plan is not fixed), q leave and store it later, c cancel",
     "stored": "d the diagnosis, o the report, q leave",
 }
 REFUSED = "g try again, an address (such as serial:///dev/ttyUSB1) try that one, q leave: nothing was recorded"

@@ -85,14 +85,16 @@ class TurnClosures:
         """Ask whether to turn again or to state what was found."""
         wide, stated = np.degrees(self.found_std(axis)), np.degrees(self.closure_std)
         again = {
-            Closing.ONCE_MORE: "turn once more: it decides which of the two was off",
-            Closing.OTHER: "turn the other way again: that one was off",
-        }.get(self._verdict[axis], "turn both ways again, after a look at the marks and the stop")
+            Closing.ONCE_MORE: "rotate once more: this shows which of the two was wrong",
+            Closing.OTHER: "repeat the rotation in the other direction: that one was wrong",
+        }.get(self._verdict[axis], "repeat both directions, after a check of the marks and the stop")
         choices = (
             Choice(key=TURN_AGAIN, title=again),
-            Choice(key=WIDEN_CLOSURE, title=f"take them: closures are {wide:.2g} deg (1 sigma), not {stated:.2g}"),
+            Choice(key=WIDEN_CLOSURE, title=f"accept them: closure error {wide:.2g} deg (u), not {stated:.2g}"),
         )
-        return OperatorQuestion(text=f"The turns about {axis.upper()} did not close as stated.", choices=choices)
+        return OperatorQuestion(
+            text=f"The rotations about {axis.upper()} do not meet the stated closure error.", choices=choices
+        )
 
 
 def agreement_in_words(seen: TurnCounts, partner: TurnCounts | None, closure_std: float) -> str:
@@ -100,12 +102,12 @@ def agreement_in_words(seen: TurnCounts, partner: TurnCounts | None, closure_std
     if partner is None:
         return ""
     off, most = np.degrees(abs(pair_difference(seen, partner))), np.degrees(pair_limit(seen, partner, closure_std))
-    return f"{off:.3f} deg from the turn the other way, limit {most:.3f}"
+    return f"pair differs by {off:.3f} deg (limit {most:.3f})"
 
 
 def earth_rate_says(change: tuple[float, float] | None) -> str:
     """Say what the horizontal Earth rate tells of how a turn came back: angle and 1 sigma [deg]."""
-    return "" if change is None else f"came back within {abs(change[0]):.1f} deg (1 sigma {change[1]:.1f} deg)"
+    return "" if change is None else f"closed within {abs(change[0]):.1f} deg (u = {change[1]:.1f} deg)"
 
 
 def heading_moved(
@@ -126,13 +128,13 @@ def heading_moved(
 def what_now(found: Closing, step: Turn, off: float, most: float) -> str:
     """Say what the turns about an axis say together, and what is to be done; ``off`` and its limit [rad]."""
     name, other = step_title(step), step_title(_other_way(step))
-    how = f"{name} and {other} came back {np.degrees(abs(off)):.2f} deg apart, limit {np.degrees(most):.2f}"
+    how = f"{name} and {other} differ by {np.degrees(abs(off)):.2f} deg, limit {np.degrees(most):.2f}"
     return {
-        Closing.ONCE_MORE: f"{how}: one more {name} decides which was off",
-        Closing.OTHER: f"{how}: {name} is confirmed, do {other} again",
-        Closing.REPEATS: f"{how}, and each repeats: another stop in each direction, or the scale factor differs "
-        f"by direction; do both again",
-        Closing.APART: f"{how}, and no two agree: check the marks, and that the cube turns flat; do both again",
+        Closing.ONCE_MORE: f"{how}: one more {name} shows which was wrong",
+        Closing.OTHER: f"{how}: {name} is confirmed, repeat {other}",
+        Closing.REPEATS: f"{how}, and each repeats: the stop or the scale factor depends on the "
+        f"direction; repeat both",
+        Closing.APART: f"{how}, and no two agree: check the marks, and that the cube rotates flat; repeat both",
     }[found]
 
 

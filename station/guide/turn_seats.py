@@ -29,7 +29,7 @@ def lies_otherwise(before: PositionRates, after: PositionRates) -> str:
     limit = np.maximum(MIN_TILT_SIGMAS * np.hypot(before[2], after[2])[level] / per_g, ALIKE_RAD)
     if np.all(np.abs(off) <= limit):
         return ""
-    return f"the cube lies tilted by {np.linalg.norm(off) / RAD_PER_ARCSEC:.0f} arcsec from how it lay before"
+    return f"the cube is tilted by {np.linalg.norm(off) / RAD_PER_ARCSEC:.0f} arcsec against its earlier seating"
 
 
 def keep_to_judge(context: StageContext, step: Turn, before: PositionRates, after: PositionRates) -> None:
@@ -44,4 +44,4 @@ def reject_tilted_turns(context: StageContext) -> None:
         step, found = context.checklist.step(name), compared(context.bench, context.judges, rest, is_again=False)
         if isinstance(step, Turn) and found is not None and (why := judge(found)) and context.checklist.redo(name):
             del context.turn_rests[name]
-            context.event_log.say("rejected", f"{step_title(step)}: the cube was {why}; lift, wipe, turn again")
+            context.event_log.say("rejected", f"{step_title(step)}: the cube was {why}; lift, wipe, rotate again")

@@ -92,7 +92,7 @@ class TurnStage(Stage):
     def interrupted(self) -> Stage:
         """Give the turn up: the stream broke it."""
         self._context.position = 0
-        return self._again("the stream was interrupted; the turn begins again", must_move=False)
+        return self._again("the data stream was interrupted; the rotation starts again", must_move=False)
 
     def answer(self, key: str) -> None:
         """Take the operator's word for the position, or for what becomes of turns that did not close."""
@@ -123,10 +123,10 @@ class TurnStage(Stage):
         if not self._is_ready:
             line = rest_before(self._step)
         elif self._is_back:
-            line = f"hands off: it rests after {step_title(self._step)}"
+            line = f"hands off: the cube rests after {step_title(self._step)}"
         elif watch.is_moving:
             line = f"{step_title(self._step)}: {abs(turn.revolutions):.2f} of {turn.wanted} turns"
-            hint = _speed(turn) if not watch.rested_s else "turn on, without a rest"
+            hint = _speed(turn) if not watch.rested_s else "continue the rotation without a rest"
             if self._is_wrong_way:
                 hint = f"wrong direction: turn {turn_sense(self._step)}, seen from above"
         return {
@@ -173,7 +173,7 @@ class TurnStage(Stage):
             or round(found) == wanted
         ):
             return ""
-        return f"it was about {found:.1f} revolutions, expected {wanted}"
+        return f"about {found:.1f} revolutions were made, expected {wanted}"
 
     def _revolutions(self) -> float:
         """Return how far it has turned since it began to move."""
@@ -194,7 +194,7 @@ class TurnStage(Stage):
         if self._position in {0, step.start_position}:
             return ""
         where = f"position {self._position}" if self._position > 0 else "no position, 90 deg off the marks"
-        return f"the cube stands in {where}; a {step_title(step)} begins in position {step.start_position}"
+        return f"the cube is in {where}; {step_title(step)} starts in position {step.start_position}"
 
     def _follow(self, block: Block, look: BlockLook) -> Stage:
         context, watch = self._context, self._watch
@@ -211,7 +211,7 @@ class TurnStage(Stage):
             if self._is_wrong_way:
                 return self
         if look.is_still and look.face != face_of(self._step.start_position):
-            return self._again(f"{step_title(self._step)}: the cube was tipped over; once more", must_move=False)
+            return self._again(f"{step_title(self._step)}: the cube was tipped over; repeat", must_move=False)
         if not watch.is_over:
             return self
         return self._over()
@@ -220,18 +220,18 @@ class TurnStage(Stage):
         """Judge the whole turn."""
         context, watch = self._context, self._watch
         if abs(self._revolutions()) < TOUCHED_REVOLUTIONS:
-            context.event_log.say("still", "touched before the turn: keep your hands off")
+            context.event_log.say("still", "touched before the rotation: keep your hands off")
             return self._again("", must_move=False)
         if why := watch.fault() or self._wrong_count():
             return self._again(f"{step_title(self._step)}: {why}; once more", must_move=False)
         change = self._heading_moved()
         closure_deg = np.degrees(context.closings.closure_std)
         if change is not None and abs(change[0]) > GROSS_SIGMAS * np.hypot(change[1], closure_deg):
-            why = f"it came back {abs(change[0]):.1f} deg off (1 sigma {change[1]:.1f} deg)"
+            why = f"closure error {abs(change[0]):.1f} deg (u = {change[1]:.1f} deg)"
             return self._again(f"{step_title(self._step)}: {why}; once more", must_move=False)
         before, after = (rest_rates(context, self._step.start_position, each) for each in self._rests)
         if why := lies_otherwise(before, after):
-            return self._again(f"{step_title(self._step)}: {why}; lift, wipe, turn again", must_move=True)
+            return self._again(f"{step_title(self._step)}: {why}; lift, wipe, rotate again", must_move=True)
         seen = self._seen()
         partner = context.closings.partner(self._step.axis, self._step.direction)
         told = agreement_in_words(seen, partner, context.closings.closure_std) or earth_rate_says(change)
@@ -260,7 +260,7 @@ class TurnStage(Stage):
         other = self._other
         if other is None or self._takes_other is False:
             expected = f"expected {turn_sense(self._step)} seen from above"
-            return f"{step_title(self._step)}: wrong direction, {expected}; once more"
+            return f"{step_title(self._step)}: wrong direction, {expected}; repeat"
         if self._takes_other or not self._context.bench.asks:
             self._context.event_log.say("", f"taken as {step_title(other)}")
             self._step = other

@@ -36,22 +36,22 @@ def same_unit(before: UnitRecord, now: UnitRecord) -> Sameness:
     """
     if before.serial_from_wire and now.serial_from_wire:
         if (before.model, before.serial) == (now.model, now.serial):
-            return Sameness("yes", f"it sends serial number {now.serial}, as when the campaign began")
-        text = f"it sends {now.model} {now.serial}, the campaign began with {before.model} {before.serial}"
+            return Sameness("yes", f"it sends serial number {now.serial}, as at the start of the campaign")
+        text = f"it sends {now.model} {now.serial}, the campaign started with {before.model} {before.serial}"
         return Sameness("no", text)
     if abs(now.period / before.period - 1) > MAX_PERIOD_DIFFERENCE:
         text = f"it sends every {now.period:.6g} s, the campaign's unit every {before.period:.6g} s"
         return Sameness("no", text)
     if before.rate is None or before.noise is None or now.rate is None or now.noise is None:
-        return Sameness("unsure", "it sends no serial number, and there is no dwell yet to compare with")
+        return Sameness("unsure", "it sends no serial number, and no dwell is recorded yet to compare with")
     rate, other = np.array(now.rate), np.array(before.rate)
     if (here := _face(rate)) != (there := _face(other)):
         text = f"it rests with {here}; put it down with {there}, as in the campaign's first dwell, to compare"
         return Sameness("unsure", text)
     noise, other_noise = (np.maximum(np.array(each), MIN_VARIANCE) for each in (now.noise, before.noise))
     if unlike := _differences(rate, other, noise, other_noise):
-        return Sameness("unsure", f"unlike the campaign's first dwell: {', '.join(unlike)}")
-    return Sameness("yes", "it sends no serial number, but its rates and noise are those of the first dwell")
+        return Sameness("unsure", f"different from the campaign's first dwell: {', '.join(unlike)}")
+    return Sameness("yes", "it sends no serial number, but its rates and noise match the first dwell")
 
 
 def _face(rate: np.ndarray[tuple[int], np.dtype[np.float64]]) -> str:

@@ -83,8 +83,8 @@ class WarmUpStage(Stage):
         if found.accel is not None and history.accel is not None:
             accel_g = float(np.max(found.accel) / np.max(np.abs(history.accel)))
         context.recorder.set_unsettled(gyro_deg_h, accel_g)
-        text = f"warm-up skipped: biases may drift by {gyro_deg_h:.2g} deg/h and {accel_g * UG_PER_G:.2g} ug"
-        context.event_log.say("", f"{text}; recorded, and the sigmas become wider")
+        text = f"warm-up was skipped: biases may drift by {gyro_deg_h:.2g} deg/h and {accel_g * UG_PER_G:.2g} ug"
+        context.event_log.say("", f"{text}; this is recorded, and uncertainties increase")
         return self._then(context)
 
     def shown(self) -> dict[str, Any]:
@@ -94,7 +94,7 @@ class WarmUpStage(Stage):
             warm = warm.model_copy(update=self._figures(self._state))
         warm = warm.model_copy(update={"note": self._hint or waits_for(warm)})
         return {
-            "stage": "warm_up", "warm_up": warm, "line": "leave the cube at rest on the slab",
+            "stage": "warm_up", "warm_up": warm, "line": "leave the cube at rest on the surface plate",
             "hint": self._hint,
         }  # fmt: skip
 
@@ -152,13 +152,13 @@ def waits_for(warm: WarmUpView) -> str:
     if drift is None or limit is None:
         return "measuring the drift of the gyros"
     if drift > limit:
-        wanted = f"waiting for a gyro drift below {rounded(limit, limit)} deg/h"
+        wanted = f"waiting until the gyro drift is below {rounded(limit, limit)} deg/h"
         return f"{wanted}, now {rounded(drift, limit)} deg/h"
     rate, most = warm.temperature_rate_c_min, warm.temperature_limit_c_min
     if rate is not None and most is not None and abs(rate) > most:
-        wanted = f"waiting for a temperature rate below {rounded(most, most)} °C/min"
+        wanted = f"waiting until the temperature rate is below {rounded(most, most)} °C/min"
         return f"{wanted}, now {rounded(abs(rate), most)} °C/min"
-    return f"the gyro drift is below {rounded(limit, limit)} deg/h: waiting to be sure of it"
+    return f"the gyro drift is below {rounded(limit, limit)} deg/h: confirming"
 
 
 def _per_minute(per_second: float | None) -> float | None:

@@ -34,7 +34,7 @@ def after_dwell(context: StageContext, again: Callable[[str], Stage]) -> Stage:
         then = {REDO: partial(_redo, context, dwell, error, again), KEEP: partial(again, "")}
         choices = (
             Choice(key=REDO, title=f"record position {dwell.words} again, set along the marks"),
-            Choice(key=KEEP, title="keep it: the solution names it, the sigmas do not cover it"),
+            Choice(key=KEEP, title="keep it: the solution lists it, the uncertainties do not include it"),
         )
         return QuestionStage(
             context, OperatorQuestion(text=f"{told[0].upper()}{told[1:]}.", choices=choices), then
@@ -45,4 +45,4 @@ def after_dwell(context: StageContext, again: Callable[[str], Stage]) -> Stage:
 def _redo(context: StageContext, dwell: Dwell, error: HeadingError, again: Callable[[str], Stage]) -> Stage:
     context.checklist.redo(dwell.name)
     way = "counter-clockwise" if error.angle > 0 else "clockwise"
-    return again(f"set position {dwell.words} along the marks: it stood too far {way}")
+    return again(f"set position {dwell.words} along the marks: it was too far {way}")

@@ -85,10 +85,10 @@ class ErrorAtRest:
 
     def _known(self) -> str:
         if self._latitude is None:
-            return "drift holds the Earth's rate: no --latitude"
+            return "drift includes the Earth's rate: no --latitude"
         if self._heading is None:
-            return "Earth's rate off, its level part by size"
-        return "the Earth's rate is taken off"
+            return "Earth's rate corrected, its level part by size"
+        return "the Earth's rate is corrected"
 
     def _has_moved(self, inputs: RatesAndForces) -> bool:
         rate, force = self._sums["with"] / self._n

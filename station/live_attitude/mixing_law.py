@@ -76,9 +76,9 @@ class MixingLawTrack:
 
     def _note(self, mixer: ComplementaryFilter) -> str:
         if mixer.is_printed and abs(mixer.attitude[1]) > STEEP_PITCH:
-            return f"{self._law}: pitch beyond 80 deg, where its Euler angles fail; use joint or mixer"
+            return f"{self._law}: pitch beyond 80 deg, its Euler angles fail there; use joint or mixer"
         if self._form == "paper-filter" and self._turning_s > MAX_FILTERED_TURN_S:
-            return f"{self._law}: turning for more than {MAX_FILTERED_TURN_S:.0f} s, where it diverges; use joint"
+            return f"{self._law}: rotating for more than {MAX_FILTERED_TURN_S:.0f} s, it diverges then; use joint"
         return ""
 
     def _log(self, t: FloatArray, inputs: RatesAndForces, aiding: AidValues) -> AttitudeLog:

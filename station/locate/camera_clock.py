@@ -64,7 +64,7 @@ def suspected_offset(log: FusionLog) -> str:
             if abs(found.offset) < max(SIGNIFICANT_SIGMAS * found.std, HARMLESS_OFFSET_S):
                 return ""
             said = f"{found.offset * 1e3:.1f} +- {found.std * 1e3:.1f} ms"
-            return f"the camera's stamps seem to be off by {said}: say time_offset_s in [tracks]"
+            return f"the camera's time stamps seem to be wrong by {said}: state time_offset_s in [tracks]"
     return ""
 
 

@@ -139,7 +139,7 @@ def _placed(file: Path, records: list[Record], times: FixTimes, imu: ImuSeries) 
     if len(used) < 2:
         raise DataRefused(
             file, None,
-            f"{plural(len(used), 'fix')} with a place in three dimensions while the IMU was recorded",
+            f"{plural(len(used), 'fix')} with a 3D position while the IMU was recorded",
             "two or more",
             "give the receiver a view of the sky; --gnss URL records it beside the IMU",
         )  # fmt: skip
@@ -151,7 +151,7 @@ def _said(folder: Path, made: FusionRecording, rest: Rest, applied: AppliedCalib
     imu, fixes, seen = made.imu, made.fixes, made.seen
     rested = f"noise from {rest.seconds:.0f} s of rest"
     if rest.seconds < MIN_REST_S:
-        rested = f"warning: no rest of {MIN_REST_S:g} s, the noise is that of the quietest seconds"
+        rested = f"warning: no rest of {MIN_REST_S:g} s was found, the noise is that of the quietest seconds"
     what = [f"{imu.t[-1] - imu.t[0]:.1f} s of IMU", plural(len(fixes.t), "fix")]
     what += [] if seen is None else [f"{plural(len(seen.tracks.frames()[0]), 'frame')} of the camera"]
     what += [] if made.wheel is None else [f"{plural(len(made.wheel.speeds.t), 'speed')} of the wheel"]

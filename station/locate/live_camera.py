@@ -34,8 +34,8 @@ SAME_S = 0.001  # s, within which a frame is a keyframe's
 EARLY_S = 0.06  # by which a frame is to be known before a keyframe comes near it
 SILENT_S = 2.0
 MIN_IMAGE_SPACING_S = 0.03  # between images that are followed
-TURN_ADVICE = "its delay is not known: turn it unevenly"
-MISFIT_ADVICE = "its turns are not the gyro's: check its file"
+TURN_ADVICE = "its delay is not known: rotate it unevenly"
+MISFIT_ADVICE = "its rotations differ from the gyro's: check its file"
 UNKNOWN_OFFSET = CameraTimeOffset(0.0, 0.1)
 GENTLE_S = 0.015  # 1 sigma of the delay that does where all turns are gentle: the window goes on fitting it
 
@@ -202,7 +202,7 @@ class LiveCamera:
         """How the camera does, in words."""
         silent = self._now - self._came_at
         if silent > SILENT_S >= self._now - self._spoilt_at:
-            return "images are no JPEG, or of another size than the first"
+            return "images are not JPEG, or their size differs from the first"
         if SILENT_S < silent < np.inf:
             return f"no image for {silent:.0f} s"
         if not self._frames:
@@ -211,7 +211,7 @@ class LiveCamera:
             return self._hint
         dropped = f", {plural(self.dropped, 'image')} dropped" if self.dropped else ""
         if (age := min(self._ages) - self.offset.offset) > REACH_S:
-            return f"images are {age:.1f} s late, of use up to {REACH_S:g} s{dropped}"
+            return f"images are {age:.1f} s late, usable up to {REACH_S:g} s{dropped}"
         features, late = plural(len(self._frames[-1].feature), "feature"), -self.offset.offset - self.fitted
         return f"{features}, stamps {late * 1e3:.0f} ms late{dropped}"
 

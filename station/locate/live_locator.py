@@ -111,7 +111,7 @@ class LiveLocator:
         if self._beginning is None and (noise := self._noise_of(imu)) is not None:
             self._beginning = LiveAlignment(self._aligner(noise), self._camera)
         if self._beginning is None:
-            begun, why = None, "keep it still for 10 s: its noise is learnt"
+            begun, why = None, "keep it still for 10 s: its noise is measured"
         else:
             begun = self._beginning.attempt(imu, fixes)
             why = self._beginning.why

@@ -68,7 +68,7 @@ class LiveWheel:
         if window is None or self._aid is None:
             return "it waits for position and heading"
         if self._aid.late:
-            return f"its speeds come {self._age:.1f} s late: too late to be used"
+            return f"its speeds arrive {self._age:.1f} s late: too late for use"
         if self._aid.slips_now:
             return "it slips"
         return f"scale {1 + window.state.wheel:.4f} +- {window.wheel_std:.4f}"

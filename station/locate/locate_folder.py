@@ -63,5 +63,5 @@ def location_text(document: dict[str, Any], fixes: int) -> str:
     lines.append(f"rejected fixes        {document['rejected_fixes']} of {fixes}")
     for name, said in (("online", "error, online"), ("batch", "error, smoothed")):
         if error := document.get("error_m", {}).get(name):
-            lines.append(f"{said:<22}mean {error['mean']:.3f} m, largest {error['max']:.3f} m, nothing aligned")
+            lines.append(f"{said:<22}mean {error['mean']:.3f} m, largest {error['max']:.3f} m, without alignment")
     return "\n".join(lines + [f"warning: {warning}" for warning in document["warnings"]])

@@ -14,6 +14,6 @@ def by_odometry(log: FusionLog, _layers: int = 2) -> Located:
     kept, dropped = without_restarts(log.odometry)
     if len(kept) < 2:
         file = log.folder / log.table.odometry.file
-        raise DataRefused(file, None, "a restart at its end", "an odometry that goes on")
-    said = f"{log.table.odometry.file}: {dropped} poses before a step that no motion explains were dropped"
+        raise DataRefused(file, None, "a restart at the end", "odometry data after it")
+    said = f"{log.table.odometry.file}: {dropped} poses before an impossible step were discarded"
     return through_graph(log, RecordedOdometry(kept), (said,) if dropped else ())

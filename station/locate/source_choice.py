@@ -9,7 +9,7 @@ from station.locate.odometry_source import by_odometry
 from station.locate.result import Located
 
 MAX_OUTLIER_SHARE = 0.3  # of the fixes: more than any receiver's outliers
-DOUBT = "{} of {} fixes stand off by more than 5 sigma: look at their sigmas, units, clock and lever arm"
+DOUBT = "{} of {} fixes are outliers of more than 5 sigma: check their uncertainties, units, clock and lever arm"
 SOURCES = {"inertial": by_imu, "odometry": by_odometry, "vision": by_vision}
 
 

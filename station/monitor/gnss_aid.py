@@ -39,7 +39,7 @@ class AidSilence:
             return ""
         self._is_told = True
         found, expected, instead = EXPECTED[self._aid]
-        return f"{found} for {SILENT_S:.0f} s, expected {expected}; check --gnss, or take {instead}"
+        return f"{found} for {SILENT_S:.0f} s, expected {expected}; check --gnss, or use {instead}"
 
 
 def aiding_of(records: Sequence[Record], aid: str, host_ns: int) -> AidValues:

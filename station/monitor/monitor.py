@@ -47,8 +47,8 @@ if TYPE_CHECKING:  # graphs and their libraries: only where it is located
 
 TICK_S = 0.1
 VEHICLE_WARNING = (
-    "it moves as a vehicle does, and no velocity aids: the gyros are believed for minutes, sigma is wide; "
-    "--gnss would tell"
+    "it moves like a vehicle without velocity aid: the attitude relies on the gyros, its uncertainty is large; "
+    "use --gnss"
 )
 HISTORY = 600  # points: a minute
 
@@ -155,14 +155,14 @@ class Monitor:
         elif verb == "anew":
             self._history.clear()
             self._rest.begin_anew()
-            self._say("", "anew", "charts and comparison begin anew")
+            self._say("", "anew", "charts and comparison restarted")
         elif verb == "record":
             self._record()
         self._show()
 
     def at_end(self) -> None:
         """Say that a replay is over."""
-        self._say("", "end", "the replay is at its end")
+        self._say("", "end", "end of the replay")
         self._show()
 
     def close(self) -> None:
@@ -189,7 +189,7 @@ class Monitor:
             self._told_north = True
             heading, std = np.degrees(self._track.north)
             self._say(
-                "accepted", "north", f"north by the Earth's rate: heading {heading % 360:.1f} deg, sigma {std:.1f}"
+                "accepted", "north", f"north from the Earth's rate: heading {heading % 360:.1f} deg, u = {std:.1f}"
             )
 
     def _say_vehicle(self) -> None:
@@ -201,16 +201,14 @@ class Monitor:
         reading = self.view.reading
         if self.view.zero is not None:
             self._change(zero=None)
-            self._say("", "zero", "zero taken away: angles are absolute")
+            self._say("", "zero", "zero removed: angles are absolute")
         elif reading is not None:
             self._change(zero=(reading.roll, reading.pitch))
-            self._say(
-                "", "zero", f"zero at roll {reading.roll:.3f}, pitch {reading.pitch:.3f} deg, of the display only"
-            )
+            self._say("", "zero", f"zero at roll {reading.roll:.3f}, pitch {reading.pitch:.3f} deg (display only)")
 
     def _record(self) -> None:
         if self._recording is None:
-            self._say("rejected", "record", "nowhere to record to: give --folder")
+            self._say("rejected", "record", "no folder to record into: give --folder")
         elif self._recording.name:
             self._say("accepted", "record", f"{self._recording.end()} is complete")
         else:
@@ -261,7 +259,7 @@ class Monitor:
             self._say("rejected", "aid silent", said)
         read = self._laws.take(tick.t, tick.calibrated, aiding)
         if read is None:
-            self._change(line="keep it still for 2 s: learning the noise")
+            self._change(line="keep it still for 2 s: measuring the noise")
             return
         found, laws = read
         self._rest.take(tick, TICK_S, rests=found.mode == "at rest")
@@ -311,14 +309,14 @@ class Monitor:
             self._say("", "alarm over", text)
         silent = self._feed.silent
         if without_numbers(silent) != without_numbers(self._silent):
-            self._say("rejected" if silent else "accepted", "channel", silent or "all channels change again")
+            self._say("rejected" if silent else "accepted", "channel", silent or "all channels work again")
         self._silent = silent
         self._change(alarms=(*self._watch.on.values(), *([silent] if silent else [])))
 
     def _is_well(self, trouble: str) -> None:
         if trouble != self._health.trouble:
             self._health.trouble = trouble
-            self._say("rejected" if trouble else "accepted", "stream", trouble or "data are coming again")
+            self._say("rejected" if trouble else "accepted", "stream", trouble or "data arrive again")
 
     def _hear_of(self, stream: StreamState) -> None:
         """Say what is wrong with what stands beside the IMU as it appears, and when it is over."""

@@ -132,7 +132,7 @@ def _opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], 
     try:
         refuse_without_velocity(laws, aid_name)
     except ValueError as error:
-        raise DataRefused(feed.address.path, None, str(error), "a recording with a receiver") from None
+        raise DataRefused(feed.address.path, None, str(error), "a recording that includes a receiver") from None
     camera = None if described is None else _camera(described, source, beside, stack)
     wheel = None if rolling is None else _wheel(rolling, source, beside, stack)
     where = _locating(wanted, feed, applied, aid, described, rolling, stack)

@@ -14,7 +14,9 @@ from station.text.plural import plural
 MONITOR_FORMAT = "monitor/1"
 READING_EVERY_S = 1.0  # of the device's time, between two lines of text
 MONITOR_KEYS: dict[str, MonitorVerb] = {"m": "mark", "r": "record", "z": "zero", "n": "anew", "q": "leave"}
-MONITOR_KEYS_HELP = "keys, each followed by Enter: m mark, r record or end it, z zero on or off, n anew, q leave"
+MONITOR_KEYS_HELP = (
+    "keys, each followed by Enter: m mark, r start or stop recording, z zero on or off, n restart charts, q leave"
+)
 
 
 def json_line(view: MonitorView) -> str:
@@ -119,7 +121,7 @@ def reading_line(view: MonitorView) -> str:
     zeroed = " from zero" if view.zero else ""
     sigma = f"{reading.sigma:.3f}" if math.isfinite(reading.sigma) else "not known"
     line = (
-        f"{reading.t:.1f} s: roll {shown[0]:.3f}, pitch {shown[1]:.3f} deg{zeroed}, 1 sigma {sigma}, "
+        f"{reading.t:.1f} s: roll {shown[0]:.3f}, pitch {shown[1]:.3f} deg{zeroed}, u {sigma}, "
         f"{reading.mode}, residual {reading.residual:.3f} deg"
     )
     if view.laws:
@@ -150,7 +152,7 @@ def laws_line(laws: Sequence[LawReading]) -> str:
 def settles_in_words(law: LawReading) -> str:
     """Return the bias of a law at this bank, where it will settle: You and Lee (8)."""
     if law.settles is None:
-        return f"bias of {law.law}: no velocity says it"
+        return f"bias of {law.law}: not known without a velocity"
     roll, pitch, roll_std, pitch_std = law.settles
     within = [f" +- {std:.3f}" if math.isfinite(std) else "" for std in (roll_std, pitch_std)]
     return f"bias of {law.law} at this bank: roll {roll:+.3f}{within[0]}, pitch {pitch:+.3f}{within[1]} deg"

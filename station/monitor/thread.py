@@ -14,7 +14,7 @@ from station.live_attitude.side_by_side import compile_laws
 from station.monitor.monitor import Monitor
 from station.monitor.view import MonitorVerb
 
-PREPARING = "preparing: the filter is compiled once on this machine, which takes up to a minute"
+PREPARING = "preparing: the filter is compiled once on this computer (up to one minute)"
 
 
 class MonitorThread:

@@ -25,7 +25,7 @@ from station.files.setup import Setup
 from station.results.contradictory_dwells import contradiction_of
 from station.results.kept_tilted_dwells import doubt_of
 from station.results.measurement_circumstances import circumstances, diagnosis_kept, judged_values
-from station.results.verdict import LimitVerdict, judge
+from station.results.verdict import LimitVerdict, judge, what_to_do
 
 if TYPE_CHECKING:
     from sqlalchemy.orm import Session
@@ -73,7 +73,7 @@ def make_results(
     )
     from station.results.diagnosis.closed_loop import close_loop
     from station.results.diagnosis.diagnosis_html import section_html
-    from station.results.diagnosis.diagnosis_wording import left_said
+    from station.results.diagnosis.diagnosis_wording import left_said, verdict_sentence
     from station.results.report.report import report_context, write_report
     from station.results.solution_json import solution_document
 
@@ -86,11 +86,11 @@ def make_results(
     budgets = closed.budgets()
     outcome = judge(document, limits, {one.name: one.std for one in budgets})
     if left := left_said(closed.document, budgets):
-        outcome = replace(outcome, reason=f"{outcome.reason}; {left}")
+        outcome = replace(outcome, reason=f"{outcome.reason}. Note: {left}")
     is_certified = len(loaded.campaign.fixture.faces) == len(FACES)
     doubt = doubt_of(loaded.tables) or contradiction_of(closed.document, is_certified=is_certified)
     if doubt:
-        outcome = replace(outcome, reason=f"{doubt}; {outcome.reason}")
+        outcome = replace(outcome, reason=f"{doubt}. {outcome.reason[:1].upper()}{outcome.reason[1:]}")
     status_reason = "; ".join(reasons)
     status: Literal["calibrated", "measured"] = "measured" if reasons else "calibrated"
     context = replace(
@@ -101,6 +101,8 @@ def make_results(
         truth=truth or {},
         bench={"Status": f"{status}: {status_reason}" if reasons else status},
         diagnosis=section_html(closed.document, closed.diagnosis),
+        cause=verdict_sentence(closed.document),
+        advice=what_to_do(outcome.word, closed.document["next_measurement"], doubt=doubt, has_limits=bool(limits)),
     )
     results = CampaignResults(
         folder, closed.solution, document, outcome, doubt, status, status_reason, context,

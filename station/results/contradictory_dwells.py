@@ -37,8 +37,8 @@ def contradiction_of(document: Mapping[str, Any], *, is_certified: bool = False)
     off = max(off, 0.0, *(each["before"] for each in document["error"] if each["quantity"] == OF_DWELLS))
     if off > PLAUSIBLE_FACE_TILT_RAD or _is_seat_too_large(document):
         return (
-            f"do not rely on it: the dwells contradict each other by {np.degrees(off):.2g} deg, as when the cube "
-            f"stood on something, or in another position than was recorded"
+            f"do not use this result: the dwells contradict each other by {np.degrees(off):.2g} deg (possibly "
+            f"debris under the cube, or a position with a wrong label)"
         )
     off = max(_off_certificate(document), default=0.0) if is_certified else 0.0
     return _said_of_certificate(off) if off else _said_of_step(document)
@@ -85,14 +85,14 @@ def _said_of_step(document: Mapping[str, Any]) -> str:
     if worst is None or worst["size"] < FAR_BEYOND_NOISE:
         return ""
     return (
-        f"do not rely on it: {worst['what']} is {worst['size']:.2g} times farther off than its noise, "
-        f"and no cause is known; record it again"
+        f"do not use this result: the error of {worst['what']} is {worst['size']:.2g} times its noise, and the "
+        f"cause is unknown; record it again"
     )
 
 
 def _said_of_certificate(off: float) -> str:
     size = f"{off / RAD_PER_ARCSEC:.0f} arcsec" if off < PLAUSIBLE_FACE_TILT_RAD else f"{np.degrees(off):.2g} deg"
     return (
-        f"do not rely on it: the dwells contradict the certificate of the cube's faces by {size}, as when the "
-        f"cube stood on something, and do not tell where; record both positions of every face"
+        f"do not use this result: the dwells disagree with the face certificate by {size} (possibly debris under "
+        f"the cube, position unknown); record both positions of every face again"
     )

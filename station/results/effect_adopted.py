@@ -59,7 +59,9 @@ def _document(content: bytes, path: Path) -> Mapping[str, Any]:
     except (ValueError, RecursionError):
         document = None
     if not isinstance(document, dict) or document.get("format") != "diagnosis/1":
-        raise DataRefused(path, None, "no diagnosis/1", "what `station diagnose --json` wrote", "name that file")
+        raise DataRefused(
+            path, None, "no diagnosis/1", "the output of `station diagnose --json`", "name that file"
+        )
     return document
 
 
@@ -78,10 +80,10 @@ def _chosen(there: list[tuple[str, Mapping[str, Any]]], wanted: str | None, path
     names = ", ".join(f"{number} {_name(one)}".strip() for number, one in there)
     if not there:
         expected = "a finding with a term; the catalogue's effects need no file"
-        raise DataRefused(path, None, "no effect of its own", expected, "diagnose with --effects FILE")
+        raise DataRefused(path, None, "no user-defined error term", expected, "diagnose with --effects FILE")
     kept = [one for number, one in there if wanted is None or wanted in (number, _name(one))]
     if len(kept) != 1:
-        found = f"{len(kept)} of them" if kept else f"finding {wanted} without a term of its own"
+        found = f"{len(kept)} of them" if kept else f"finding {wanted} without its own term"
         raise DataRefused(path, None, found, f"one of {names}", "give --finding N, or its name")
     return kept[0]
 

@@ -29,13 +29,13 @@ def why_not_confirmed(document: Mapping[str, Any], entry: Mapping[str, Any], ori
     if set(recordings(document)) & set(origin.data) or set(_files(document).values()) & tomls:
         return "it was found in some of these recordings"
     if "coefficients" not in entry:
-        return "the diagnosis proposes it, and has it not in its model from the start"
+        return "the diagnosis proposes it, but its model did not include it from the start"
     if document.get("verdict") in LEFT:
         return f"with it in the model the verdict is {document['verdict']}"
     shape = entry.get("units", {})
     sigmas = [one["value"] / one["std"] for name, one in entry["coefficients"].items() if name not in shape]
     if not sigmas or log_chi2_sf(float(np.sum(np.square(sigmas))), len(sigmas)) >= MAX_LOG_P:
-        return "its coefficients do not differ from nought here"
+        return "its coefficients do not differ from zero here"
     return ""
 
 
@@ -47,7 +47,7 @@ def _files(document: Mapping[str, Any]) -> dict[str, str]:
 def confidence_text(file: EffectFile, why: str = "") -> str:
     """Return how sure an adopted effect is, and ``why`` not surer; nothing of one that no search found."""
     if file.is_only_proposed:
-        why = why or "no data but those it was found in show it"
+        why = why or "only the data in which it was found show it"
         return f"proposed: {why}; diagnose a later campaign with --effects and adopt it from there"
     if file.origin is not None and file.origin.confidence:
         return f"confirmed by {', '.join(file.origin.confirmed_by)}"

@@ -30,31 +30,29 @@ def tried_text(file: EffectFile, campaigns: Sequence[LoadedCampaign]) -> str:
 def _answer(file: EffectFile, found: Diagnosis) -> str:
     named = [one for one in found.findings if one.effect == file.name]
     if named:
-        return f"it is there, {named[0].confidence}"
+        return f"it is present, {named[0].confidence}"
     if missing := file.term.missing(found.evidence.excitation):
-        return f"left out: {', '.join(missing)} not recorded"
+        return f"not tested: {', '.join(missing)} not recorded"
     if alike := [one.effect for one in found.findings if file.name in one.aliases]:
-        return f"these campaigns cannot tell it from {', '.join(alike)}"
+        return f"these campaigns cannot separate it from {', '.join(alike)}"
     test = next((one for one in found.tried if one.effect == file.name), None)
     if test is None:
-        return "these campaigns cannot tell it: the model's own parameters take its place, or nothing excites it"
+        return "these campaigns cannot determine it: the model's own parameters absorb it, or nothing excites it"
     return _not_found(file, exp(test.log_p_adjusted), test.log_p_adjusted < MAX_LOG_P, found)
 
 
 def _not_found(file: EffectFile, p: float, is_seen: bool, found: Diagnosis) -> str:
     """Return why an effect that was tried, with ``p`` over all that was tried, is not among the findings."""
-    said = f"over all that was tried p = {p:.2g}"
+    said = f"corrected for all terms tried, p = {p:.2g}"
     if not is_seen:
         return f"not seen: {said}"
-    sizes = {each.effect: f"{significant(each.times)} times larger than is plausible" for each in found.too_large}
+    sizes = {each.effect: f"{significant(each.times)} times its expected size" for each in found.too_large}
     if file.name in sizes:
-        return f"seen ({said}) and not kept: it would be {sizes[file.name]}"
+        return f"seen ({said}) and not accepted: it would be {sizes[file.name]}"
     triad = file.name.partition(".")[0]
     if other := next((each for each in sizes if each.startswith(f"{triad}.")), None):
-        return f"seen ({said}) and not kept: {other} explains more, though that would be {sizes[other]}"
-    return (
-        f"seen ({said}) and not kept: what is left out of a fit, or what was found besides, does not bear it out"
-    )
+        return f"seen ({said}) and not accepted: {other} explains more, but that would be {sizes[other]}"
+    return f"seen ({said}) and not accepted: held-out data or other findings do not support it"
 
 
 def _findings(file: EffectFile, found: Diagnosis) -> list[str]:
@@ -65,5 +63,5 @@ def _findings(file: EffectFile, found: Diagnosis) -> list[str]:
             lines.append(f"  {name:<10} {measured(value['value'], value['std'], units.get(name, one.unit))}")
         values = dict(zip(one.coefficients, one.value.tolist(), strict=True))
         lines += [f"  {said}" for said in file.term.at_ends(values)]
-        lines += [f"  it could also be {', '.join(one.aliases)}"] if one.aliases else []
+        lines += [f"  indistinguishable from {', '.join(one.aliases)}"] if one.aliases else []
     return lines

@@ -26,7 +26,7 @@ def effect_text(name: str, in_force: Sequence[str] = ()) -> str:
     if not Path(name).exists():
         known_names = ", ".join([*in_force, *(effect.name for effect in EFFECTS)])
         expected = f"a file of effect/1, or one of {known_names}"
-        raise DataRefused(name, None, "no such effect", expected, "check the name")
+        raise DataRefused(name, None, "no such error term", expected, "check the name")
     return file_text(read_effect(Path(name)))
 
 
@@ -40,8 +40,8 @@ def file_text(file: EffectFile) -> str:
         lines.append(f"  {name:<10} {known.meaning} [{known.unit}]" if known is not None else f"  {name}")
     if file.term.looks_back:
         lines.append(
-            "  it depends on the campaign or on what was before: it is in a solution, "
-            "and is not taken off later samples"
+            "  it is specific to the campaign or to earlier steps: it is in the solution "
+            "and is not corrected in later samples"
         )
     if (origin := file.origin) is not None:
         lines.append(

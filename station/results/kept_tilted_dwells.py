@@ -33,6 +33,6 @@ def doubt_of(tables: CampaignTable) -> str:
         return ""
     which = " and ".join(f"position {step.words}" for step in sorted(bad, key=lambda each: each.name))
     return (
-        f"do not rely on it, record {which} again: kept though the cube sat tilted by "
+        f"do not use this result, record {which} again: it was kept although the cube was tilted by "
         f"{'up to ' if len(bad) > 1 else ''}{np.degrees(max(bad.values())):.2g} deg"
     )

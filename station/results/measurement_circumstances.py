@@ -68,16 +68,16 @@ def procedure_name(measured: Campaign) -> str:
     """Return in words what was done."""
     positions = {dwell.position for dwell in measured.dwells}
     if positions == set(range(1, len(POSITIONS) + 1)):
-        dwells = "twelve-position calibration on a level slab"
+        dwells = "twelve-position calibration on a level surface plate"
     else:
         of = len(POSITIONS if max(positions, default=0) <= len(POSITIONS) else ATTITUDES)
-        dwells = f"calibration from {len(positions)} of {of} positions on a level slab"
+        dwells = f"calibration from {len(positions)} of {of} positions on a level surface plate"
     free = len(measured.rests) + len(measured.sequences)
     repeats = len(measured.dwells) - len(positions)
     also = [
         f"{repeats} repeated {'position' if repeats == 1 else 'positions'}" if repeats else "",
-        f"{len(measured.turns)} hand turns of whole revolutions" if measured.turns else "",
-        f"{len(measured.moves)} moves by hand from one to the next" if measured.moves else "",
+        f"{len(measured.turns)} manual rotations of whole revolutions" if measured.turns else "",
+        f"{len(measured.moves)} manual transfers between positions" if measured.moves else "",
         f"{free} recordings in free positions" if free else "",
     ]
     return " with ".join([dwells, *filter(None, [" and ".join(filter(None, also))])])
@@ -108,14 +108,16 @@ def _deviations(row: CampaignRow, tables: CampaignTable, document: Mapping[str, 
         said.append("the serial number was typed in: the unit does not send one")
     if table.unsettled_gyro_deg_h or table.unsettled_accelerometer_g:
         gyro, accel = table.unsettled_gyro_deg_h or 0.0, (table.unsettled_accelerometer_g or 0.0) * UG_PER_G
-        said.append(f"warm-up was skipped: biases may drift by {gyro:.2g} deg/h and {accel:.2g} ug (1 sigma)")
+        said.append(
+            f"warm-up was skipped: biases may drift by {gyro:.2g} deg/h and {accel:.2g} ug (standard uncertainty)"
+        )
     if table.closure_widened_from_deg is not None:
         said.append(
-            f"the closure of hand turns was widened from {table.closure_widened_from_deg:.3g} to "
-            f"{table.closure_std_deg:.3g} deg, as they did not close to it"
+            f"the closure error of manual rotations was increased from {table.closure_widened_from_deg:.3g} to "
+            f"{table.closure_std_deg:.3g} deg, because the rotations did not meet it"
         )
     said += [
-        f"position {dwell.position} was kept though the cube sat tilted by "
+        f"position {dwell.position} was kept although the cube was tilted by "
         f"{np.degrees(np.linalg.norm(dwell.kept_seat_rad)):.2g} deg"
         for dwell in tables.dwell
         if dwell.kept_seat_rad is not None

@@ -81,7 +81,7 @@ def shown_sigma(parameter: Parameter) -> str:
 
 @dataclass(frozen=True, slots=True)
 class ParameterShift:
-    """By how much a parameter moved between two calibrations, and that over their combined sigma."""
+    """By how much a parameter changed between two calibrations, and that over their combined uncertainty u."""
 
     parameter: Parameter
     shift: float
@@ -89,7 +89,7 @@ class ParameterShift:
 
     def __str__(self) -> str:
         text, unit = shown(self.parameter, self.shift)
-        return f"{text if text.startswith('-') else '+' + text} {unit} ({abs(self.sigmas):.1f} sigma)"
+        return f"{text if text.startswith('-') else '+' + text} {unit} ({abs(self.sigmas):.1f} u)"
 
 
 def combined_sigma(now: Parameter, before: Parameter) -> float:

@@ -43,7 +43,7 @@ def solution_document(
         "reference_temperature_c": _finite(solution.reference_temperature),
     }
     warnings = [w for loaded in campaigns for w in loaded.warnings] + list(solution.warnings)
-    warnings += [f"{name} is not finite and was left out" for name in dropped]
+    warnings += [f"{name} is not finite and was omitted" for name in dropped]
     unused = [s for loaded in campaigns for s in loaded.unused_steps] + list(solution.unused_steps)
     return {
         "format": FORMAT,

@@ -1,4 +1,4 @@
-"""A `solution/1` document as text to read: every value with its sigma and unit."""
+"""A `solution/1` document as text to read: every value with its standard uncertainty and unit."""
 
 from collections.abc import Mapping, Sequence
 from math import floor, log10
@@ -14,14 +14,14 @@ TOO_LONG = 1e12  # to be read digit by digit
 PLAIN, PLAIN_DECIMALS = 0.1, 12  # from which size on, and up to how many decimals, a value stands without a power
 EXACT = 2e-3  # of a millionth: 0 by the choice of axes, held there to 1e-9 rad
 NOT_SOLVED = "not solved"
-USED_HOW = "(of the fit alone; to use a value take the expanded uncertainty U that `station report` gives)"
+USED_HOW = "(u is of the fit alone; when you use a value, use the expanded uncertainty U of `station report`)"
 
 
 def solution_text(document: Mapping[str, Any]) -> str:
-    """Return the summary that ``station solve`` prints; +- is 1 sigma."""
+    """Return the summary that ``station solve`` prints; +- is the standard uncertainty u."""
     origin = document["provenance"]
     who, files = unit_in_words(origin["model"], origin["serial"]), plural(len(origin["files"]), "file")
-    lines = [f"{who}: {files}, +- is 1 sigma"]
+    lines = [f"{who}: {files}, +- is the standard uncertainty u"]
     lines += [USED_HOW] if "accelerometer" in document or "gyroscope" in document else []
     lines += triad_lines(document)
     lines += [line for effect in document.get("effects", ()) for line in effect_lines(effect)]
@@ -29,20 +29,20 @@ def solution_text(document: Mapping[str, Any]) -> str:
     for key, title in (
         ("not_observable", "not observable"),
         ("warnings", "warning"),
-        ("unused_steps", "read and checked, not used"),
+        ("unused_steps", "checked but not used"),
     ):
         lines += [f"{title}: {text}" for text in document[key]]
     return "\n".join(lines)
 
 
 def triad_lines(document: Mapping[str, Any]) -> list[str]:
-    """Return the calibration of both triads, +- 1 sigma; what is not solved is said."""
+    """Return the calibration of both triads, +- u; what is not solved is listed as such."""
     unseen = document.get("not_observable", ())
     return [line for name in ("accelerometer", "gyroscope") for line in _triad(name, document.get(name), unseen)]
 
 
 def measured(value: float, std: float, unit: str = "") -> str:
-    """Return ``value +- std unit`` with two digits of the sigma."""
+    """Return ``value +- std unit`` with two digits of the uncertainty."""
     if not std > 0:
         return f"{value:z.9g} {unit}".rstrip()
     if abs(value) >= TOO_LONG:
@@ -66,7 +66,7 @@ def _triad(name: str, part: Mapping[str, Any] | None, unseen: Sequence[str]) -> 
     ):
         lines += _vector(title, part.get(key))
     if misalignment := part.get("misalignment"):
-        lines.append("  misalignment less identity, row = sensor [1e-6]")
+        lines.append("  misalignment minus identity, row = sensor [1e-6]")
         excess = np.array(misalignment["value"]) - np.eye(3)
         for axis, values, stds in zip(AXES, excess * 1e6, np.array(misalignment["std"]) * 1e6, strict=True):
             row = [
@@ -103,14 +103,14 @@ def _tilt(document: Mapping[str, Any]) -> list[str]:
         return []
     tilt = document["slab"]["tilt_rad"]
     east, north = _in_arcsec(tilt["value"], tilt["std"])
-    return [f"slab tilt               east {east} arcsec, north {north} arcsec"]
+    return [f"surface plate tilt      east {east} arcsec, north {north} arcsec"]
 
 
 def _parallelism(document: Mapping[str, Any]) -> list[str]:
     if "fixture" not in document:
         return []
     both = document["fixture"]["parallelism_rad"]
-    lines = ["parallelism of the faces, sum of a pair [arcsec]"]
+    lines = ["parallelism of the cube's faces, sum of a pair [arcsec]"]
     for pair, values, stds in zip(AXES, both["value"], both["std"], strict=True):
         others = [axis for axis in AXES if axis != pair]
         row = [f"{axis} {said}" for axis, said in zip(others, _in_arcsec(values, stds), strict=True)]

@@ -11,6 +11,7 @@ from typing import Any, Literal
 
 from fixtures_db.model_limits import Limit
 from station.results.parameters_by_name import Parameter, parameters, shown, shown_scale, title_of
+from station.text.plural import plural
 
 VerdictWord = Literal["PASS", "FAIL", "NOT_MEASURED"]
 
@@ -99,20 +100,35 @@ def _reason(word: VerdictWord, judged: Sequence[JudgedLimit], model: str, serial
     if word == "FAIL":
         outside = [one for one in judged if one.word == "FAIL"]
         worst = max(outside, key=lambda one: one.share if one.share is not None else math.inf)
-        also = f" ({_names(outside)})" if len(outside) > 1 else ""
+        also = f": {_names(outside)}" if len(outside) > 1 else ""
         return (
-            f"{unit} is outside {len(outside)} of {len(judged)} limits of its model{also}; "
-            f"the worst is {_against(worst)}"
+            f"{unit} exceeds {len(outside)} of {plural(len(judged), 'limit')} of its model{also}. "
+            f"{'Largest excess' if also else 'It is'}: {_against(worst)}"
         )
     missing = [one for one in judged if one.word == "NOT_MEASURED"]
     if missing:
-        return f"{unit} has no value of {len(missing)} of {len(judged)} limited parameters: {_names(missing)}"
+        return f"{len(missing)} of {len(judged)} limited parameters of {unit} were not measured: {_names(missing)}"
     tightest = max(judged, key=lambda one: (one.share or 0.0, title_of(one.limit.parameter)))
     return (
-        f"{unit} is within all {len(judged)} limits of its model; the tightest is "
-        f"{title_of(tightest.limit.parameter)} at {100 * (tightest.share or 0.0):.0f} % of its limit"
-        f"{_guard(tightest.limit)}"
+        f"{unit} is within {'the only limit' if len(judged) == 1 else f'all {len(judged)} limits'} of its model. "
+        f"Closest to its limit: {title_of(tightest.limit.parameter)}, which uses "
+        f"{100 * (tightest.share or 0.0):.0f} % of {_range_of(tightest.limit)}"
     )
+
+
+def what_to_do(word: VerdictWord, next_measurement: str, *, doubt: str = "", has_limits: bool = True) -> str:
+    """Return what a reader of the verdict does now, in a sentence or two."""
+    if doubt:
+        return "Do not use this calibration. Do what the verdict says, then calibrate again."
+    if not has_limits:
+        done = "Check the values yourself: no limits are stored for this model."
+    elif word == "PASS":
+        done = "Use this calibration."
+    elif word == "FAIL":
+        done = "Do not use the unit where these limits apply. Repair it, or decide on a restricted use."
+    else:
+        done = "Record the steps that determine the missing parameters, then calibrate again."
+    return f"{done} To improve the model: {next_measurement.rstrip('.')}." if next_measurement else done
 
 
 def _names(judged: Sequence[JudgedLimit]) -> str:
@@ -124,7 +140,7 @@ def _against(judged: JudgedLimit) -> str:
     """Say a value beside its limit."""
     assert judged.parameter is not None
     text, unit = shown(judged.parameter)
-    return f"{judged.parameter.title}, {text} {unit}".rstrip() + f" against {judged_in_words(judged)}"
+    return f"{judged.parameter.title}, {text} {unit}".rstrip() + f"; limit {judged_in_words(judged)}"
 
 
 def limit_in_words(limit: Limit) -> str:
@@ -134,15 +150,15 @@ def limit_in_words(limit: Limit) -> str:
 
 
 def judged_in_words(judged: JudgedLimit) -> str:
-    """Return a limit and, where it is guarded, what of it the value's own sigma leaves."""
+    """Return a limit and, where it is guarded, what of it the value's own uncertainty leaves."""
     said, known = limit_in_words(judged.limit), judged.parameter
     if not judged.limit.guard_band or known is None or known.std is None:
         return said
     low, high = judged.limit.accepted(known.std)
     if low > high:
-        return f"{said}, which leaves nothing"
+        return f"{said} (u is too large: no value is accepted)"
     ends = _ends(judged.limit, *(end if math.isfinite(end) else None for end in (low, high)))
-    return f"{said}, so {ends}"
+    return f"{said}: {ends}"
 
 
 def _ends(limit: Limit, low: float | None, high: float | None) -> str:
@@ -154,4 +170,8 @@ def _ends(limit: Limit, low: float | None, high: float | None) -> str:
 
 
 def _guard(limit: Limit) -> str:
-    return f" less {limit.guard_band:g} sigma" if limit.guard_band else ""
+    return f", minus {limit.guard_band:g} u" if limit.guard_band else ""
+
+
+def _range_of(limit: Limit) -> str:
+    return f"the accepted range (limit minus {limit.guard_band:g} u)" if limit.guard_band else "the allowed range"

@@ -18,9 +18,7 @@ class CommonApp(App[None]):
 
     TITLE = "FOG station"
     BINDINGS = [
-        Binding(
-            "ctrl+p", "command_palette", "All", key_display="^p", priority=True, tooltip="every action by its name"
-        )
+        Binding("ctrl+p", "command_palette", "All", key_display="^p", priority=True, tooltip="all actions by name")
     ]
 
     def __init__(self, *, refresh_hz: float = 10.0, is_quiet: bool = False) -> None:
@@ -73,8 +71,8 @@ class CommonApp(App[None]):
             if active.node is screen and active.binding.show and active.enabled:
                 action = partial(screen.run_action, active.binding.action)
                 yield SystemCommand(active.binding.description, active.tooltip or active.binding.tooltip, action)
-        yield SystemCommand("Sound", "turn the bell off, or on again", self.action_sound)
-        yield SystemCommand("High contrast", "the theme of high contrast, or back", self.action_contrast)
+        yield SystemCommand("Sound", "sounds on or off", self.action_sound)
+        yield SystemCommand("High contrast", "high contrast on or off", self.action_contrast)
         yield from super().get_system_commands(screen)
 
     def action_sound(self) -> None:

@@ -58,17 +58,17 @@ class Entry:
 
 ENTRIES = (
     Entry("url", "Address", empty="/dev/ttyUSB0?format=counts, HOST:PORT, can0 ..."),
-    Entry("model", "Model", empty="as the device says"),
-    Entry("serial", "Serial no.", empty="as the device says"),
+    Entry("model", "Model", empty="from the device"),
+    Entry("serial", "Serial no.", empty="from the device"),
     Entry("gnss", "GNSS", check=receiver, empty=f"none, or as {MAVLINK}"),
     Entry("latitude_deg", "Latitude", "deg", number(-90, 90, "deg", is_needed=True), "needed, or GNSS"),
     Entry("longitude_deg", "Longitude", "deg", number(-180, 360, "deg"), "not needed"),
     Entry("height_m", "Height", "m", number(-1000, 20000, "m"), "sea level"),
     Entry("operator", "Operator"),
     Entry("gravity_m_s2", "Surveyed g", "m/s2", number(9.5, 10.1, "m/s2"), "from the height"),
-    Entry("gravity_std_m_s2", "its sigma", "m/s2", number(1e-9, 1, "m/s2"), "1e-05"),
-    Entry("dwell_s", "Dwell", "s", number(0, 7200, "s", is_needed=True), "0: from the noise"),
-    Entry("bias_ug", "Bias sigma", "ug", number(1e-3, 1e4, "ug"), "if dwell is 0"),
+    Entry("gravity_std_m_s2", "its u", "m/s2", number(1e-9, 1, "m/s2"), "1e-05"),
+    Entry("dwell_s", "Dwell", "s", number(0, 7200, "s", is_needed=True), "0: from noise"),
+    Entry("bias_ug", "Bias u", "ug", number(1e-3, 1e4, "ug"), "if dwell is 0"),
     Entry("revolutions", "Turns", "each", number(1, 100, is_needed=True, is_whole=True)),
     Entry("repeats", "First again", "times", number(0, 9, is_needed=True, is_whole=True)),
 )
@@ -86,11 +86,11 @@ def problems(texts: Mapping[str, str]) -> dict[str, str]:
     if texts["gnss"] and not texts["latitude_deg"]:
         del found["latitude_deg"]  # the receiver says it
     if not texts["url"]:
-        found = {"url": "is needed: choose a port or type the device's address", **found}
+        found = {"url": "is required: choose a port or type the device's address", **found}
     if texts["gravity_std_m_s2"] and not texts["gravity_m_s2"]:
-        found["gravity_m_s2"] = "is needed where its sigma is given"
+        found["gravity_m_s2"] = "is required with its uncertainty"
     if "dwell_s" not in found and float(texts["dwell_s"]) == 0 and not texts["bias_ug"]:
-        found["bias_ug"] = "is needed when the dwell is 0: the sigma wanted decides how long"
+        found["bias_ug"] = "is required when the dwell is 0: it determines the dwell time"
     return found
 
 

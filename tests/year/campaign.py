@@ -202,7 +202,7 @@ class YearCampaign:
             while troubles and troubles[0][0] <= now - began:
                 machine.say(f"trouble: {TROUBLES[troubles.pop(0)[1]](machine, self.rng)}")
             self._end(engine, session, now - began)
-            if view.verdict is not None or view.line.startswith("all is recorded"):
+            if view.verdict is not None or view.line.startswith("all steps are recorded"):
                 return self._concluded(engine, session, screen)
             self.person.look(engine)
         return self._ended(engine.view)
@@ -265,11 +265,11 @@ class YearCampaign:
             step = view.step(name)
             assert step is not None
             stands = self.machine.bench.device.imu.position
-            self.machine.say(f"accepted {name} ({count}), the cube stands in {stands}")
+            self.machine.say(f"accepted {name} ({count}), the cube is in {stands}")
             self.told.leans[name] = max(self.machine.bench.lean, stood)
             self.told.turned[name] = self.machine.bench.turned
             is_right = step.position in {0, stands} or self.person.lies
-            expect(bool(is_right), f"{name} is accepted, the cube stands in position {stands}")
+            expect(bool(is_right), f"{name} is accepted, the cube is in position {stands}")
         if lost := self.told.shown - now:
             raise Finding(f"accepted and gone: {dict(lost)}")
         self.told.shown = now

@@ -129,7 +129,7 @@ class Person:
             return str(position)
         if any(key.isdigit() for key in keys):  # which position, and it is none of them
             return next(key for key in keys if not key.isdigit())
-        if question.text.startswith("The cube sits tilted"):
+        if question.text.startswith("The cube is tilted"):
             return "n"
         for key in ("r", "y"):  # what stood crooked is recorded again; it is the same unit
             if key in keys:

@@ -148,7 +148,7 @@ class TermEffect:
     def at_ends(self, values: Mapping[str, float]) -> tuple[str, ...]:
         """Say which parameters stand at an end of their range; ``values`` are in their units."""
         return tuple(
-            f"{name} stands at the end of its range ({one.low:g} to {one.high:g} {one.unit}): widen it"
+            f"{name} is at the end of its range ({one.low:g} to {one.high:g} {one.unit}): widen it"
             for name, one in self.parameters.items()
             if one.low < one.high and not one.low * (1 + AT_END) < values[name] < one.high * (1 - AT_END)
         )

@@ -49,8 +49,8 @@ def align_at_rest(
             np.minimum([tilt_std, yaw_std, MAX_TILT_STD, MAX_YAW_STD], np.pi)
         )
         return Waiting(
-            f"at rest the Earth's rate gives yaw to {yaw:.1f} deg and gravity tilt to {tilt:.1f} deg 1 sigma, "
-            f"{yaw_asked:.0f} and {tilt_asked:.0f} are needed: it must move, or have better gyros"
+            f"at rest the Earth's rate gives yaw to {yaw:.1f} deg and gravity tilt to {tilt:.1f} deg (u), "
+            f"{yaw_asked:.0f} and {tilt_asked:.0f} are needed: move it, or use better gyros"
         )
     std = np.r_[tilt_std, tilt_std, yaw_std, [1e-3] * 3, [rate_std] * 3, [noise.accel_bias] * 3]
     zero = np.zeros(3)

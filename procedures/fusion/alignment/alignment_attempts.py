@@ -52,7 +52,7 @@ def attempt(
     earliest = max(int(np.searchsorted(fixes.t, now, "right")) - MIN_FIXES, 0)
     since = max(min(now - MOTION_WINDOW_S, float(fixes.t[earliest])), start)
     moving = aligner.align(between(imu, since - 1, now), fixes_between(fixes, since, now))
-    if isinstance(moving, Waiting) and "does not stand" not in resting.why:
+    if isinstance(moving, Waiting) and "is not at rest" not in resting.why:
         return resting
     return moving
 

@@ -203,16 +203,16 @@ def _judged(problem: _Problem, found: list[_Minimum], offset: float) -> Alignmen
 def _why_waiting(best: _Minimum, others: list[_Minimum], misfit: float, tilt_std: float, yaw_std: float) -> str:
     if misfit > MAX_CHI2_PER_DOF:
         return (
-            f"IMU and GNSS velocity do not fit each other (chi2 per degree of freedom {misfit:.1f}, at most "
-            f"{MAX_CHI2_PER_DOF:g}): look at time stamps, noise densities and velocity_std_m_s"
+            f"IMU and GNSS velocity do not match (chi2 per degree of freedom {misfit:.1f}, at most "
+            f"{MAX_CHI2_PER_DOF:g}): check time stamps, noise densities and velocity_std_m_s"
         )
     if tilt_std > MAX_TILT_STD or yaw_std > MAX_YAW_STD:
         tilt, yaw, tilt_asked, yaw_asked = np.degrees(
             np.minimum([tilt_std, yaw_std, MAX_TILT_STD, MAX_YAW_STD], np.pi)
         )
         return (
-            f"tilt is known to {tilt:.1f} deg and yaw to {yaw:.1f} deg 1 sigma, {tilt_asked:.0f} and "
-            f"{yaw_asked:.0f} are needed: it must change its velocity more"
+            f"tilt is known to {tilt:.1f} deg and yaw to {yaw:.1f} deg (u), {tilt_asked:.0f} and "
+            f"{yaw_asked:.0f} are needed: change the velocity more"
         )
     for other in others:
         apart = np.arccos(np.clip((np.trace(other.C @ best.C.T) - 1) / 2, -1, 1))
@@ -222,6 +222,6 @@ def _why_waiting(best: _Minimum, others: list[_Minimum], misfit: float, tilt_std
     if std <= MAX_TIME_OFFSET_STD_S:
         return ""
     return (
-        f"the time offset is known to {std * 1e3:.0f} ms 1 sigma, {MAX_TIME_OFFSET_STD_S * 1e3:.0f} are needed: "
-        f"it must change its velocity more, or give time_offset_s"
+        f"the time offset is known to {std * 1e3:.0f} ms (u), {MAX_TIME_OFFSET_STD_S * 1e3:.0f} are needed: "
+        f"change the velocity more, or give time_offset_s"
     )

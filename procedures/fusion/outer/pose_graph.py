@@ -235,12 +235,12 @@ class PoseGraph:
 def _why_not(seen: TrackYaw) -> str:
     if seen.misfit > MAX_TRACK_MISFIT:
         return (
-            f"the odometry's track does not fit GNSS's (misfit {seen.misfit:.1f}, "
-            f"at most {MAX_TRACK_MISFIT:g}): look at time stamps and sigmas"
+            f"the odometry's track does not match that of GNSS (misfit {seen.misfit:.1f}, "
+            f"at most {MAX_TRACK_MISFIT:g}): check time stamps and uncertainties"
         )
     if seen.std > MAX_START_YAW_STD:
         return (
-            f"the heading is known to {np.degrees(min(seen.std, np.pi)):.0f} deg 1 sigma from a track of "
+            f"the heading is known to {np.degrees(min(seen.std, np.pi)):.0f} deg (u) from a track of "
             f"{seen.spread:.2f} m rms, and {np.degrees(MAX_START_YAW_STD):.0f} deg are needed: it must move "
             f"further"
         )

@@ -42,7 +42,7 @@ MIN_COST_RISE = 25.0  # by how much the cost rises away from the offset, in sigm
 VALLEY_HALF_WIDTH_S = 0.06  # s from the offset that are away from it
 MAX_MOUNTING_ANGLE = np.radians(10.0)  # from where the camera was said to sit
 MAX_MEAN_SQUARE = 6.0  # of 1, of the pairs that tell: beyond it these are not this camera's turns on this IMU
-UNEVEN_TURNS = "it must turn unevenly: to and fro, about any axis, for some seconds"
+UNEVEN_TURNS = "rotate it unevenly: to and fro, about any axis, for some seconds"
 CHECK_MOUNTING = "is imu_from_camera right?"
 
 
@@ -148,15 +148,18 @@ class _Fit:
         away = float(np.linalg.norm(fit.x[4:]))
         if fit.normal.misfit > MAX_MEAN_SQUARE or away > MAX_MOUNTING_ANGLE:
             return Waiting(
-                f"at no offset do the camera's turns fit the gyro's (mean square {fit.normal.misfit:.1f}, at most "
-                f"{MAX_MEAN_SQUARE:g}, with the camera turned by {np.degrees(away):.0f} deg): {CHECK_MOUNTING}"
+                f"no time offset makes the camera's rotations match the gyro's (mean square "
+                f"{fit.normal.misfit:.1f}, at most {MAX_MEAN_SQUARE:g}, with the camera turned by "
+                f"{np.degrees(away):.0f} deg): {CHECK_MOUNTING}"
             )
         if sigma > (needed := self._needed(fit.x)):
             return Waiting(
                 f"its clock is known to {sigma * 1e3:.0f} ms, needed {needed * 1e3:.0f}: {UNEVEN_TURNS}"
             )
         if abs(fit.x[0] - self.prior_offset) > SEARCH_SIGMAS * self.known:
-            return Waiting(f"its clock seems {fit.x[0] * 1e3:.0f} ms off, beyond what was searched: say so")
+            return Waiting(
+                f"its clock seems {fit.x[0] * 1e3:.0f} ms wrong, beyond the search range: state time_offset_s"
+            )
         return None
 
     def _needed(self, x: FloatArray) -> float:

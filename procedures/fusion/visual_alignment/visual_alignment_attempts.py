@@ -50,7 +50,7 @@ class VisualAligner:
             return Waiting(seen)
         known = fixes.part(np.searchsorted(fixes.t, now, "right") > np.arange(len(fixes.t)))
         if not np.isfinite(known.v_n[:, :2]).all(axis=1).any():
-            return Waiting("no GNSS velocity yet, of which the scale is had")
+            return Waiting("no GNSS velocity yet, which is needed for the scale")
         return VisualInertialFit(self.settings, imu, known, t, marks, seen, scale).start()
 
 

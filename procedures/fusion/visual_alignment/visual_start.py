@@ -186,8 +186,8 @@ def _sigmas(state: WindowState, factor: Factor) -> tuple[float, float, float]:
 def _why_waiting(tilt_std: float, yaw_std: float, scale_std: float, misfit: float) -> str:
     if not misfit < MAX_MEAN_SQUARE:
         return (
-            f"camera, IMU and GNSS velocity do not fit each other (mean square {misfit:.1f}, at most "
-            f"{MAX_MEAN_SQUARE:g}): look at time stamps, imu_from_camera, std_px and velocity_std_m_s"
+            f"camera, IMU and GNSS velocity do not match (mean square {misfit:.1f}, at most "
+            f"{MAX_MEAN_SQUARE:g}): check time stamps, imu_from_camera, std_px and velocity_std_m_s"
         )
     if tilt_std < MAX_TILT_STD and yaw_std < MAX_YAW_STD and scale_std < MAX_SCALE_STD:
         return ""
@@ -195,6 +195,6 @@ def _why_waiting(tilt_std: float, yaw_std: float, scale_std: float, misfit: floa
         np.minimum([tilt_std, yaw_std, MAX_TILT_STD, MAX_YAW_STD], np.pi)
     )
     return (
-        f"tilt is known to {tilt:.1f} deg, yaw to {yaw:.1f} deg and scale to {100 * scale_std:.0f} % 1 sigma, "
-        f"{tilt_asked:.0f}, {yaw_asked:.0f} and {100 * MAX_SCALE_STD:.0f} are needed: it must move further"
+        f"tilt is known to {tilt:.1f} deg, yaw to {yaw:.1f} deg and scale to {100 * scale_std:.0f} % (u), "
+        f"{tilt_asked:.0f}, {yaw_asked:.0f} and {100 * MAX_SCALE_STD:.0f} are needed: move it further"
     )

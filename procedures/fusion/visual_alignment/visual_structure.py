@@ -54,7 +54,7 @@ def structure(
         return f"the image moves by {bent:.1f} sigmas more than by a turn, {least}"
     found = two_view(x0, x1, EPIPOLAR_SIGMAS / float(scale.mean()), rng)
     if found is None:
-        return "the features' motion is not that of one camera before things that stand"
+        return "the features' motion does not match one camera in a static scene"
     parallax = _parallax(x0, x1, found.C_01) * float(scale.mean())
     if parallax < MIN_PARALLAX_SIGMAS:
         least = f"{MIN_PARALLAX_SIGMAS:.0f} are needed: move further"

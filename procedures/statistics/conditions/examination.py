@@ -88,7 +88,8 @@ def _at_the_sensors_rate(found: Examined) -> Examined:
     if not _is_coarse(found) and (frozen := frozen_rows(found.rate)).any():
         begin = int(np.argmax(frozen))
         text = (
-            f"{int(frozen.sum())} rows stand still, the first of them row {begin + 1}, at {found.rate[begin]:.6g}."
+            f"{int(frozen.sum())} rows are constant, the first of them row {begin + 1}, at "
+            f"{found.rate[begin]:.6g}."
         )
         values = {"rows": float(frozen.sum()), "first": float(begin), "value": float(found.rate[begin])}
         found = _cut(found, BadRows(frozen, Condition("frozen_rows", text, (), values)))

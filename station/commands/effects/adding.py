@@ -15,10 +15,10 @@ def add(
     serial: OfSerial = None,
     db: Database = None,
 ) -> None:
-    """Put an effect in force for an IMU model, or with --serial for one unit.
+    """Put an error term in force for an IMU model, or with --serial for one unit.
 
-    `station calibrate` then copies it into the folder of every campaign of it as that begins. It takes the place
-    of one of the same name; nothing is deleted, every event is a link of a chain that `station verify` checks.
+    `station calibrate` then copies it into the folder of every new campaign of that model or unit. It replaces one
+    of the same name; nothing is deleted, every event is a link of a hash chain that `station verify` checks.
 
     Exit code 3 if the file is no effect/1, or the same is in force already.
 

@@ -11,19 +11,20 @@ from station.commands._options import argument, option
 
 def adopt(
     diagnosis: Annotated[Path, argument("DIAGNOSIS.json", "A diagnosis/1.")],
-    out: Annotated[Path, option("--out", "FILE", "Where the effect/1 is written.")],
+    out: Annotated[Path, option("--out", "FILE", "Where to write the effect/1.")],
     finding: Annotated[
         str | None, option("--finding", "N|NAME", "Its number in the diagnosis, or its name; else the only one.")
     ] = None,
     db: Database = None,
 ) -> None:
-    """Write an effect of a diagnosis, found or declared, as an effect/1 that says where it comes from.
+    """Write an error term of a diagnosis, found or declared, as an effect/1 that names its origin.
 
-    It is one with a term of its own: an effect of the catalogue needs no file. `station effects add` puts the file
-    in force. What a search proposed stays proposed until it is adopted from the diagnosis, with --effects, of
-    other campaigns that show it and leave noise alone: then it is confirmed.
+    It must have a term of its own: an error term of the catalogue needs no file. `station effects add` puts the
+    file in force. A term that a search proposed stays proposed until you adopt it from the diagnosis, with
+    --effects, of other campaigns that show it and whose residuals are then consistent with noise: then it is
+    confirmed.
 
-    Exit code 3 if the diagnosis has no such effect, or is altered.
+    Exit code 3 if the diagnosis has no such error term, or was changed.
 
     Example: station effects adopt diagnosis.json --out dead_zone.toml
     """

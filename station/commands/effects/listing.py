@@ -9,12 +9,12 @@ from station.commands._options import option
 
 
 def list_(
-    catalogue: Annotated[bool, option("--catalogue", "", "Also what the catalogue has.")] = False,
+    catalogue: Annotated[bool, option("--catalogue", "", "Also list the catalogue.")] = False,
     db: Database = None,
 ) -> None:
-    """List the effects of one's own that are in force, of which model or unit, each with its hash.
+    """List the user-defined error terms in force, with model or unit and hash.
 
-    Exit code 1 if what the database holds is not what was stored: found and expected hash are said.
+    Exit code 1 if the database content differs from what was stored: found and expected hash are printed.
 
     Example: station effects list --catalogue
     """
@@ -28,6 +28,6 @@ def list_(
         rows = [(one.name, owner(one.model, one.serial), one.effect_sha256[:12]) for one in all_in_force(session)]
     rows += [(effect.name, "catalogue", "") for effect in EFFECTS] if catalogue else []
     lines = table_lines(rows, "<<<", ("effect", "of", "sha256"))
-    typer.echo("\n".join(lines) if rows else "no effect of one's own is in force")
+    typer.echo("\n".join(lines) if rows else "no user-defined error term is in force")
     with open_db(db) as database, database.read() as session:
         check_stored(session)

@@ -10,17 +10,17 @@ from station.commands._options import argument
 
 
 def show(
-    name: Annotated[str, argument("NAME", "An effect such as gyroscope.magnetic, or a file of effect/1.")],
+    name: Annotated[str, argument("NAME", "An error term such as gyroscope.magnetic, or a file of effect/1.")],
     db: Database = None,
 ) -> None:
-    """Show an effect: equation, unit, plausible size, source; of one's own also its inputs, hash and origin.
+    """Show an error term: equation, unit, expected size, source; of a file also its inputs, hash and origin.
 
-    A name is looked for in the catalogue, then among the effects in force.
+    A name is looked up in the catalogue, then among the error terms in force.
 
-    Of a file whose name is in force with another hash both hashes are said.
+    If a file has the name of one in force but another hash, both hashes are printed.
 
-    Exit code 1 if what the database holds is not what was stored; 3 if there is no such effect, or the file is no
-    effect/1: the line and the place are named.
+    Exit code 1 if the database content differs from what was stored; 3 if there is no such error term, or the file
+    is no effect/1: line and place are named.
 
     Example: station effects show dead_zone.toml
     """
@@ -44,7 +44,9 @@ def show(
         for row in rows:
             if row.name == file.name and row.effect_sha256 != file.sha256:
                 found, expected = f"found sha256 {file.sha256}", f"expected {row.effect_sha256}"
-                typer.echo(f"  not the one in force for {owner(row.model, row.serial)}: {found}, {expected}")
+                typer.echo(
+                    f"  different from the one in force for {owner(row.model, row.serial)}: {found}, {expected}"
+                )
         return
     stored = [row for row in rows if row.name == name]
     for row in stored:

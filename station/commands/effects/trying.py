@@ -14,13 +14,13 @@ def try_(
     campaigns: Annotated[list[Path], argument("CAMPAIGN...", "Folders of campaign/1 of one unit.")],
     db: Database = None,
 ) -> None:
-    """Diagnose campaigns with an effect beside the catalogue, and say whether they show it.
+    """Diagnose campaigns with a candidate error term added to the catalogue, and report whether they show it.
 
-    It is tested as every effect is: it must be significant over all that was tried, foretell what was left out,
-    and hang on no single position. What it could be instead is named.
+    It is tested like every error term: it must be significant after correction for all terms tried, predict
+    held-out data, and not depend on a single position. Indistinguishable alternatives are listed.
 
-    Exit code 0 whatever the answer, 3 if the file is no effect/1 or a folder breaks a rule, 5 if neither triad can
-    be solved.
+    Exit code 0 for every answer, 3 if the file is no effect/1 or a folder breaks a rule, 5 if neither triad can be
+    solved.
 
     Example: station effects try dead_zone.toml campaigns/S123
     """

@@ -14,9 +14,9 @@ def withdraw(
     serial: OfSerial = None,
     db: Database = None,
 ) -> None:
-    """Take an effect out of force: campaigns that begin from now on are solved without it.
+    """Take an error term out of force: new campaigns are solved without it.
 
-    Nothing is deleted: it stays in the database, and in the folders that hold it.
+    Nothing is deleted: it stays in the database, and in the folders that contain it.
 
     Exit code 3 if it is not in force for that model or unit.
 

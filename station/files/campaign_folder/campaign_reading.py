@@ -264,27 +264,27 @@ def _doubts(tables: CampaignTable) -> Iterator[str]:
     measured, unit = tables.fixture.measured, f"{tables.imu.model} {tables.imu.serial}"
     if measured is not None and unit in measured.units:
         yield (
-            f"{CAMPAIGN_TOML}: fixture.measured comes from campaigns of {unit} itself; its K2 is in both, and the "
-            f"two agree better than either is right"
+            f"{CAMPAIGN_TOML}: fixture.measured comes from campaigns of {unit} itself; its K2 affects both, so "
+            f"the two agree better than their accuracy"
         )
     for dwell in tables.dwell:
         if dwell.kept_seat_rad is not None:
             yield (
-                f"{dwell.file}: kept though the cube sat tilted by "
+                f"{dwell.file}: kept although the cube was tilted by "
                 f"{np.degrees(np.linalg.norm(dwell.kept_seat_rad)):.2g} deg; "
                 f"record position {dwell.axes or dwell.position} again"
             )
     procedure, site = tables.procedure, tables.site
     if procedure.closure_widened_from_deg is not None:
         yield (
-            f"{CAMPAIGN_TOML}: closure_std_deg was widened by the operator from "
+            f"{CAMPAIGN_TOML}: closure_std_deg was increased by the operator from "
             f"{procedure.closure_widened_from_deg:.3g} to {procedure.closure_std_deg:.3g}, "
-            "as hand turns did not close to it"
+            "because manual rotations did not meet it"
         )
     if site is None:
         yield (
-            f"{CAMPAIGN_TOML}: no [site]: gravity is taken for {STANDARD_GRAVITY} +- {ANY_GRAVITY_STD} m/s2, and "
-            f"the Earth's rate to be unknown, {ANY_EARTH_RATE_DEG_H:g} deg/h"
+            f"{CAMPAIGN_TOML}: no [site]: gravity is assumed to be {STANDARD_GRAVITY} +- {ANY_GRAVITY_STD} m/s2, "
+            f"and the Earth's rate unknown (u = {ANY_EARTH_RATE_DEG_H:g} deg/h)"
         )
         return
     normal = normal_gravity(float(np.radians(site.latitude_deg)), site.height_m)
@@ -292,10 +292,10 @@ def _doubts(tables: CampaignTable) -> Iterator[str]:
     off = stated - normal
     if abs(off) > MAX_GRAVITY_ANOMALY_M_S2:  # gravity of another place than the stated latitude and height
         yield (
-            f"{CAMPAIGN_TOML}: gravity_m_s2 = {stated:.9g} is {off:+.2g} m/s2 off the {normal:.4f} of "
+            f"{CAMPAIGN_TOML}: gravity_m_s2 = {stated:.9g} is {off:+.2g} m/s2 away from the {normal:.4f} of "
             f"latitude {site.latitude_deg:.6g} deg and height {site.height_m:.6g} m, "
             f"expected within {MAX_GRAVITY_ANOMALY_M_S2:g}: if it is wrong, "
-            f"the accelerometers' scale factors are {-1e6 * off / stated:+.0f} ppm off; "
+            f"the error of the accelerometers' scale factors is {-1e6 * off / stated:+.0f} ppm; "
             f"check gravity, latitude and height"
         )
 

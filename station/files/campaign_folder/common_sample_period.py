@@ -36,7 +36,7 @@ def with_one_period(steps: Sequence[LoadedStep]) -> tuple[list[LoadedStep], floa
     std = float(np.sqrt(max(spread, 1.0) / weight.sum()))
     said = (
         f"sample period of the {len(alike)} file(s) with uneven t_s: {mean:.9g} s "
-        f"+- {1e6 * std / mean:.2g} ppm (1 sigma), common to all of them; the sigmas hold it"
+        f"+- {1e6 * std / mean:.2g} ppm (u), common to all of them; the uncertainties include it"
     )
     return [_at(step, mean) if step.data in alike else step for step in steps], std / mean, [said]
 

@@ -104,7 +104,7 @@ def clock_warnings(tables: CampaignTable, campaign: Campaign) -> list[str]:
     if (pace := false_pace(campaign)) is not None:
         return [
             f"clock.rate: utc_s is no time [s] of these rows: it moves by {pace:.3g} while t_s moves by 1 s, "
-            "expected 1; correct its unit or direction, or leave the column out; until then it tells nothing"
+            "expected 1; correct its unit or direction, or remove the column; it is not used"
         ]
     rate = clock_rate(campaign)
     if rate is None:
@@ -112,8 +112,8 @@ def clock_warnings(tables: CampaignTable, campaign: Campaign) -> list[str]:
     open_to = RATE_SIGMAS * rate.std / PPM_PER_ONE
     if not is_known(rate):
         return [
-            f"clock.rate: reference time tells it to +-{open_to:.2%} only (4 sigma), being read with delays of up "
-            f"to {rate.delay:.2g} s; record on a machine with less to do, or longer"
+            f"clock.rate: reference time determines it only to +-{open_to:.2%} (4 sigma), because it was read "
+            f"with delays of up to {rate.delay:.2g} s; record on a computer with less load, or longer"
         ]
     off = off_period(rate)
     return [clock_sentence(tables.imu.sample_period_s, off)] if abs(off) - open_to > WARN_PERIOD_DEVIATION else []

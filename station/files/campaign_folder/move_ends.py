@@ -30,7 +30,7 @@ def refuse_loose_moves(folder: Path, steps: Sequence[LoadedStep], lines: dict[Ke
                 raise DataRefused(
                     folder / CAMPAIGN_TOML, line, f"[[move]] {step.table.file}: {key} = {ascii(name)[:80]}",
                     "the file of a [[dwell]] or [[turn]] of this folder",
-                    f"name the step that it joins, one of {_some(rests)}, or leave the move out",
+                    f"name the step that it joins, one of {_some(rests)}, or remove the transfer",
                 )  # fmt: skip
         period, (first, last) = step.data.series.period, step.data.span
         begin, end = rests[step.table.before].data, rests[step.table.after].data
@@ -42,7 +42,7 @@ def refuse_loose_moves(folder: Path, steps: Sequence[LoadedStep], lines: dict[Ke
             raise DataRefused(
                 folder / step.table.file, None, f"rows {worst:+.4g} s off where its steps end and begin",
                 f"the first {period:.4g} s after {step.table.before}, the last as long before {step.table.after}",
-                "cut the rows there, or leave the move out",
+                "cut the rows there, or remove the transfer",
             )  # fmt: skip
 
 

@@ -36,7 +36,7 @@ FORMAT = "plan/1"
 REST_S = 5.0
 _KINDS = ("dwell", "turn", "soak", "monitor")
 _GUIDED = '[[dwell]] with position = 1..12, axes or attitude = "free", [[turn]], [[soak]] and [[monitor]]'
-_REMEDY = "leave it out: such a step cannot be guided yet"
+_REMEDY = "remove it: such a step cannot be guided yet"
 Seconds = Annotated[float, Field(gt=0, le=1e6)]
 
 
@@ -165,7 +165,7 @@ def _step(
         try:
             refuse_without_velocity(laws := parse_laws(",".join(table.laws)), "none")
         except ValueError as error:
-            raise DataRefused(path, line, str(error), "laws that read a rest", "leave them out") from None
+            raise DataRefused(path, line, str(error), "filters that evaluate a rest", "remove them") from None
         number = 1 + sum(isinstance(step, Monitor) for step in before)
         return Monitor(number, table.seconds, table.position, laws)
     kind = "soak" if isinstance(table, PlannedSoak) else "dwell"

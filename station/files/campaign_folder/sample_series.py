@@ -80,7 +80,7 @@ def refuse_time_backwards(table: DataFile, step: FloatArray) -> None:
         found = f"t_s {t[row]:.9g} after {t[row - 1]:.9g}"
         todo = "correct the file"
         if t[row] == t[row - 1]:
-            todo = "where one read brought several rows, give each its own: the one before + sample_period_s"
+            todo = "if one read returned several rows, give each its own time: the one before + sample_period_s"
         raise DataRefused(table.file, table.line(row), found, "t_s that increases from row to row", todo)
 
 
@@ -133,8 +133,9 @@ def _warnings(table: DataFile, times: SampleTimes, imu: CampaignImuTable) -> Ite
     if times.is_uneven:
         step = np.delete(np.diff(t), gaps - 1)
         yield (
-            f"{table.file}: t_s goes on in steps of {step.min():.3g} to {step.max():.3g} s, as of reads, not of "
-            f"samples; the rows are taken to be samples at a regular pace, {times.period:.9g} s by this file alone"
+            f"{table.file}: t_s increases in steps of {step.min():.3g} to {step.max():.3g} s, as of reads, not of "
+            f"samples; the rows are treated as samples at a constant rate, period {times.period:.9g} s from this "
+            "file alone"
         )
     if table.damage:
         yield f"{table.file}: {table.damage}; {table.rows} samples read"

@@ -31,7 +31,7 @@ def write_csv(folder: Path, rows: Rows) -> None:
     try:
         make_folder(folder)
         if any(folder.iterdir()):
-            raise CannotWrite(folder, "there are files in it")
+            raise CannotWrite(folder, "it contains files")
     except OSError as error:
         raise error if isinstance(error, CannotWrite) else cannot_write(folder, error) from error
     for name, table in rows.items():

@@ -49,7 +49,7 @@ def read_wheel(folder: Path, table: WheelTable, line: int, imu: DataFile) -> Whe
     if len(bad := np.flatnonzero(wrong)):
         expected = f"m/s from {-MAX_SPEED_M_S if table.signed else 0:g} to {MAX_SPEED_M_S:g}"
         may_reverse = not table.signed and speed[bad[0]] < 0
-        remedy = "signed = true in [wheel] if a minus is backwards" if may_reverse else "correct the file"
+        remedy = "signed = true in [wheel] if negative means backwards" if may_reverse else "correct the file"
         found = f"{WHEEL_NAME} {speed[bad[0]]:g}"
         raise DataRefused(read.file, read.first_line + int(bad[0]), found, expected, remedy)
     told = np.isfinite(speed)

@@ -156,7 +156,8 @@ def _refuse_means(tables: Sequence[LogTable], told: ToldColumns) -> None:
         if is_means_table(table, told):
             found = f"{table.rows} rows that differ like poses, a table of means"
             remedy = (
-                f"station diagnose {table.file.name} --as means calibrates by it; --as or --rate if it is a log"
+                f"station diagnose {table.file.name} --as means uses it for a calibration; state --as or --rate "
+                "if it is a log"
             )
             raise DataRefused(table.file, None, found, "samples of a recording", remedy, ErrorCode.KIND)
 
@@ -195,7 +196,7 @@ def _placed(data: Sequence[DataFile], origins: Sequence[float | None]) -> tuple[
     if len(timed) < 2:
         return placed, []
     apart = "by their own clock" if is_one_clock else f"{PAUSE_S:g} s apart, in the order they were named"
-    return placed, [f"the logs follow one another {apart}"]
+    return placed, [f"the logs follow each other {apart}"]
 
 
 def _imu(

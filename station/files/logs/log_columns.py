@@ -29,7 +29,7 @@ from station.files.logs.triad_guesses import (
 )
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW
 
-_SAY_Z = "(say -,-,COL for z)"
+_SAY_Z = "(state -,-,COL for z)"
 ABSENT = "-"  # of a channel that the log does not have
 GUESSED_GRAVITY = 0.1  # relative: how near 1 g at rest an output must be for its unit to be guessed
 FEWEST_COUNTS = 64  # in 1 g, of accelerometers of 8 bits
@@ -114,7 +114,7 @@ def choose_columns(
         raise DataRefused(
             table.file,
             None,
-            "no column of time",
+            "no time column",
             "--time COL or --rate HZ",
             "name one of them",
             code=ErrorCode.COLUMNS,
@@ -187,7 +187,7 @@ def _triad(
         if any(found):
             guesses.append(f"{triad} is {','.join(name or ABSENT for name in found)}")
         elif triad == "gyro" and (single := guessed_single_gyro(free)) is not None:
-            guesses.append(f"{single} is the gyroscope x, its name telling no axis {_SAY_Z}")
+            guesses.append(f"{single} is used as gyroscope x, its name states no axis {_SAY_Z}")
             found = (single, None, None)
         elif (bare := bare_axes(free, table.file)) is not None and bare[0] == triad:
             found = bare[1]
@@ -264,7 +264,7 @@ def _refuse_ambiguous_kinds(found: LogColumns, told: ToldColumns, free: Sequence
     for triad in ("gyro", "accel"):
         columns = getattr(found, triad)
         if getattr(told, triad) is None and is_called_as_other(free, columns):
-            raise _ask_kind(found, columns, "called as columns of another unit")
+            raise _ask_kind(found, columns, "named like columns of another unit")
     is_told = told.gyro is not None or told.unit_gyro is not None
     if is_told or any(found.accel) or found.unit_gyro not in {None, RAW} or not all(found.gyro):
         return
@@ -280,7 +280,7 @@ def _ask_kind(found: LogColumns, columns: Sequence[str | None], what: str) -> Da
     names = ",".join(name or ABSENT for name in columns)
     return DataRefused(
         found.table.file, None, f"{names} {what}", "gyroscopes or accelerometers",
-        f"say --gyro {names} or --accel {names}", ErrorCode.COLUMNS,
+        f"state --gyro {names} or --accel {names}", ErrorCode.COLUMNS,
     )  # fmt: skip
 
 

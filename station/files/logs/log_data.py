@@ -43,9 +43,9 @@ def log_data(found: LogColumns, rate_hz: float | None, name: str) -> tuple[DataF
     lost[list(table.damaged)] = False  # the reader said so
     if lost.any():
         count = int(lost.sum())
-        notes.append(f"{count} rows without a number in time or outputs, first in {_place(found, lost)}: left out")
+        notes.append(f"{count} rows without a number in time or outputs, first in {_place(found, lost)}: not used")
     if stamps is not None and (again := _repeated(stamps, list(triads.values())) & keep).any():
-        notes.append(f"{int(again.sum())} rows that repeat the one before: left out")
+        notes.append(f"{int(again.sum())} rows that repeat the one before: not used")
         keep &= ~again
     if keep.sum() < MIN_ROWS:
         rows = f"{int(keep.sum())} rows with a number in all of time and outputs"
@@ -76,7 +76,7 @@ def _without_empty(found: LogColumns, notes: list[str]) -> LogColumns:
     empty = [name for name in named if not np.isfinite(found.table.column(name)).any()]
     if empty == named:
         return found
-    notes += [f"{name} is empty: left out" for name in empty]
+    notes += [f"{name} is empty: not used" for name in empty]
     gyro, accel = (tuple(None if each in empty else each for each in part) for part in (found.gyro, found.accel))
     return replace(found, gyro=gyro, accel=accel)
 
@@ -128,7 +128,7 @@ def _times(
     if not np.ptp(stamps[keep]) > 0:
         frozen = f"{found.time} that never changes"
         raise DataRefused(found.table.file, None, frozen, "times that rise",
-                          "say --rate HZ instead of --time", ErrorCode.TIME_ORDER)  # fmt: skip
+                          "state --rate HZ instead of --time", ErrorCode.TIME_ORDER)  # fmt: skip
     try:
         times = log_times(stamps[keep], found.unit_time.seconds)
     except StampsGoBack as error:
@@ -145,7 +145,7 @@ def _times(
 def _say_constant(values: FloatArray, names: Sequence[str | None], notes: list[str]) -> None:
     for i, name in enumerate(names):
         if name and not np.ptp(values[:, i]):
-            notes.append(f"{name} is a constant {values[0, i]:g}: left out")
+            notes.append(f"{name} is a constant {values[0, i]:g}: not used")
 
 
 def _auxiliary_names(names: Sequence[str]) -> list[str]:
@@ -172,5 +172,5 @@ def _beside(found: LogColumns, keep: BoolArray, notes: list[str]) -> dict[str, F
         if len(known) and np.ptp(known) > 0:
             columns[column] = values
         else:
-            notes.append(f"{name} is {'empty' if not len(known) else f'a constant {known[0]:g}'}: left out")
+            notes.append(f"{name} is {'empty' if not len(known) else f'a constant {known[0]:g}'}: not used")
     return columns

@@ -67,7 +67,7 @@ def refuse_restless(campaign: Campaign) -> None:
             fast = f"by up to {turned.fastest:.3g} deg/s about {AXES[turned.axis]}"
             raise DataRefused(
                 soak.name, None, f"turns, {fast}, and no rest of {MIN_REST_S:g} s", "a log that rests",
-                "say what it is: --as turn:+z, or --reference COL of a rate table",
+                "state what it is: --as turn:+z, or --reference COL of a rate table",
             )  # fmt: skip
 
 
@@ -78,20 +78,20 @@ def _guessed(columns: DataFile, imu: CampaignImuTable) -> tuple[LoadedStep, Data
     series = step.data.series
     if moves_and_rests(series, imu.nominal_scale.get("accelerometer")):
         step = LoadedStep("sequence", SequenceTable(file=columns.file), step.data)
-        return step, columns, [f"{columns.file}: moves and rests, taken for a sequence"]
+        return step, columns, [f"{columns.file}: moves and rests, treated as a sequence"]
     turned = turning(series, imu.nominal_scale.get("gyroscope"))
     if turned is None:
-        return step, columns, [f"{columns.file}: taken for a soak, at rest at an unknown attitude"]
+        return step, columns, [f"{columns.file}: treated as a soak, at rest at an unknown attitude"]
     axis = AXES[turned.axis]
     fast = f"by up to {turned.fastest:.3g} deg/s about {axis}"
-    say = f"say --as turn:{'+' if turned.sign > 0 else '-'}{axis}, or --reference COL of a rate table"
+    say = f"state --as turn:{'+' if turned.sign > 0 else '-'}{axis}, or --reference COL of a rate table"
     if turned.rest is None:
-        return step, columns, [f"{columns.file}: it turns, {fast}: taken for a soak all the same; {say}"]
+        return step, columns, [f"{columns.file}: it turns, {fast}: treated as a soak; {say}"]
     kept = {name: part[turned.rest] for name, part in columns.columns.items()}
     columns = replace(columns, columns=kept, first_line=columns.line(turned.rest.start))
     step = loaded_step(*step_table("soak", columns.file), columns, imu)
     rest = series.t[turned.rest]
-    only = f"only the {len(rest) * series.period:.0f} s at rest from {rest[0]:.1f} s on are taken, for a soak"
+    only = f"only the {len(rest) * series.period:.0f} s at rest from {rest[0]:.1f} s on are used, as a soak"
     return step, columns, [f"{columns.file}: it turns, {fast}: {only}; {say}"]
 
 
@@ -107,8 +107,8 @@ def _at_bench(columns: DataFile, kind: str, imu: CampaignImuTable) -> tuple[Load
         if turned is None or revolutions is None:
             raise _angle_unknown(columns.file, kind, turned)
         step = LoadedStep(*step_table(kind, columns.file, revolutions), data)
-        whole = f"taken for exactly {plural(revolutions, 'revolution')}, {360 * revolutions} deg"
-        by = f"the gyroscope turned by {abs(turned):.6g} deg (say {kind}:ANGLEdeg of another)"
+        whole = f"treated as exactly {plural(revolutions, 'revolution')}, {360 * revolutions} deg"
+        by = f"the gyroscope turned by {abs(turned):.6g} deg (state {kind}:ANGLEdeg if it differs)"
         return step, [f"{columns.file}: {whole}: {by}"]
     return step, []
 
@@ -124,7 +124,7 @@ def _turned_by(
     axis, sign = AXES.index(along[-1]), -1 if along.startswith("-") else 1
     if kind is None and series.gyro is not None:
         axis = int(np.argmax([abs(turned_deg(series, i, 1.0)) for i in range(3)]))
-    guesses = [f"{columns.file}: the reference angle is read at both ends alone: it grew by {angle:.6g} deg"]
+    guesses = [f"{columns.file}: the reference angle is read only at both ends: it increased by {angle:.6g} deg"]
     angle *= sign
     if wraps and not scale:
         raise _angle_unknown(columns.file, f"turn:{'+' if angle > 0 else '-'}{AXES[axis]}", None)
@@ -132,16 +132,18 @@ def _turned_by(
         read, turned = angle, turned_deg(series, axis, scale)
         angle, is_reversed = _agreed(columns.file, AXES[axis], read, turned, wraps=wraps, is_told=kind is not None)
         if is_reversed:
-            guesses.append(f"{columns.file}: the reference counts the other way than gyroscope {AXES[axis]}")
+            guesses.append(
+                f"{columns.file}: the reference counts in the opposite direction to gyroscope {AXES[axis]}"
+            )
         if more := round(abs(angle - (-read if is_reversed else read)) / 360):
             guesses.append(f"{columns.file}: {plural(more, 'whole turn')} more, by the gyroscope")
     if abs(angle) < MIN_ANGLE_DEG:
         raise DataRefused(
-            columns.file, None, f"an angle that grew by {angle:.3g} deg", f"at least {MIN_ANGLE_DEG:g} deg",
+            columns.file, None, f"an angle that increased by {angle:.3g} deg", f"at least {MIN_ANGLE_DEG:g} deg",
             "name another column as --reference", code=ErrorCode.TURN_ANGLE,
         )  # fmt: skip
     told = f"turn:{'+' if angle > 0 else '-'}{AXES[axis]}:{abs(angle):.9f}deg"
-    guesses.append(f"{columns.file}: taken for {told} (say --as rate:{AXES[axis]} for another axis)")
+    guesses.append(f"{columns.file}: treated as {told} (state --as rate:{AXES[axis]} for another axis)")
     return LoadedStep(*step_table(told, columns.file), step.data), guesses
 
 
@@ -176,20 +178,21 @@ def _agreed(file: str, axis: str, read: float, turned: float, *, wraps: bool, is
     raise DataRefused(
         file, None, f"a reference of {read:.6g} deg and a gyroscope {axis} of {turned:.6g} deg",
         f"a single angle that agrees with both within {100 * UNCALIBRATED:g} %",
-        f"say {other}--as turn:{sign}{axis}:ANGLEdeg without --reference", ErrorCode.TURN_ANGLE,
+        f"state {other}--as turn:{sign}{axis}:ANGLEdeg without --reference", ErrorCode.TURN_ANGLE,
     )  # fmt: skip
 
 
 def _angle_unknown(file: str, kind: str, turned: float | None) -> DataRefused:
     """Return the question by how much a turn was: the gyroscope that is to be calibrated cannot answer it."""
     found = (
-        "a turn by an angle that nobody stated, and a gyroscope of unknown unit"
+        "a rotation by an unstated angle, and a gyroscope of unknown unit"
         if turned is None
         else f"a turn by {abs(turned):.6g} deg, by the gyroscope itself"
     )
     whole = max(round(abs(turned or 0.0) / 360), 1)
     remedy = (
-        f"say {kind}:{whole} if it was {plural(whole, 'whole revolution')}, else its true angle as {kind}:ANGLEdeg"
+        f"state {kind}:{whole} if it was {plural(whole, 'whole revolution')}, else its true angle as "
+        f"{kind}:ANGLEdeg"
     )
     expected = (
         f"a single number of whole revolutions within {100 * MAX_SCALE_ERROR:g} %, or an angle that is stated"
@@ -227,11 +230,11 @@ def _guessed_axis(columns: Mapping[str, FloatArray], found: LogColumns) -> tuple
         )  # fmt: skip
     turned = max(followers, key=lambda i: abs(slopes[i][0]))
     axis = f"{'-' if likeness[turned] < 0 else ''}{AXES[turned]}"
-    guess = f"the table turned about {axis}, correlation {likeness[turned]:.4f} (say --as rate:{axis})"
+    guess = f"the table turned about {axis}, correlation {likeness[turned]:.4f} (state --as rate:{axis})"
     return f"rate:{axis}", guess
 
 
 def _if_taken_for_a_rate(found: LogColumns) -> str:
     if found.degrees_per_angle is not None:
         return ""
-    return f"; {found.reference} is taken for a rate: name it *_deg if it is an angle"
+    return f"; {found.reference} is treated as a rate: name it *_deg if it is an angle"

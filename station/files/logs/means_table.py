@@ -72,7 +72,7 @@ def means_of(table: LogTable, told: ToldColumns) -> MeansTable:
         usable &= True if values is None else np.isfinite(values).all(axis=1)
     notes = list(table.notes)
     if not usable.all():
-        notes.append(f"{int(np.sum(~usable))} rows without a number in an output: left out")
+        notes.append(f"{int(np.sum(~usable))} rows without a number in an output: not used")
     if usable.sum() < 2:
         found_rows = f"{int(usable.sum())} row with a number in every output"
         raise DataRefused(table.file, None, found_rows, "a row a pose", "name another file", ErrorCode.TOO_SHORT)
@@ -88,7 +88,9 @@ def means_of(table: LogTable, told: ToldColumns) -> MeansTable:
             ]
             std[triad] = np.stack(columns, axis=1)
             if n is None and not all(is_of_mean for _, is_of_mean in filter(None, its)):
-                notes.append(f"no number of samples (n): the standard deviations of {triad} count as the means'")
+                notes.append(
+                    f"no number of samples (n): the standard deviations of {triad} are used as those of the means"
+                )
     kept = {name: None if values is None else values[usable] for name, values in triads.items()}
     return MeansTable(found, kept["accel"], kept["gyro"], std["accel"], std["gyro"], tuple(notes))
 

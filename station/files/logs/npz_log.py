@@ -27,7 +27,7 @@ def read_npz_log(file: Path) -> LogTable:
             file, None, f"no readable arrays ({in_a_line(error)})", "a .npz of numbers", code=ErrorCode.TABLE
         ) from None
     columns = array_columns(arrays, file)
-    notes = (f"{', '.join(objects)} of Python objects: left out",) if objects else ()
+    notes = (f"{', '.join(objects)} of Python objects: not used",) if objects else ()
     moments = frozenset(name for name, values in arrays.items() if values.dtype.kind in "mM")
     return LogTable(file, columns, hashlib.sha256(file.read_bytes()).hexdigest(), notes=notes, moments=moments)
 

@@ -64,7 +64,7 @@ def rates_of_angle(
     late, std = lateness(t, angle, values[:, own])
     if abs(late) > SURE * std:
         word = "late" if late > 0 else "early"
-        notes.append(f"{found.reference} is {1e3 * abs(late):.1f} +- {1e3 * std:.2g} ms {word}: taken out")
+        notes.append(f"{found.reference} is {1e3 * abs(late):.1f} +- {1e3 * std:.2g} ms {word}: corrected")
         turned = mean_rates(t, angle, values, late)
     _say_scale(found, turned.reference, turned.values[:, own], notes)
     notes.append(
@@ -84,4 +84,4 @@ def _say_scale(found: LogColumns, reference: FloatArray, output: FloatArray, not
     if abs(times - 1) > MAX_OFF:
         more = f"the outputs turn {times:.4g} times as far as {found.reference}"
         why = "their unit is another, their bias is large," if is_steady else "their unit is another,"
-        notes.append(f"{more}: {why} or the log's second is (--unit-time, --rate; --utc tells)")
+        notes.append(f"{more}: {why} or the log's second is (--unit-time, --rate; --utc checks it)")

@@ -39,14 +39,14 @@ def temperature_column(
                 "degC, K or degF",
                 "name it by --aux instead",
             )
-        guesses.append(f"{name} is no temperature in degC, K or degF: left out (--aux {name} takes it)")
+        guesses.append(f"{name} is no temperature in degC, K or degF: not used (--aux {name} takes it)")
         return None, "degc"
     if unit in {None, "degc"} and (far := _implausible(table, name)) is not None:
         if told is not None:
             raise DataRefused(
                 table.file, None, f"{far:.6g} in temperature {name}", _RANGE, "name it by --aux instead"
             )
-        guesses.append(f"{name} holds {far:.6g}, no temperature in degC: left out (--aux {name} takes it)")
+        guesses.append(f"{name} holds {far:.6g}, no temperature in degC: not used (--aux {name} takes it)")
         return None, "degc"
     if unit is None:
         unit = "k" if name not in table.unreadable and _is_kelvin(table, name) else "degc"

@@ -185,6 +185,6 @@ def _refuse_commas_of_both_kinds(lines: Sequence[str], layout: Layout, file: Pat
     header = next((cells_of(lines[i], ",") for i in range(layout.first - 1, -1, -1) if is_row(lines[i])), [])
     if 2 * len(header) == len(layout.names):
         raise DataRefused(
-            file, layout.first + 1, f"{len(layout.names)} cells under {len(header)} names, all parted by commas",
+            file, layout.first + 1, f"{len(layout.names)} cells under {len(header)} names, separated by commas",
             "one kind of comma", "save it with another delimiter, or with decimal points", ErrorCode.TABLE,
         )  # fmt: skip

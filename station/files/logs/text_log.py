@@ -44,12 +44,12 @@ class TextForm:
         kept = [i for i in range(first, len(lines)) if lines[i][:1] in OF_NUMBERS or is_row(lines[i].strip("\0"))]
         again = {i for i in kept if lines[i][:1] not in OF_NUMBERS and self._is_header(lines[i])}
         kept = [i for i in kept if i not in again]
-        notes += [f"the header comes again {plural(len(again), 'time')}"] if again else []
+        notes += [f"the header is repeated {plural(len(again), 'time')}"] if again else []
         ends = [("first", 0)] if not before and kept and kept[0] == 0 else []
         ends += [("last", -1)] if is_last else []
         for which, end in ends:
             if len(kept) > 2 and len(layout.cells(lines[kept[end]])) < len(layout.names):
-                notes.append(f"line {kept[end] + 1 + before}, the {which}, is cut short and left out")
+                notes.append(f"line {kept[end] + 1 + before}, the {which}, is incomplete and not used")
                 del kept[end]
         rows = [lines[i].strip("\0") if "\0" in lines[i] else lines[i] for i in kept]
         values, damage = values_of(rows, layout) if rows else (np.empty((0, len(layout.names))), Damage())

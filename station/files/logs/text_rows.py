@@ -106,7 +106,7 @@ class Damage:
         if not self.is_rare(len(found)):
             raise DataRefused(
                 file, line_of(first), f"{len(found)} of {self.rows} rows damaged, the first here: {found[first]}",
-                f"{MAX_DAMAGED:.0%} at most", "record it again, or take out what is no row of this table",
+                f"{MAX_DAMAGED:.0%} at most", "record it again, or remove lines that are no rows of this table",
                 ErrorCode.DAMAGED_ROWS,
             )  # fmt: skip
         count = "1 row is" if len(found) == 1 else f"{len(found)} rows are"

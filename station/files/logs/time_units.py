@@ -77,7 +77,7 @@ def unit_of_time(
     guesses.append(f"time in {unit.name}, {_reason(evidence, found)}: {found.winner.rate_hz:.5g} Hz{duration}")
     shared = np.diff(stamps[: evidence_rows(stamps)]) == 0
     if shared.mean() > FEW_DIGITS:
-        guesses.append(f"{shared.mean():.0%} of the rows share a stamp in {time}: they are spread evenly")
+        guesses.append(f"{shared.mean():.0%} of the rows share a time stamp in {time}: they are spaced evenly")
     return unit
 
 
@@ -103,7 +103,7 @@ def _told(table: LogTable, time: str, told: str, stamps: FloatArray) -> TimeUnit
     if step > 0 and not POSSIBLE_HZ[0] <= (rate := 1 / step) <= POSSIBLE_HZ[1]:
         raise DataRefused(
             table.file, None, f"--unit-time {told}, which makes {rate:.4g} Hz of column {time}",
-            f"{POSSIBLE_HZ[0]:g} to {POSSIBLE_HZ[1]:g} Hz", "say another unit", ErrorCode.TIME_UNIT,
+            f"{POSSIBLE_HZ[0]:g} to {POSSIBLE_HZ[1]:g} Hz", "state another unit", ErrorCode.TIME_UNIT,
         )  # fmt: skip
     return unit
 

@@ -91,7 +91,7 @@ class _Impossible:
         if not self.explained:
             return f"{self.found}, expected {self.expected}: {self.unexplained}"
         others = ", or ".join(dict.fromkeys(self.explained[:MOST_NAMED]))
-        remedy = f"the data are consistent with {others}; or go on with --unit-{self.triad} raw"
+        remedy = f"the data are consistent with {others}; or continue with --unit-{self.triad} raw"
         raise DataRefused(file, None, self.found, self.expected, remedy, ErrorCode.UNIT)
 
 
@@ -110,7 +110,7 @@ def _unsigned(log: Readings, force: "_Impossible | None") -> list[str]:
             notes.append(f"{jumps}: two's complement of {most} bits was not applied")
             continue
         what = f"{jumps}: signed {most}-bit integers printed as unsigned" + (f"; {force.found}" if force else "")
-        remedy = f"subtract {2**most} from values of {2 ** (most - 1)} up, or go on with --unit-{triad} raw"
+        remedy = f"subtract {2**most} from values of {2 ** (most - 1)} up, or continue with --unit-{triad} raw"
         raise DataRefused(log.file, None, what, "signed numbers near zero", remedy, ErrorCode.UNIT)
     return notes
 
@@ -132,7 +132,7 @@ def _of_force(log: Readings, sample_rate: float) -> _Impossible | None:
     if (bits := _twos_complement(log, axes, per_g)) is not None:
         said.insert(0, f"signed {bits}-bit integers printed as unsigned")
     no_gravity = found.found < GRAVITY_REMOVED and bool(axes.all())
-    unexplained = "gravity was taken out of them" if no_gravity else "no other unit explains it"
+    unexplained = "gravity was removed from them" if no_gravity else "no other unit explains it"
     return _Impossible("accel", what, "9.8 m/s2 within 20 %", said, unexplained)
 
 

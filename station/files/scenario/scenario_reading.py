@@ -130,7 +130,9 @@ def _begin(hands: HandsTable, free_s: float, where: _KeyLines, number: int) -> f
         return free_s
     if hands.at_s < free_s - MAX_MOVE_OVERLAP_S:
         key = ("hands", number, "at_s")
-        raise where.refusal(key, f"at_s = {hands.at_s:g}", f"{free_s:.1f} or more: the hands are busy until then")
+        raise where.refusal(
+            key, f"at_s = {hands.at_s:g}", f"{free_s:.1f} or more: the simulated hands are busy until then"
+        )
     return hands.at_s
 
 

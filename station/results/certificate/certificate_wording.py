@@ -26,7 +26,7 @@ def deviations(document: Mapping[str, Any]) -> list[str]:
     said = list(procedure.get("deviations", ()))
     said += [residual_said(document, text) for text in procedure.get("warnings", ())]
     if (found := COMMIT.search(document["software"])) and found["dirty"]:
-        said.append("the software had changes that its commit does not hold")
+        said.append("the software had uncommitted changes")
     return said
 
 
@@ -59,7 +59,7 @@ def gravity(site: Mapping[str, Any]) -> str:
 def clock_of_the_laboratory(certificate: Certificate) -> tuple[str, str]:
     """Return label and text of what the laboratory says of its clock: a statement, no part of this measurement."""
     text = certificate.laboratory.traceability.time_base
-    return "Laboratory\u2019s clock", f"{text}; as the laboratory states, the device was not compared with it"
+    return "Laboratory\u2019s clock", f"{text}; stated by the laboratory, the device was not compared with it"
 
 
 def references(certificate: Certificate) -> list[dict[str, str]]:

@@ -7,7 +7,7 @@ FIELDS_THAT_ALWAYS_CHANGE = {
     "Issued",
     "Newest calibration",
     "Newest face certificate",
-    "Newest slab level",
+    "Newest surface plate level",
     "Certificate before this",
     "Journal of the database",
 }

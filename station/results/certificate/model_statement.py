@@ -13,7 +13,7 @@ NAMES = {
     "fixture.parallelism": "cube parallelism",
 }
 SLAB_RANGE_DEG = 0.29  # procedures.dwells_and_turns.bench_parameters.SLAB_TILT_RANGE_RAD, 5e-3 rad
-TAKEN_AS_ZERO = "Not determined by these steps, and taken as zero or as those of the mean cube"
+TAKEN_AS_ZERO = "Not determined by these steps; assumed zero, or equal to that of the cube's mean faces"
 SIMULATED = "SIM-"  # how every model of drivers.simulated begins
 PROGRAM = "run `station"  # in a warning that speaks to the operator
 
@@ -36,16 +36,16 @@ def diagnosis_said(document: Mapping[str, Any]) -> list[str]:
     doubtful = [(f["effect"], *f["aliases"]) for f in findings if f["confidence"] == "ambiguous"]
     parts = [names[0] for names in doubtful if len(names) == 1]
     if parts:
-        said.append(f"Explaining the residual in part only: {'; '.join(map(_name, parts))}.")
+        said.append(f"Explains the residual only in part: {'; '.join(map(_name, parts))}.")
     several = [names for names in doubtful if len(names) > 1]
     for group in dict.fromkeys(" or ".join(dict.fromkeys(map(_name, names))) for names in several):
-        said.append(f"Not told apart by this campaign: {group}.")
+        said.append(f"Not separated by this campaign: {group}.")
     if diagnosis["verdict"] == "consistent":
-        said.append("The residual is what noise leaves: nothing more that this campaign can show.")
+        said.append("The residuals are consistent with noise: no further error term was detected.")
     elif diagnosis["verdict"] not in {"established", "likely", "ambiguous"}:
-        left = " What it leaves unexplained is part of U." if _shares(document, "unexplained") else ""
+        left = " The unexplained part is included in U." if _shares(document, "unexplained") else ""
         whole = "all of it" if diagnosis["verdict"] == "partly" else "it"
-        said.append(f"The residual is more than noise, and no known effect accounts for {whole}.{left}")
+        said.append(f"The residuals exceed noise, and no known error term explains {whole}.{left}")
     return [*own, f"Diagnosis of the residual: {diagnosis['verdict']}.", *said]
 
 
@@ -60,7 +60,7 @@ def declared_said(document: Mapping[str, Any]) -> list[str]:
 
 
 def effect_rows(document: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
-    """Return a line for each coefficient of the effects of a calibration/1: name, value, 1 sigma, unit."""
+    """Return a line for each coefficient of the effects of a calibration/1: name, value, u, unit."""
     rows = list[tuple[str, str, str, str]]()
     for one in document.get("effects", ()):
         for name, said in one["coefficients"].items():
@@ -86,23 +86,26 @@ def residual_said(document: Mapping[str, Any], warning: str) -> str:
     """Return a warning of the program as the customer may read it."""
     if PROGRAM not in warning:
         return warning
-    what = warning.partition(": the sigmas")[0]
-    return f"{what}; what it leaves unexplained is part of U" if _shares(document, "unexplained") else what
+    what = warning.partition(": the uncertainties")[0]
+    return f"{what}; the unexplained part is included in U" if _shares(document, "unexplained") else what
 
 
 def stated(document: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Return label and text of what was taken as stated and not measured."""
     procedure, lines = document["procedure"], list[tuple[str, str]]()
-    for label, key in (("Heading of a position", "heading_std_deg"), ("Closure of a turn", "closure_std_deg")):
+    for label, key in (
+        ("Heading of a position", "heading_std_deg"),
+        ("Closure error of a rotation", "closure_std_deg"),
+    ):
         if key in procedure:
-            lines.append((label, f"1\u03c3 {procedure[key]:g}\u00b0"))
-    lines.append(("Tilt of the slab", f"solved for within 1\u03c3 {SLAB_RANGE_DEG:g}\u00b0 of level"))
+            lines.append((label, f"u = {procedure[key]:g}\u00b0"))
+    lines.append(("Tilt of the surface plate", f"estimated, prior standard uncertainty {SLAB_RANGE_DEG:g}\u00b0"))
     relative = max(_shares(document, "clock"), default=0.0)
-    rate = f"; rate taken as right within 1\u03c3 {relative:.1g}, a stated value" if relative else ""
+    rate = f"; rate assumed correct, relative u = {relative:.1g}, a stated value" if relative else ""
     compared = "not compared with a reference here"
     if clock := procedure.get("clock"):
         off, std = clock["rate_ppm"], clock["std_ppm"]
-        compared = f"by GNSS time recorded beside the counts off by {off:+.2g} ppm, 1\u03c3 {std:.2g} ppm"
+        compared = f"deviation from GNSS time recorded with the counts {off:+.2g} ppm, u = {std:.2g} ppm"
     lines.append(("Time base", f"the device\u2019s own clock{rate}; {compared}"))
     return lines
 

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from procedures.uncertainty.budget import ParameterBudget
 
 INFINITE = "\u221e"
-SYMBOLS = {"scale_factor": "k", "misalignment": "E", "bias": "D"}
+SYMBOLS = {"scale_factor": "K", "misalignment": "E", "bias": "D"}
 _GROUPS = {
-    "scale_factor": ("Scale factor k", ""),
+    "scale_factor": ("Scale factor K", ""),
     "misalignment": ("Misalignment E", "off-diagonal, as an angle; first index sensor, second body axis"),
     "bias": ("Bias D", ""),
 }
@@ -57,7 +57,7 @@ def measured(document: Mapping[str, Any]) -> dict[str, MeasuredParameter]:
 
 
 def result_groups(results: Mapping[str, MeasuredParameter]) -> list[tuple[str, str, str, list[Row]]]:
-    """Return triad, title, remark and rows of the tables of results, triad by triad; 1 sigma ends a row."""
+    """Return triad, title, remark and rows of the tables of results, triad by triad; u ends a row."""
     return [
         (triad, title, remark, _with_sigma(mine, budget_rows(mine, degrees, main_parts)))
         for triad in TRIADS

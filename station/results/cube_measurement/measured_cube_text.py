@@ -19,11 +19,11 @@ MIN_CHI2 = 1e-6  # below it, what is left is rounding
 def study_text(found: CubeStudy) -> str:
     """Return all that `station fixtures measure` prints."""
     units = ", ".join(f"{unit} ({len(each)})" for unit, each in found.campaigns.items())
-    lines = [f"cube {found.cube}, {found.measured_utc:%Y-%m-%d}, by {units}; +- is 1 sigma"]
+    lines = [f"cube {found.cube}, {found.measured_utc:%Y-%m-%d}, by {units}; +- is the standard uncertainty u"]
     lines += values(found.measured)
     if (m := found.measured).dof:
         lines.append(
-            f"units, and K2 with its range, against each other: chi-square {chi2_text(m.chi2, 4)} at {m.dof} "
+            f"consistency of the units and the K2 range: chi-square {chi2_text(m.chi2, 4)} at {m.dof} "
             f"degrees of freedom, p {m.p_value:.2g}"
         )
     lines += [f"not observable: {each}" for each in not_observable(found.measured)]
@@ -61,7 +61,9 @@ def known_lines(known: KnownCube) -> list[str]:
     *earlier, last = known.measured
     for one in earlier:
         if shared := len(one.sources & last.sources):
-            said = f"{shared} of {len(one.sources)} campaigns are the same: not independent, left out of the drift"
+            said = (
+                f"{shared} of {len(one.sources)} campaigns are the same: not independent, not used for the drift"
+            )
         else:
             said = _since(drift_of([one, last]))
         lines.append(f"against the measurement of {one.measured_utc:%Y-%m-%d}: {said}")
@@ -76,7 +78,7 @@ def verdict(moved: CubeDrift) -> str:
     """Say whether a cube has changed."""
     if not moved.changed:
         return (
-            f"no change beyond chance (least p {moved.p_adjusted.min():.2g}, Holm over {len(moved.names)} values)"
+            f"no significant change (smallest p {moved.p_adjusted.min():.2g}, Holm over {len(moved.names)} values)"
         )
     return f"the cube has changed: {', '.join(moved.changed)} (p {moved.p_adjusted.min():.2g}, Holm)"
 
@@ -91,7 +93,7 @@ def _since(moved: CubeDrift | None) -> str:
         return "no value in common"
     sigmas = moved.shift / moved.shift_std
     most = int(np.argmax(np.abs(sigmas)))
-    return f"{verdict(moved)}; most {moved.names[most]} by {sigmas[most]:+z.1f} sigma"
+    return f"{verdict(moved)}; largest {moved.names[most]}: {sigmas[most]:+z.1f} u"
 
 
 def _shifts(names: Sequence[str], shift: FloatArray, std: FloatArray) -> Iterator[tuple[str, str, str]]:

@@ -7,11 +7,12 @@ from procedures.frames import AXES
 
 TURNING = (
     "how the cube is turned as a whole (half the difference of perpendicularity q_ac and q_ca): "
-    "nothing but a certificate of its datum faces says where its axes are"
+    "only a certificate of its datum faces determines its axes"
 )
 NO_SKEW = (
-    "skew of the cube (perpendicularity of its pairs of faces): one with the IMU's misalignment; separated by a "
-    "campaign with the IMU re-mounted, turned by 90 deg in the cube, or by a dozen rests in free attitudes"
+    "skew of the cube (perpendicularity of its pairs of faces): indistinguishable from the IMU's misalignment; "
+    "separated by a campaign with the IMU re-mounted, turned by 90 deg in the cube, or by a dozen rests in free "
+    "attitudes"
 )
 
 
@@ -29,12 +30,14 @@ def not_observable(measured: CubeMeasurement) -> list[str]:
     found = [_no_parallelism(name) for name in PARALLELISM if name not in measured.cube.names]
     missing = [name for name in SKEW if name not in measured.cube.names]
     found += (
-        [NO_SKEW] if len(missing) == len(SKEW) else [f"{name}, known no better than plausible" for name in missing]
+        [NO_SKEW]
+        if len(missing) == len(SKEW)
+        else [f"{name}, not determined beyond its prior" for name in missing]
     )
     for axis in by_quadratic(measured):
         others = " or ".join(other for other in AXES if other != axis)
         found.append(
-            f"mean parallelism along {axis}: one with bias and K2 of the sensor along {axis}, known as K2 is; "
+            f"mean parallelism along {axis}: indistinguishable from bias and K2 of the sensor along {axis}; "
             f"separated by a campaign with the IMU re-mounted, turned by 90 deg about {others}, or by more units"
         )
     return [*found, TURNING]
@@ -42,4 +45,4 @@ def not_observable(measured: CubeMeasurement) -> list[str]:
 
 def _no_parallelism(name: str) -> str:
     pair = name.split(".")[1]
-    return f"{name}, known no better than plausible: needs dwells with {pair} up and with {pair} down"
+    return f"{name}, not determined beyond its prior: needs dwells with {pair} up and with {pair} down"

@@ -21,9 +21,9 @@ from station.results.parameters_by_name import parameters, shifts
 from station.results.solution_json import solution_document
 
 FORMAT = "diagnosis/1"
-BLOCKS_LEFT_OUT = "an eighth of the blocks of samples, left out in turn"
-LEFT_OUT = "position, turn, rest, or block of a rate table or soak, left out in turn"
-NOT_DETERMINED = "coefficients of a finding are not determined and were left out"
+BLOCKS_LEFT_OUT = "an eighth of the blocks of samples, held out in turn"
+LEFT_OUT = "position, rotation, rest, or block of a rate table or soak, held out in turn"
+NOT_DETERMINED = "coefficients of a finding are not determined and were omitted"
 
 
 def diagnosis_document(

@@ -11,10 +11,10 @@ from station.results.diagnosis.diagnosis_wording import (
     LEFT_TITLE,
     NO_SIGN_LOG10_P,
     TRIED_TITLE,
-    chance_text,
     confidence_said,
     left_lines,
     notes,
+    p_text,
     size_in_sigmas,
     verdict_sentence,
     verdict_title,
@@ -39,7 +39,7 @@ TEXTBOOK_BIASES = ("bias_12_position", "bias_two_direction")  # their sigma is c
 
 
 def diagnosis_text(document: Mapping[str, Any]) -> str:
-    """Return the summary that `station diagnose` prints; +- is 1 sigma."""
+    """Return the summary that `station diagnose` prints; +- is the standard uncertainty u."""
     lines = _fold(f"{verdict_title(document).upper()}. {verdict_sentence(document)}", "")
     if declared := document.get("solution", {}).get("effects"):
         lines += [
@@ -53,7 +53,7 @@ def diagnosis_text(document: Mapping[str, Any]) -> str:
         (RATE_TABLE_TITLE, [f"   {name:<27}{value}" for name, value in table_rows(document.get("solution", {}))]),
         ("error (rms), without -> with the findings in the model", list(_errors(document["error"]))),
         (LEFT_TITLE, [f"   {line}" for line in left_lines(document)]),
-        ("parameters that moved most", list(_moved(document["parameters"]))),
+        ("parameters that changed most (change in units of u)", list(_moved(document["parameters"]))),
         (TRIED_TITLE, list(_tried(document["tried"]))),
     ):
         if part:
@@ -71,7 +71,7 @@ def diagnosis_text(document: Mapping[str, Any]) -> str:
         lines += ["", *_fold(f"measure next: {document['next_measurement']}", "")]
         lines += [_PLAN] if "solution" in document else []
     if missing := document.get("not_observable"):
-        lines += ["", *_fold(f"not determined by this: {', '.join(missing)}", "")]
+        lines += ["", *_fold(f"not observable: {', '.join(missing)}", "")]
     if said := not_looked_at(document):
         lines += ["", *_fold(said, "")]
     if warnings := warnings_of(document.get("solution", document)):
@@ -83,12 +83,12 @@ _PLAN = "(--plan FILE writes its steps for `station calibrate --plan FILE`)"
 
 
 def not_looked_at(document: Mapping[str, Any]) -> str:
-    """Return what of a solution no residual was diagnosed of: gyroscopes that moves by hand alone tell."""
+    """Return what of a solution no residual was diagnosed of: gyroscopes that only transfers by hand determine."""
     looked_at = any(error["quantity"].startswith("gyroscope") for error in document["error"])
     is_solved = "gyroscope" in document.get("solution", {}) and "accelerometer" in document["solution"]
     if not is_solved or looked_at:
         return ""
-    return "not looked at: the gyroscopes, of which moves by hand tell scale factors and a mean bias, no more"
+    return "not diagnosed: the gyroscopes; transfers by hand determine only their scale factors and a mean bias"
 
 
 def warnings_of(solution: Mapping[str, Any]) -> list[str]:
@@ -155,8 +155,8 @@ def _finding(number: int, finding: Mapping[str, Any]) -> list[str]:
         lines.append(f"   ... and {len(finding['coefficients']) - MAX_COEFFICIENTS} more, smaller")
     lines += proposed_lines(finding)
     if finding["aliases"]:
-        lines += _fold(f"it could also be: {', '.join(finding['aliases'])}", "   ")
-        lines += _fold(f"what would tell them apart: {finding['separate_by']}", "   ")
+        lines += _fold(f"indistinguishable from: {', '.join(finding['aliases'])}", "   ")
+        lines += _fold(f"to separate them: {finding['separate_by']}", "   ")
     return lines
 
 
@@ -165,10 +165,8 @@ def finding_chance(finding: Mapping[str, Any]) -> str:
     if "log10_p" not in finding:
         return ""
     if "searched_p" in finding:  # of draws of noise, so many and no more
-        return (
-            f"noise alone would show a term as clear {chance_text(finding['log10_p'])} or less, all terms counted"
-        )
-    return f"noise alone would look like it {chance_text(finding['log10_p'])}, {CHANCE_OF_FINDING}"
+        return f"{p_text(finding['log10_p'])} or less, corrected for all terms searched"
+    return f"{p_text(finding['log10_p'])}, {CHANCE_OF_FINDING}"
 
 
 def error_rows(errors: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, str, str, str]]:
@@ -194,7 +192,7 @@ def _errors(errors: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     for quantity, unit, inside, held_out, method in error_rows(errors):
         if method != said:
             said = method
-            title = "found here, fixed" if method.startswith("validation") else "left out"
+            title = "validation data" if method.startswith("validation") else "held out"
             yield f"   {'':<24} {'unit':<8} {'in the data':<20} {title}"
             yield from _fold(f"({method})", "   ")
         yield f"   {quantity:<24} {unit:<8} {inside:<20} {held_out:<20}".rstrip()
@@ -235,15 +233,15 @@ def table_rows(solution: Mapping[str, Any]) -> list[tuple[str, str]]:
 def _moved(parameters: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     rows = moved_rows(parameters)
     if rows:
-        yield f"  {'':<29} {'before':>10} {'after +- 1 sigma':>18} {'unit':<11} {'sigmas':>6}"
+        yield f"  {'':<29} {'before':>10} {'after +- u':>18} {'unit':<11} {'change':>6}"
     for title, before, after, unit, sigmas in rows:
         yield f"  {title:<29} {before:>10} {after:>18} {unit:<11} {sigmas:>6}"
 
 
 def tried_rows(tried: Sequence[Mapping[str, Any]]) -> list[tuple[str, str]]:
-    """Return the effects that were tried first, the clearest of them, with how often noise alone looks so."""
+    """Return the error terms that were tried first, the clearest of them, with their p-values."""
     return [
-        (each["effect"], "no sign of it" if p > NO_SIGN_LOG10_P else chance_text(p))
+        (each["effect"], "not significant" if p > NO_SIGN_LOG10_P else p_text(p))
         for each in tried
         for p in (each["log10_p_adjusted"],)
     ]

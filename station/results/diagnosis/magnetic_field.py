@@ -14,7 +14,7 @@ from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 
 FIRST = date(2010, 1, 1)  # of the oldest model that pygeomag holds; what counts from elsewhere is no date
 HINT = "give site.magnetic_enu_ut"
-UNKNOWN = "gyroscope.magnetic cannot be looked for"
+UNKNOWN = "gyroscope.magnetic cannot be tested"
 
 
 def with_magnetic_field(loaded: LoadedCampaign, today: date | None = None) -> LoadedCampaign:
@@ -32,7 +32,7 @@ def with_magnetic_field(loaded: LoadedCampaign, today: date | None = None) -> Lo
     try:
         field = world_magnetic_model(site.latitude_deg, site.longitude_deg, site.height_m, day)
     except ValueError:
-        why = f"no World Magnetic Model here holds on {day}"
+        why = f"no installed World Magnetic Model is valid on {day}"
         return _warned(
             loaded, f"no site.magnetic_enu_ut, and {why}: {UNKNOWN}; {HINT}, or install a newer pygeomag"
         )
@@ -42,7 +42,7 @@ def with_magnetic_field(loaded: LoadedCampaign, today: date | None = None) -> Lo
         return filled
     return _warned(
         filled,
-        f"no file says when it was recorded: the magnetic field is that of {day}, and moves by up to 0.2 uT a "
+        f"no file states its date: the magnetic field is that of {day}, and changes by up to 0.2 uT a "
         f"year; {HINT} where that matters",
     )
 

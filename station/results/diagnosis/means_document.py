@@ -39,7 +39,7 @@ def means_document(means: MeansTable, latitude_deg: float | None, serial: str | 
     }  # fmt: skip
     if latitude_deg is None:
         document["warnings"].append(
-            f"no --latitude: gravity is taken for {site.gravity:g} +- {site.gravity_std:g} m/s2"
+            f"no --latitude: gravity is assumed to be {site.gravity:g} +- {site.gravity_std:g} m/s2"
         )
     if means.accel is not None:
         per_g = outputs_per_unit(means.found.unit_accel or RAW, ACCEL_UNITS)
@@ -90,9 +90,9 @@ def _add_accelerometer(document: dict[str, Any], fit: MeansCalibration, unit: st
     if len(fit.not_observable) < len(off_diagonal):
         part["misalignment"] = {"value": E.tolist(), "std": [_known(row) for row in E_std]}
     document["accelerometer"] = part
-    document["not_observable"] += [f"accelerometer.{name} (the poses are too near the faces)" for name in
+    document["not_observable"] += [f"accelerometer.{name} (the poses are too close to the faces)" for name in
                                    fit.not_observable]  # fmt: skip
-    document["not_observable"].append("accelerometer: how its axes lie to the housing (poses are not known)")
+    document["not_observable"].append("accelerometer: its axes relative to the housing (poses are not known)")
     held = fit.held_out[np.isfinite(fit.held_out)]
     warnings = document["warnings"]
     if len(held):
@@ -100,16 +100,18 @@ def _add_accelerometer(document: dict[str, Any], fit: MeansCalibration, unit: st
         part["held_out_poses"] = len(held)
     if len(held) < len(fit.held_out):
         needed = len(fit.held_out) - len(held)
-        warnings.append(f"{needed} of {len(fit.held_out)} poses cannot be predicted by the others: each is needed")
+        warnings.append(
+            f"{needed} of {len(fit.held_out)} poses cannot be predicted from the others: all are needed"
+        )
     if fit.free < 1 and not is_stated:
-        warnings.append("as many numbers as poses and no standard deviations: no standard uncertainty is known")
+        warnings.append("as many parameters as poses and no standard deviations: uncertainties are not known")
     elif fit.free < FEW_FREE:
-        warnings.append(f"only {fit.free:.1f} degrees of freedom judge the fit: add poses between the faces")
+        warnings.append(f"only {fit.free:.1f} degrees of freedom to check the fit: add poses between the faces")
     fitted, predicted = part["residual_rms_mg"], part.get("held_out_rms_mg", 0.0)
     if predicted > HELD_OUT_FACTOR * fitted:
         warnings.append(
-            f"poses are fitted to {fitted:.3g} mg and predicted to {predicted:.3g} mg: too few for so many "
-            "numbers, and the fit looks better than it is"
+            f"poses are fitted to {fitted:.3g} mg and predicted to {predicted:.3g} mg: too few poses for so many "
+            "parameters, so the fit looks better than it is"
         )
 
 
@@ -121,7 +123,7 @@ def _add_gyroscope(document: dict[str, Any], means: MeansTable) -> None:
     per_deg_s = outputs_per_unit(means.found.unit_gyro or RAW, GYRO_UNITS)
     if per_deg_s is not None:
         document["gyroscope"]["earth_rate_in_bias"] = ANY_EARTH_RATE_DEG_H / 3600 * per_deg_s
-    document["not_observable"] += ["gyroscope.scale_factor", "gyroscope.misalignment (nothing turned)"]
+    document["not_observable"] += ["gyroscope.scale_factor", "gyroscope.misalignment (no rotation)"]
 
 
 def _known(std: FloatArray) -> list[float | None]:
@@ -130,7 +132,9 @@ def _known(std: FloatArray) -> list[float | None]:
 
 def means_text(document: dict[str, Any]) -> str:
     """Return the document as text; +- is the standard uncertainty."""
-    lines = [f"{document['file']}: a table of means of {document['poses']} poses, +- is 1 sigma"]
+    lines = [
+        f"{document['file']}: a table of means of {document['poses']} poses, +- is the standard uncertainty u"
+    ]
     shown = {key: _filled(part) for key, part in document.items() if key in {"accelerometer", "gyroscope"}}
     lines += [line for line in triad_lines(shown) if not line.endswith("not solved")]
     if part := document.get("accelerometer"):
@@ -138,10 +142,10 @@ def means_text(document: dict[str, Any]) -> str:
             f"residual: {part['residual_rms_mg']:.3g} mg rms, {part['degrees_of_freedom']:g} degrees of freedom"
         )
         if "held_out_rms_mg" in part:
-            lines.append(f"held out: {part['held_out_rms_mg']:.3g} mg rms, each pose predicted by the others")
+            lines.append(f"held out: {part['held_out_rms_mg']:.3g} mg rms, each pose predicted from the others")
     if earth := document.get("gyroscope", {}).get("earth_rate_in_bias"):
         unit = document["gyroscope"]["bias"]["unit"]
-        lines.append(f"the Earth's rate is in the gyroscopes' bias: up to {earth:.2g} {unit}")
+        lines.append(f"the gyroscopes' bias includes the Earth's rate: up to {earth:.2g} {unit}")
     lines += [f"not observable: {text}" for text in document["not_observable"]]
     lines += [f"warning: {text}" for text in document["warnings"]]
     return "\n".join(lines)

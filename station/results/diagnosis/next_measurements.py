@@ -46,9 +46,9 @@ def remounted(about: str) -> Make:
         axes = turned(imu_axes, about)
         say = (
             f"Mount the IMU turned by 90 deg about the cube's {about}, so that its x, y, z point along the "
-            f"cube's {', '.join(axes)}, and do the twelve positions: errors of the cube then show in another "
-            f"channel. It takes two such mountings, about two axes. A certificate of the faces or free positions "
-            f"near 45 deg tell them apart too."
+            f"cube's {', '.join(axes)}, and record the twelve positions: errors of the cube then appear in "
+            f"another channel. Two such mountings are needed, about two axes. A face certificate or free "
+            f"positions near 45 deg separate them too."
         )
         return Measurement(f"remounted_about_{about}", say, positions(range(1, 13)), axes)
 
@@ -61,8 +61,8 @@ def again(finding: Mapping[str, Any], imu_axes: Sequence[str]) -> Measurement:
     found = [p for p in (named if isinstance(named, list) else [named]) if p in range(1, len(POSITIONS) + 1)]
     wanted = dict.fromkeys(q for p in found for q in (p, partner(p)))
     say = (
-        "Wipe slab and face and do these positions again, hands off: what was a seating, a label or a disturbance "
-        "does not come back."
+        "Wipe plate and face and record these positions again, hands off: an error of seating, label or "
+        "disturbance does not repeat."
     )
     return Measurement("again", say, positions(wanted or range(1, 13)))
 
@@ -70,7 +70,7 @@ def again(finding: Mapping[str, Any], imu_axes: Sequence[str]) -> Measurement:
 def channel_moved(finding: Mapping[str, Any], imu_axes: Sequence[str]) -> Measurement:
     """Return a rest in which the auxiliary channel is changed on purpose, and nothing else."""
     name = finding.get("where", {}).get("channel", "the auxiliary channel")
-    say = f"Leave the cube at rest and change {name} on purpose, to and fro, with nothing else changing."
+    say = f"Leave the cube at rest and change {name} on purpose, to and fro, and nothing else."
     return Measurement("channel_moved", say, {"soak": [{"position": 9, "seconds": SOAK_S / 4}]})
 
 
@@ -111,13 +111,13 @@ FREE_POSITIONS = always(
 HEATING = always(
     "heating",
     "Leave the cube at rest and heat the unit by 15 K or more, then let it cool; in both positions: up and down, "
-    "so that effects of time, temperature and its rate can be told apart.",
+    "so that effects of time, temperature and its rate can be separated.",
     soak=[{"position": p, "seconds": SOAK_S} for p in (9, 11)],
 )
 OTHER_ORDER = always(
     "other_order",
     "Do the twelve positions in this order, on another day, with the room 5 K warmer or colder: effects of "
-    "time, of temperature and of the position before can then be told apart.",
+    "time, of temperature and of the position before can then be separated.",
     **positions(MIXED),
 )
 OTHER_FIELD = always(
@@ -129,14 +129,14 @@ OTHER_FIELD = always(
 TWO_SPEEDS = always(
     "two_speeds",
     f"Turn about each axis once more, slowly: about {SLOW_DEG_S:g} deg/s, {360 / SLOW_DEG_S:.0f} s a revolution. "
-    f"A rate table tells more, and only fast rates tell a Sagnac sine from a cubic.",
+    f"A rate table is better, and only fast rates separate a Sagnac sine from a cubic.",
     turn=turns(speed_deg_s=SLOW_DEG_S),
 )
 OTHER_SPEEDS = always(
     "other_speeds",
     f"Turn about each axis once more, by + at about {OTHER_SPEEDS_DEG_S['+']:g} deg/s and by - at about "
     f"{OTHER_SPEEDS_DEG_S['-']:g} deg/s: at the speeds that there are a cubic, another power and the end of a "
-    f"range are one. A rate table tells more.",
+    f"range are one. A rate table is better.",
     turn=[{**turn, "speed_deg_s": OTHER_SPEEDS_DEG_S[turn["direction"]]} for turn in turns()],
 )
 AFTER_FLIPS = always(
@@ -153,28 +153,29 @@ REFERENCE_TIME = always(
 CERTIFICATE = always(
     "certificate",
     "Have the cube's six faces measured and enter them as [[fixture.face]] of campaign.toml, or with `station "
-    "fixtures add certificate`; then diagnose the same campaign again. No step on the slab tells it.",
+    "fixtures add certificate`; then diagnose the same campaign again. No step on the surface plate determines "
+    "it.",
 )
 SURVEY = always(
     "survey",
-    "Have the site surveyed: gravity (gravity_m_s2 with gravity_std_m_s2) or the slab's North mark, as the "
-    "finding says; then diagnose the same campaign again.",
+    "Have the site surveyed: gravity (gravity_m_s2 with gravity_std_m_s2) or the plate's North mark, as the "
+    "finding states; then diagnose the same campaign again.",
 )
 MORE_REVOLUTIONS = always(
     "more_revolutions",
-    "Do the six turns again with three times the revolutions: a closure stays as it is, an error of the scale "
+    "Do the six turns again with three times the revolutions: a closure error stays, an error of the scale "
     "factor grows with the angle.",
     turn=[{**turn, "revolutions": 3 * REVOLUTIONS} for turn in turns()],
 )
 TWICE = always(
     "twice",
-    "Do the twelve positions twice over, each time lifted, wiped and set against the stop: what changes from seat "
-    "to seat is the seat's.",
+    "Do the twelve positions twice over, each time lifted, wiped and set against the stop: what changes "
+    "between placements is the seating.",
     **positions([*range(1, 13), *range(1, 13)]),
 )
 REPEAT = always(
     "repeat",
-    "Do the campaign again, in another order, on another day: what does not come back is no effect.",
+    "Do the campaign again, in another order, on another day: an error that does not repeat is no error term.",
     **positions(MIXED),
     turn=turns(),
 )

@@ -92,7 +92,7 @@ def _followed(excitation: Excitation, finding: Finding) -> FloatArray:
     return sensor_temperature(excitation, float(tau))
 
 
-_SENSOR = ("temperature that the sensor has come to [degC]", _followed)
+_SENSOR = ("lagged sensor temperature [degC]", _followed)
 _WARMING = ("temperature rate [K/min]", lambda excitation, finding: excitation.temperature_rate)
 _TIME = ("time [h]", lambda excitation, finding: (excitation.t - np.nanmin(excitation.t)) / S_PER_H)
 _FORCE = ("specific force along the sensor [g]", lambda excitation, finding: excitation.f)
@@ -115,11 +115,11 @@ _COORDINATES: Mapping[str, tuple[str, Values]] = {
         lambda excitation, finding: excitation.change,
     ),
     "gyroscope.g_sensitivity": (
-        "specific force, along the input that matters most [g]",
+        "specific force, along the input with the largest effect [g]",
         _of_inputs(lambda s: s.f),
     ),
     "gyroscope.magnetic": (
-        "magnetic field, along the input that matters most [uT]",
+        "magnetic field, along the input with the largest effect [uT]",
         _of_inputs(lambda s: s.magnetic),
     ),
     "gyroscope.scale_temperature": _TEMPERATURE,

@@ -24,13 +24,13 @@ def proposed_said(finding: Mapping[str, Any]) -> list[str]:
     """Return sentences of a proposed finding: its term, its error held out, how many terms read the same."""
     held, count = finding["held_out_sigmas"], finding["readings_in_all"]
     alike = (
-        f"this data cannot tell it from {count} other {'term' if count == 1 else 'terms'}"
+        f"the data cannot separate it from {count} other {'term' if count == 1 else 'terms'}"
         if count
-        else "no other term that was tried is as good"
+        else "no other tested term fits as well"
     )
     return [
         f"it adds {_term(finding)}",
-        f"errors of its rows where they are left out: {held['before']:.2f} sigma without it, "
+        f"error of its rows when held out: {held['before']:.2f} sigma without it, "
         f"{held['after']:.2f} with it (rms)",
         alike,
         *([f"measure next: {finding['separate_by']}"] if finding["separate_by"] else []),
@@ -46,9 +46,13 @@ def searched_said(document: Mapping[str, Any]) -> str:
     """Return how many terms were searched, or the offer to search where the verdict leaves something."""
     if (searched := document.get("searched")) is None:
         is_offered = document["verdict"] in OFFERED and "solution" in document
-        return "--discover searches ten thousand terms for a law that the catalogue lacks" if is_offered else ""
+        return (
+            "--discover searches ten thousand terms for an error term that the catalogue lacks"
+            if is_offered
+            else ""
+        )
     found = len(document["findings"]) - len(known_findings(document))
-    said = "none stands" if not found else "one is proposed" if found == 1 else f"{found} are proposed"
+    said = "none is significant" if not found else "one is proposed" if found == 1 else f"{found} are proposed"
     adopt = " (`station effects adopt` writes it as a file)" if found else ""
     return f"{searched['terms']} terms were searched: {said}{adopt}"
 

@@ -34,11 +34,11 @@ def rests_and_moves_lines(document: Mapping[str, Any]) -> Iterator[str]:
         off = [each[key] for each in rests if key in each]  # none where the unit is not told
         rms = 1e3 * sqrt(fmean(x * x for x in off)) if off else 0.0
         seconds = [each["seconds"] for each in rests]
-        said = f", specific force off gravity by {rms:.3g} mg rms" if off else ""
+        said = f", specific force differs from gravity by {rms:.3g} mg rms" if off else ""
         yield f"{len(rests)} rests of {min(seconds):.1f} to {max(seconds):.1f} s{said}"
     if moves:
-        yield "moves, by the unit told: by the gyroscopes x, y, z [deg]; gravity turned by the"
-        yield "accelerometers, and how far from it the gyroscopes carry it [deg]"
+        yield "transfers as measured: by the gyroscopes x, y, z [deg]; rotation of gravity by the"
+        yield "accelerometers, and its difference to the gyroscopes [deg]"
     for each in moves[:MAX_MOVES]:
         x, y, z = each["turned_deg"]
         gravity = f"{each['tilted_deg']:8.2f} {each['apart_deg']:7.2f}" if "tilted_deg" in each else ""

@@ -88,7 +88,7 @@ def channel_lines(channels: Sequence[Mapping[str, Any]]) -> Iterator[str]:
             yield f"   {'instability':<16}{flicker}"
         if "drift" in each and "by_temperature" in each:
             moved = f"{each['temperature_moved_k']:.1f} K"
-            yield f"   the temperature moved by {moved}: drift and temperature may be one and the same"
+            yield f"   the temperature changed by {moved}: drift and temperature cannot be separated"
 
 
 def _between(term: Mapping[str, Any] | None) -> str:

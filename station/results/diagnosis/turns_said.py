@@ -75,5 +75,5 @@ def turns_lines(document: Mapping[str, Any]) -> Iterator[str]:
         rested = any("at_rest" in each for each in document["turns"])
         yield (
             "at rest is the bias with the Earth's rate along the axis; " if rested else ""
-        ) + "not shown by this:"
+        ) + "not determined by this:"
         yield from (f"   {said}" for said in document["turns_leave_open"])

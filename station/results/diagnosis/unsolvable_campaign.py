@@ -86,12 +86,14 @@ def nothing_at_all(campaigns: Sequence[LoadedCampaign], missing: NotObservable) 
     dead = constant_channels(records_at_rest([loaded.campaign for loaded in campaigns]))
     if dead and not channels_of(campaigns, ()):
         found = f"outputs that never change ({', '.join(dead)})"
-        return NothingShown(names, found, "an output that does", "look after the unit, or name other columns")
+        return NothingShown(names, found, "an output that does", "check the unit, or name other columns")
     rests = [soak.series for loaded in campaigns for soak in loaded.campaign.soaks]
     longest = max((len(series) for series in rests), default=0)
     moves = MIN_BLOCKS * SAMPLES_PER_BLOCK
     needed = f"{MIN_RECORDING_SAMPLES} for drift, {MIN_SAMPLES} for noise, {moves} for what moves within"
-    return NothingShown(names, f"{longest} samples at rest", needed, "record longer, or say --as what else it is")
+    return NothingShown(
+        names, f"{longest} samples at rest", needed, "record longer, or state with --as what it is"
+    )
 
 
 def _points(table: RateTable) -> str:

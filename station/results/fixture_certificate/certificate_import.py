@@ -42,7 +42,7 @@ def refuse_unproven(found: Verified, where: str | Path, unsigned: bool) -> str:
             expected = "a certificate that is valid"
         raise DataRefused(where, None, f"{name}: {words.removeprefix('found ')}", expected, remedy)
     if UNSIGNED in found.findings:
-        return "taken in unsigned"
+        return "imported unsigned"
     key = next(one.words for one in found.findings if one.name == "key")
     return f"signed by {key.partition(', valid ')[0]}"
 
@@ -70,7 +70,7 @@ def take_in(session: Session, read: FixtureDocument, proven: str, due: date | No
             source=source, measured_utc=at, due_date=read.due,
         )  # fmt: skip
         add_level(session, row)
-        return f"level of slab {name} ({source}{held})"
+        return f"level of surface plate {name} ({source}{held})"
     name = _named(session, CubeRow, read, where) or _added_cube(session, read, where)
     faces = {face: FaceCertificate(tilt.value, tilt.covariance) for face, tilt in read.tilts.items()}
     certify_faces(session, name, faces, source=source, measured_utc=at, due_date=read.due)

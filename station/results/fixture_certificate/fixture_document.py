@@ -63,7 +63,7 @@ def read_fixture(document: Any, where: str | Path) -> FixtureDocument:
                 where, element.sourceline, f"{name!r}: {error.found}", error.expected, remedy
             ) from error
     if not (tilts := _tilts(found, where)):
-        raise DataRefused(where, None, "no tilt of a cube's face or a slab", "one or more with U")
+        raise DataRefused(where, None, "no tilt of a cube's face or a surface plate", "one or more with U")
     text = _Texts(document, where)
     side = found.get(Known(SIDE))
     return FixtureDocument(
@@ -125,7 +125,7 @@ def _tilts(found: dict[Known, Quantity], where: str | Path) -> dict[str, Tilt]:
         covariance = np.array([[first.std**2, shared], [shared, second.std**2]])
         made[part] = Tilt(np.array([first.value, second.value]), covariance)
     if SLAB in made and len(made) > 1:
-        raise DataRefused(where, None, "tilts of a slab and of a cube", "those of one of them")
+        raise DataRefused(where, None, "tilts of a surface plate and of a cube", "those of one of them")
     return made
 
 

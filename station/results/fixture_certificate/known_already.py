@@ -29,7 +29,7 @@ def refuse_known(session: Session, read: FixtureDocument, where: str | Path) -> 
         stored[SLAB] = _of_level(levels[-1])
     if stored != _of_document(read):
         found = f"No. {read.number}, which is in the database with other values"
-        raise DataRefused(where, None, found, "the same, or a new number", "ask the laboratory which holds")
+        raise DataRefused(where, None, found, "the same, or a new number", "ask the laboratory which is valid")
     dues = {*(row.due_date for row in faces), *(row.due_date for row in levels)} - {None}
     if read.due is None or read.due in dues:
         raise DataRefused(
@@ -37,7 +37,7 @@ def refuse_known(session: Session, read: FixtureDocument, where: str | Path) -> 
         )
     if dues:
         found = f"No. {read.number}, which is in the database as due {max(filter(None, dues))}"
-        raise DataRefused(where, None, found, "that day", "what was taken in stays as it is")
+        raise DataRefused(where, None, found, "that day", "the imported entry stays unchanged")
 
 
 def _of_document(read: FixtureDocument) -> Values:

@@ -32,8 +32,9 @@ def _effects(calibration: dict[str, Any]) -> list[tuple[str, str, str]]:
 
 
 _REMARK = (
-    "Bars: 95 % of the calibration alone. Shaded: 95 % of the value at a later turn-on. Dotted: limits. Below: z "
-    "with control limits (dashed), its moving average (black) with its own (grey); red is out of control."
+    "Bars: 95 % interval of the calibration. Shaded: 95 % interval of the value at a later turn-on. Dotted: "
+    "limits. Below: z with control limits (dashed), its moving average (black) with its own (grey); red: out of "
+    "control."
 )
 
 

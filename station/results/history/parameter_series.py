@@ -47,7 +47,9 @@ def by_parameter(runs: Sequence[Run]) -> tuple[dict[str, list[RunParameter]], li
         unit = held[-1][1].unit
         alike = [(run, one) for run, one in held if one.unit == unit and one.std is not None and one.std > 0]
         if len(alike) < len(held):
-            left_out.append(f"{name}: {len(held) - len(alike)} of {len(held)} not in {unit} or without sigma")
+            left_out.append(
+                f"{name}: {len(held) - len(alike)} of {len(held)} not in {unit} or without uncertainty"
+            )
         if alike:
             usable[name] = alike
     if again := len(runs) - len(distinct):

@@ -20,15 +20,15 @@ Rows = list[tuple[str, list[tuple[float, str]]]]
 def population_svgs(document: dict[str, Any]) -> list[tuple[str, str, str]]:
     """Return heading, remark and ``<svg>`` element of each chart."""
     units, groups = _units(document), _groups(document)
-    remark = "Newest calibration of each unit, from the median, in spreads of the fleet. Red: stands out."
+    remark = "Newest calibration of each unit, from the median, in units of the spread of all units. Red: outlier."
     charts = [("Units", remark, _svg("units", "units by parameter", units, "distance from the median [spread]"))]
     if groups:
         remark = (
-            f"Shifts in their own sigmas, the {len(groups)} least probable of {len(document['groups'])}. "
-            "Red: stands out. With few units a sigma counts for less."
+            f"Shifts in units of their uncertainty, the {len(groups)} least probable of "
+            f"{len(document['groups'])}. Red: outlier. With few units, large values are less significant."
         )
-        svg = _svg("groups", "shifts by group", groups, "shift [its own sigma]")
-        charts.append(("Cubes, slabs, sites, operators", remark, svg))
+        svg = _svg("groups", "shifts by group", groups, "shift [its uncertainty]")
+        charts.append(("Cubes, surface plates, sites, operators", remark, svg))
     return charts
 
 

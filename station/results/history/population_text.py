@@ -22,14 +22,15 @@ def population_text(document: dict[str, Any]) -> str:
     lines += ["", "over the units' newest calibrations", *table_lines(rows, "<>><", ("", "median", "spread", ""))]
     lines += [
         "",
-        f"A fleet with nothing off shows something in {100 * document['false_alarm']:g} % of cases at most.",
+        f"Without any real deviation, something is flagged in {100 * document['false_alarm']:g} % of cases at "
+        "most.",
     ]
     return "\n".join(lines)
 
 
 def _units(document: dict[str, Any]) -> Iterator[str]:
     if document["units"] < MIN_UNITS:
-        yield f"units: {document['units']} are too few to say that one stands out, {MIN_UNITS} are needed"
+        yield f"units: {document['units']} are too few to find an outlier, {MIN_UNITS} are needed"
         return
     rows = [
         (f"{one['serial']}", name, one, track["unit"])
@@ -46,14 +47,14 @@ def _groups(document: dict[str, Any]) -> Iterator[str]:
         for one in document["groups"]
         if one["stands_out"]
     ]
-    yield from _listed("cubes, slabs, sites and operators", rows)
+    yield from _listed("cubes, surface plates, sites and operators", rows)
     if untold := document["cannot_tell"]:
         yield f"  cannot tell: {', '.join(untold)}"
         yield f"  (it takes {MIN_UNITS_IN_BOTH} units calibrated with it and without it)"
 
 
 def _listed(what: str, rows: list[tuple[str, str, dict[str, Any], str]]) -> Iterator[str]:
-    yield f"{what} that stand out: {len(rows) or 'none'}"
+    yield f"{what} that differ: {len(rows) or 'none'}"
     for who, name, one, unit in sorted(rows, key=lambda row: float(row[2]["p_adjusted"]))[:MAX_ROWS_SHOWN]:
         scale, shown = shown_scale(name, unit)
         std = one["std"] * scale

@@ -28,7 +28,7 @@ def history_svg(kind: str, found: Mapping[str, dict[str, Any]], control: float) 
             _control(axes[2 * row + 1, column], track, control)
         for row in range(rows):
             axes[2 * row, 0].set_ylabel("value")
-            axes[2 * row + 1, 0].set_ylabel("z [sigma]")
+            axes[2 * row + 1, 0].set_ylabel("z")
         for empty in axes.ravel()[2 * COLUMNS * rows :]:
             empty.remove()
 

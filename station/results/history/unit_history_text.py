@@ -44,12 +44,12 @@ def _entry(entry: dict[str, Any]) -> Iterator[str]:
     for name, one in found.items():
         if name.split(".")[1] in LISTED_PARAMETERS:
             value, unit = shown(one)
-            drift = f"  {moved[name].sigmas:+z.1f} sigma" if name in moved else ""
+            drift = f"  {moved[name].sigmas:+z.1f} u" if name in moved else ""
             yield f"  {one.title:<28}{value:>13} +- {shown_sigma(one)} {unit}{drift}"
     if (most := largest(moved)) is not None:
         many = sum(one["p_adjusted"] < SIGNIFICANT_P for one in entry["drift"].values())
-        yield f"  moved most: {most.parameter.title}, {most}"
-        yield f"  moved significantly (p < {SIGNIFICANT_P:g}, Holm): {many} of {len(moved)}"
+        yield f"  largest change: {most.parameter.title}, {most}"
+        yield f"  significant changes (p < {SIGNIFICANT_P:g}, Holm): {many} of {len(moved)}"
 
 
 def _analysis(one: dict[str, Any]) -> Iterator[str]:
@@ -57,8 +57,8 @@ def _analysis(one: dict[str, Any]) -> Iterator[str]:
     yield f"{one['model']}, turn-ons: {one['turn_ons']}, {span}"
     if any("prediction" in track for track in one["parameters"].values()):
         yield f"  predicted for {one['predicted_utc'][:10]}: {one['predicted_because']}"
-    yield f"  control limit {one['control_limit']:.2f} sigma on z and on their moving average, A: beyond it"
-    yield from (f"  left out: {text}" for text in one["left_out"])
+    yield f"  control limit {one['control_limit']:.2f} on z and on its moving average, A: above it"
+    yield from (f"  not used: {text}" for text in one["left_out"])
     for _, group in groupby(one["parameters"].items(), lambda item: item[0].rpartition(".")[0]):
         tracks = dict(group)
         yield f"  {_title(*next(iter(tracks.items())))}"
@@ -70,7 +70,7 @@ def _analysis(one: dict[str, Any]) -> Iterator[str]:
     for text in sorted(needs):
         word, _, said = text.partition(": ")
         yield from wrap(
-            f"too short a history to predict: {said}" if word == "prediction" else f"too few for {text}",
+            f"the history is too short to predict: {said}" if word == "prediction" else f"too few for {text}",
             width=WIDTH, initial_indent="  ", subsequent_indent="    ",
         )  # fmt: skip
     yield from _alarms(one)

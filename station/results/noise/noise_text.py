@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from station.results.diagnosis.diagnosis_wording import chance_text
+from station.results.diagnosis.diagnosis_wording import p_text
 from station.results.solution_text import measured
 from station.text.plural import plural, unit_in_words
 
@@ -30,9 +30,9 @@ def noise_lines(channels: Sequence[Mapping[str, Any]]) -> Iterator[str]:
         yield from (f"   {each_text}" for each_text in condition_texts(each))
         rest = [term for name, term in each["terms"].items() if name != "quantisation"]
         if all("below" in term for term in rest) and not each["conditions"]:
-            yield "   the counts, or their rounding, hide the rest"
+            yield "   count size or rounding hides the other terms"
         elif each["log10_p"] < NO_FIT_LOG10_P:
-            yield "   the five terms do not fit this curve: their intervals are widened by what is left"
+            yield "   the five terms do not fit this curve: their intervals are widened by the misfit"
         for line in each["lines"][:MAX_LINES_SAID]:
             yield f"   {'line':<24}{line_text(line)}"
         if more := each["lines"][MAX_LINES_SAID:]:
@@ -64,7 +64,7 @@ def term_text(term: Mapping[str, Any]) -> str:
     if is_undetermined(term):
         return "not determined"
     if "below" in term:
-        return f"not seen, below {term['below']:.3g} {term['unit']}"
+        return f"not detected, below {term['below']:.3g} {term['unit']}"
     return f"{term['value']:.3g} {term['unit']}, {term['low']:.3g} to {term['high']:.3g}"
 
 
@@ -82,4 +82,4 @@ def line_text(line: Mapping[str, Any]) -> str:
     """Return a line's frequency, amplitude, share of the variance and chance."""
     size = measured(line["amplitude"], line["amplitude_std"], line["unit"])
     share = f"{100 * line['share']:.2g} % of the variance"
-    return f"{line['hertz']:.6g} Hz, {size}, {share}, by chance {chance_text(line['log10_p'])}"
+    return f"{line['hertz']:.6g} Hz, {size}, {share}, {p_text(line['log10_p'])}"

@@ -20,7 +20,7 @@ from station.results.planning.plan_text import DIGITS, SHOWN
 from station.text.rounding import significant
 
 MOST_DIGITS = 6  # of two numbers that are nearly the same
-NO_ATTITUDE_LEFT = "every attitude was taken, and what is wanted is out of reach: solve what is there"
+NO_ATTITUDE_LEFT = "all attitudes are recorded, and the targets cannot be reached: solve with the steps done"
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,11 +74,11 @@ def continued_text(found: NextPlacing, asked: WantedSigmas, whole: WantedSigmas)
     if not found.is_reachable and found.placing is None:
         return "\n".join([*lines, NO_ATTITUDE_LEFT])
     if not found.is_reachable:
-        lines.append("what is wanted is out of reach of the placings that are left")
+        lines.append("the targets cannot be reached with the remaining placements")
     elif found.placing is not None:
         lines.append(f"about {np.ceil(found.seconds / S_PER_MIN):.0f} min left")
     if found.placing is None:
-        return "\n".join([*lines, "all that is wanted is met: stop, or go on"])
+        return "\n".join([*lines, "all targets are met: stop, or continue"])
     axes, up = ATTITUDES[found.placing.position - 1], face_of(found.placing.position).replace("_", " ")
     return "\n".join([*lines, f"next: {axes}, {up}, for {found.placing.seconds:.0f} s"])
 
@@ -98,7 +98,7 @@ def _so_far(kind: str, name: str, now: float, wanted: float) -> SigmaSoFar:
         (PPM_PER_ONE, "ppm") if ".scale_factor" in name else SHOWN.get(UNITS[name][0], (1.0, UNITS[name][0]))
     )
     if not np.isfinite(now):
-        text = f"{title_of(kind)} not yet known, {significant(times * wanted, DIGITS)} {unit} wanted"
+        text = f"{title_of(kind)} not yet known, target {significant(times * wanted, DIGITS)} {unit}"
     else:
         text = f"{title_of(kind)} {' of '.join(apart(times * now, times * wanted))} {unit}"
     return SigmaSoFar(text, now / wanted)
@@ -116,5 +116,5 @@ def apart(now: float, wanted: float) -> tuple[str, str]:
 def all_else(ratio: float) -> str:
     """Say how far that is which nobody limits, its worst sigma over `TIMES_USUAL` usual ones."""
     if not np.isfinite(ratio):
-        return f"all else not yet known, {TIMES_USUAL:g} usual sigmas wanted"
-    return f"all else {' of '.join(apart(TIMES_USUAL * ratio, TIMES_USUAL))} usual sigmas"
+        return f"other parameters not yet known, target {TIMES_USUAL:g} times the usual uncertainty"
+    return f"other parameters {' of '.join(apart(TIMES_USUAL * ratio, TIMES_USUAL))} times the usual uncertainty"

@@ -30,11 +30,12 @@ def hand_times(database: Database) -> tuple[HandTimes, str]:
     if len(placings) < FEWEST_TIMES:
         return (
             usual,
-            f"{usual.placing:g} s a placing as stated: {len(placings)} were timed here, of {FEWEST_TIMES} needed",
+            f"{usual.placing:g} s per placement as stated: {len(placings)} were timed here, {FEWEST_TIMES} are "
+            "needed",
         )
     placing = float(np.median(placings))
     turn = float(np.median(turns)) if len(turns) >= FEWEST_TIMES else usual.turn
-    said = f"{placing:.0f} s a placing, the median of {len(placings)} of this station"
+    said = f"{placing:.0f} s per placement, the median of {len(placings)} of this station"
     return HandTimes(placing, placing * usual.move / usual.placing, turn), said
 
 

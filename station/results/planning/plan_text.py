@@ -17,18 +17,17 @@ def plan_text(document: dict[str, Any]) -> str:
     dwells = [step for step in document["steps"] if step["kind"] == "dwell"]
     turns = len(document["steps"]) - len(dwells)
     lines = [
-        f"{document['minutes']:.1f} min: {len(dwells)} placings, {f'{turns} turns' if turns else 'no turns'}; "
-        f"the usual plan takes {document['usual_minutes']:.1f} min",
-        *[f"out of reach: {_missed(row)}" for row in not_met(document)],
-        *[f"given up for it: {_lost(row)}" for row in given_up(document)],
+        f"{document['minutes']:.1f} min: {len(dwells)} placements, "
+        f"{f'{turns} rotations' if turns else 'no rotations'}; the usual plan takes "
+        f"{document['usual_minutes']:.1f} min",
+        *[f"not reachable: {_missed(row)}" for row in not_met(document)],
+        *[f"less accurate in return: {_lost(row)}" for row in given_up(document)],
         "",
         *_steps(document["steps"]),
         "",
-        *table_lines(
-            [_row(row) for row in document["sigmas"]], "<>>><", ("1 sigma", "wanted", "plan", "usual", "")
-        ),
+        *table_lines([_row(row) for row in document["sigmas"]], "<>>><", ("u of", "target", "plan", "usual", "")),
         "",
-        *table_lines([_effect(row) for row in document["effects"]], "<<<", ("a diagnosis tells", "plan", "usual")),
+        *table_lines([_effect(row) for row in document["effects"]], "<<<", ("diagnosis of", "plan", "usual")),
         "",
         f"noise: {document['noise']['source']}",
         f"hands: {document['hands_s']['source']}",
@@ -62,7 +61,7 @@ def _told(told: dict[str, Any] | None) -> str:
 
 def _missed(row: dict[str, Any]) -> str:
     name, wanted, plan, _, unit = _row(row)
-    return f"{name} {wanted} {unit}; the best is {plan if plan != '-' else 'nothing'} {unit}"
+    return f"{name} {wanted} {unit}; best possible {plan if plan != '-' else 'nothing'} {unit}"
 
 
 def _lost(row: dict[str, Any]) -> str:

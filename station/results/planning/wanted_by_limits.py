@@ -71,7 +71,9 @@ def wanted_by(limits: Iterable[Limit], values: Mapping[str, float]) -> tuple[Wan
         value = values.get(limit.parameter)
         low, high = limit.accepted(0.0)
         if value is not None and not low <= value <= high:
-            said.append(f"{limit.parameter} was {value:.6g} {limit.unit} last, outside its limits: no plan helps")
+            said.append(
+                f"{limit.parameter} was {value:.6g} {limit.unit} at last, outside its limits: no plan helps"
+            )
         elif (sigma := _sigma(limit, low, high, value)) is not None:
             centre = abs((low + high) / 2 if value is None else value)
             found[limit.parameter] = sigma / (centre if ".scale_factor" in limit.parameter else 1.0)

@@ -94,7 +94,7 @@ def _worst(residual: StepResidual) -> tuple[str, str]:
         return "\u2013", ""
     worst = float(np.nanmax(ratio))
     mark = (
-        "\u25b2 over the limit"
+        "\u25b2 above the limit"
         if worst > LIMIT_SIGMAS
         else "\u25b3 above 2\u03c3"
         if worst > NOTICE_SIGMAS

@@ -40,10 +40,10 @@ def _conditions(campaign: Campaign) -> Iterator[tuple[str, str]]:
     places = max(decimals(site.gravity_std), 0) if site.gravity_std > 0 else 6
     gravity, std = fixed(site.gravity, min(places, 9)), significant(site.gravity_std)
     yield "Latitude", f"{fixed(float(np.degrees(site.latitude)), 4)}\u00b0"
-    yield "Local gravity", f"{gravity}\u00a0m/s\u00b2, 1\u03c3\u00a0{std}\u00a0m/s\u00b2"
-    yield "Heading of a position", f"1\u03c3\u00a0{significant(float(np.degrees(sigma.heading)))}\u00b0"
-    yield "Closure of a turn", f"1\u03c3\u00a0{significant(float(np.degrees(sigma.closure)))}\u00b0"
-    yield "Steps", f"{plural(len(campaign.dwells), 'dwell')}, {plural(len(campaign.turns), 'turn')}"
+    yield "Local gravity", f"{gravity}\u00a0m/s\u00b2, u\u00a0=\u00a0{std}\u00a0m/s\u00b2"
+    yield "Heading of a position", f"u\u00a0=\u00a0{significant(float(np.degrees(sigma.heading)))}\u00b0"
+    yield "Closure error of a rotation", f"u\u00a0=\u00a0{significant(float(np.degrees(sigma.closure)))}\u00b0"
+    yield "Steps", f"{plural(len(campaign.dwells), 'dwell')}, {plural(len(campaign.turns), 'rotation')}"
     yield "Temperature", "not measured" if span is None else f"{span[0]:.1f} to {span[1]:.1f} \u00b0C"
     yield "Fixture", campaign.fixture.id or "not named"
     yield "Face certificate", _certificate(campaign.fixture)
@@ -55,10 +55,10 @@ def _certificate(fixture: Fixture) -> str:
     if fixture.measured is not None:
         return f"none; measured by {', '.join(fixture.measured.units) or 'IMUs'}"
     if not certified:
-        return "none: misalignment refers to the mean cube"
+        return "none: misalignment refers to the mean of the cube's faces"
     stds = [float(np.sqrt(np.trace(fixture.faces[face].covariance) / 2)) for face in certified]
     arcsec = significant(max(stds) * ARCSEC_PER_RAD)
-    return f"{len(certified)} of {len(FACES)} faces, 1\u03c3 up to {arcsec} arcsec"
+    return f"{len(certified)} of {len(FACES)} faces, u up to {arcsec} arcsec"
 
 
 def _signed_axis(row: FloatArray) -> str:

@@ -1,6 +1,6 @@
-"""The tables of parameters: value, expanded uncertainty U, 1 sigma, and for a simulated unit the truth.
+"""The tables of parameters: value, expanded uncertainty U, standard uncertainty u, and a simulated unit's truth.
 
-Slab and faces have no budget: in the place of U stands the interval of 95 % that 1 sigma makes.
+Slab and faces have no budget: in the place of U stands the interval of 95 % that u makes.
 """
 
 import math
@@ -15,11 +15,11 @@ from station.results.solution_json import estimate_document
 from station.text.rounding import aligned, decimals, fixed
 
 NORMAL_95 = 1.959964  # two-sided 95 % of a normal distribution
-TEXTBOOK = "Yao, Hu, He 2018, {}; its sigma is counting noise only"
+TEXTBOOK = "Yao, Hu, He 2018, {}; its u includes counting noise only"
 TRIAD_GROUPS = (  # field of a triad, symbol, title, remark
-    ("scale_factor", "k", "Scale factor k", ""),
+    ("scale_factor", "K", "Scale factor K", ""),
     ("misalignment", "E", "Misalignment E", "off-diagonal; first index sensor, second body axis"),
-    ("bias", "D", "Bias D", "joint estimate: the one to use"),
+    ("bias", "D", "Bias D", "joint estimate: use this one"),
     ("bias_12_position", "D", "Bias, 12-position mean", TEXTBOOK.format("eq. 8")),
     ("bias_two_direction", "D", "Bias, two-direction", TEXTBOOK.format("eq. 9\u201311")),
 )
@@ -29,7 +29,7 @@ TRIAD_GROUPS = (  # field of a triad, symbol, title, remark
 class ParameterGroup:
     """Printed lines of one kind, with a remark under their heading.
 
-    Each has symbol, axis, value, U, 1 sigma, both ends of the interval of 95 %, unit, truth, error, and that in
+    Each has symbol, axis, value, U, u, both ends of the interval of 95 %, unit, truth, error, and that in
     sigmas. U is empty without a budget; truth and errors are without a truth.
     """
 
@@ -62,9 +62,9 @@ def bench_groups(solution: Solution, truth: Mapping[str, float]) -> list[Paramet
     """Return the tables of slab tilt and face parallelism, in arcsec."""
     groups = []
     if tilt := _found("slab", {"tilt_rad": solution.slab_tilt}):
-        remark = "components of the up vector seen from the slab"
+        remark = "components of the up vector in the axes of the surface plate"
         symbols = [("tilt", one.name.rpartition(".")[2]) for one in tilt]
-        groups.append(_group("Slab tilt", remark, symbols, tilt, truth))
+        groups.append(_group("Surface plate tilt", remark, symbols, tilt, truth))
     if faces := _found("fixture", {"parallelism_rad": solution.parallelism}):
         remark = "sum of the up tilts of the two faces of a pair, along the other axes"
         pairs = [one.name.split(".")[2:] for one in faces]

@@ -9,7 +9,7 @@ from typing import Any
 
 from markupsafe import Markup
 
-from procedures.calibration.solution_values import Solution, TriadCalibration
+from procedures.calibration.solution_values import FitQuality, Solution, TriadCalibration
 from procedures.calibration.unnoticed_leans import ANY_LEAN_RAD, UnnoticedLean
 from procedures.campaign.campaign import Campaign
 from procedures.frames import TRIADS
@@ -23,8 +23,10 @@ from station.results.report.measurement_conditions import condition_lines
 from station.results.report.parameter_tables import bench_groups, matrix_rows, triad_groups
 from station.results.report.report_figures import ReportFigures
 from station.results.verdict import word_said
+from station.text.plural import plural
 from station.text.rounding import significant
 
+SIGNIFICANT_P = 0.01  # of the global test, below which residuals exceed noise
 VERDICT_MARK = {"PASS": "\u2713", "FAIL": "\u2717", "NOT_MEASURED": "\u25cb"}
 
 
@@ -37,7 +39,8 @@ class ReportContext:
     files: ``accelerometer.bias.x`` in g. ``calibration_sha256`` is the head of the database's hash chain,
     ``journal`` the code of its journal then.
     ``bench`` adds lines to the conditions, such as a certificate's number and due date. ``budgets`` are the
-    uncertainty budgets of the parameters. ``diagnosis`` is the section on what the model lacks, as HTML.
+    uncertainty budgets of the parameters. ``diagnosis`` is the section on what the model lacks, as HTML; ``cause``
+    and ``advice`` say in a sentence each what the diagnosis found and what to do, for the first page.
     ``has_limits``: the model has some. ``figures`` are this solution's plots, where they may be drawn already.
     """
 
@@ -55,6 +58,8 @@ class ReportContext:
     bench: Mapping[str, str] = field(default_factory=dict)
     budgets: tuple[ParameterBudget, ...] = ()
     diagnosis: str = ""
+    cause: str = ""
+    advice: str = ""
     figures: ReportFigures | None = None
 
     def __post_init__(self) -> None:
@@ -106,7 +111,9 @@ def render(context: ReportContext) -> str:
         verdict=word_said(context.verdict, has_limits=context.has_limits),
         verdict_mark=VERDICT_MARK[context.verdict],
         quality=solution.quality,
+        summary=_summary(context),
         facts=_facts(solution),
+        seating=_detectable_seating(solution.unnoticed_leans),
         triads=[_triad(name, triad, context) for name in TRIADS if (triad := getattr(solution, name)) is not None],
         bench=bench_groups(solution, context.truth),
         budget_tables=_budget_tables(context.budgets),
@@ -135,9 +142,9 @@ def _facts(solution: Solution) -> list[tuple[str, str, str]]:
     quality = solution.quality
     facts = [
         (
-            "Global test",
+            "Residuals against noise",
             f"p = {quality.p_value:.2g}",
-            f"\u03c7\u00b2 = {quality.chi2:.1f}, {quality.dof} degrees of freedom",
+            f"{_fits(quality)}; \u03c7\u00b2 = {quality.chi2:.1f}, {quality.dof} degrees of freedom",
         )
     ]
     if quality.accelerometer_rms_g is not None:
@@ -146,23 +153,53 @@ def _facts(solution: Solution) -> list[tuple[str, str, str]]:
     if quality.gyroscope_rms_dph is not None:
         rms = significant(quality.gyroscope_rms_dph, 3)
         facts.append(("Gyroscope residual", f"{rms} deg/h", "rms over all dwells"))
-    if solution.unnoticed_leans:
-        facts.append(_lean_that_shows(solution.unnoticed_leans))
     return facts
 
 
-def _lean_that_shows(leans: Sequence[UnnoticedLean]) -> tuple[str, str, str]:
+def _fits(quality: FitQuality) -> str:
+    if quality.dof == 0:
+        return "as many unknowns as measurements: not tested"
+    return "residuals exceed noise" if quality.p_value < SIGNIFICANT_P else "residuals are consistent with noise"
+
+
+def _summary(context: ReportContext) -> list[tuple[str, str]]:
+    """Return the first page's rows, in a customer's words: what was measured, the cause found, what to do."""
+    positions = {dwell.position for campaign in context.campaigns for dwell in campaign.dwells}
+    dwells, turns, moves = (
+        sum(len(getattr(campaign, kind)) for campaign in context.campaigns)
+        for kind in ("dwells", "turns", "moves")
+    )
+    parts = [f"{plural(dwells, 'rest')} in {plural(len(positions), 'position')} of the cube"] if dwells else []
+    parts += [f"{plural(turns, 'rotation')} by hand"] if turns else []
+    parts += [f"{plural(moves, 'transfer')} between positions"] if moves else []
+    rows = [("Measured", ", ".join(parts))] if parts else []
+    rows += [("Cause found", context.cause)] if context.cause else []
+    rows += [("What to do", context.advice)] if context.advice else []
+    return rows
+
+
+def _detectable_seating(leans: Sequence[UnnoticedLean]) -> str:
+    """Say which seating error of the cube the residuals show, and what a smaller one does; nothing without one."""
+    if not leans:
+        return ""
     shown = [f"{each.lean / RAD_PER_ARCSEC:.0f}" for each in sorted(leans, key=attrgetter("lean"))]
     shown = shown[: sum(each.lean <= ANY_LEAN_RAD for each in leans)]
     hidden = sorted({each.position for each in leans if each.lean > ANY_LEAN_RAD})
     worst = max(leans, key=attrgetter("sigmas"))
-    notes = [f"none in position{'s' * (len(hidden) > 1)} {', '.join(map(str, hidden))}"] if hidden else []
-    notes += ["where seats scatter as stated, one of that size shows every second time"] if shown else []
-    size = f"one of {ANY_LEAN_RAD / RAD_PER_ARCSEC:.0f} arcsec" if worst.lean > ANY_LEAN_RAD else "below, it"
-    by = f"by up to {worst.sigmas:.1f} times its sigma of such seats"
-    notes.append(f"{size} moves {worst.value} {by} (position {worst.position})")
-    sizes = " to ".join(dict.fromkeys((shown[0], shown[-1]))) if shown else ""
-    return "Lean of the cube that shows", f"{sizes} arcsec" if shown else "none", "; ".join(notes)
+    said = []
+    if shown:
+        said.append(f"{' to '.join(dict.fromkeys((shown[0], shown[-1])))} arcsec (detected in half of the cases).")
+    if hidden:
+        said.append(
+            f"No seating error is detected in position{'s' * (len(hidden) > 1)} {', '.join(map(str, hidden))}."
+        )
+    is_any = worst.lean > ANY_LEAN_RAD
+    which = f"One of {ANY_LEAN_RAD / RAD_PER_ARCSEC:.0f} arcsec" if is_any else "A smaller one"
+    said.append(
+        f"{which} in position {worst.position} can shift {worst.value} by up to {worst.sigmas:.1f} times its "
+        f"standard uncertainty."
+    )
+    return " ".join(said)
 
 
 def _budget_tables(budgets: Sequence[ParameterBudget]) -> list[tuple[str, list[Row]]]:

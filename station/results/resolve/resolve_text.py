@@ -82,8 +82,8 @@ def _shift_lines(entries: Sequence[Entry]) -> list[str]:
     sizes = [abs(shift.sigmas) for shift, _ in found]
     most, entry = found[sizes.index(max(sizes))]
     text = (
-        f"largest shift of a campaign, in its own sigma as known before: median {median(sizes):.2g}, at most "
-        f"{max(sizes):.2g}, {most.parameter.title} of {entry['model']} {entry['serial']}"
+        f"largest change of a campaign, in units of its earlier uncertainty u: median {median(sizes):.2g}, at "
+        f"most {max(sizes):.2g}, {most.parameter.title} of {entry['model']} {entry['serial']}"
     )
     return _fold(text, "")
 

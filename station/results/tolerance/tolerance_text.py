@@ -78,7 +78,7 @@ def _allowed(found: Mapping[str, Any]) -> list[str]:
         f"for a {ESTIMATORS[wanted['estimator']]} bias within {wanted['bias_g'] * UG_PER_G:.4g} ug at the worst,",
         "tolerances of the cheapest cube [mm], cheapest relaxation first",
         *table_lines(rows, "<>>><>", ("item", "now", "allowed", "alone", "change", "saves")),
-        "  alone: what it may be while all others stay as they are; cost = weight / tolerance",
+        "  alone: its allowed value while all others stay unchanged; cost = weight / tolerance",
     ]
 
 
@@ -90,14 +90,14 @@ def _gains(gains: Sequence[Mapping[str, Any]]) -> list[str]:
         rows.append([one["with"], *(f"{cell:.3g}" for cell in cells)])
     return [
         "",
-        "what else would help: 1 sigma of the worst axis by the joint solve,",
-        "K2 left out of it or open",
-        *table_lines(rows, "<>>>>", ("", "bias\nug", "bias, K2\nopen, ug", "K2\nug/g2", "E\narcsec")),
+        "other improvements: standard uncertainty of the worst axis, joint solution,",
+        "K2 known or unknown",
+        *table_lines(rows, "<>>>>", ("", "bias\nug", "bias, K2\nunknown, ug", "K2\nug/g2", "E\narcsec")),
     ]
 
 
 def _set_aside(found: Mapping[str, Any]) -> list[str]:
-    lines = ["", "what the paper sets aside, each item by itself: 1 sigma of the worst axis"]
+    lines = ["", "items that the paper does not treat, each alone: standard uncertainty of the worst axis"]
     items = [(f"{one['what']}, {one['size']:g} {one['unit']}", one["std"]) for one in found["set_aside"]]
     for what, std in [*items, ("all of them together", found["set_aside_together"])]:
         lines += [f"  {what}", *wrap(_words(std), WIDTH, initial_indent="      ", subsequent_indent="      ")]

@@ -157,5 +157,5 @@ def site_in_words(site: AveragedSite) -> str:
     """Return latitude, longitude and height with their 1 sigma."""
     where = f"{np.degrees(site.latitude):.6f}, {np.degrees(site.longitude):.6f} deg"
     if site.height is None or site.vertical_std is None:
-        return f"{where}, 1 sigma {site.horizontal_std:.1f} m, no height"
-    return f"{where}, {site.height:.1f} m, 1 sigma {site.horizontal_std:.1f} m, height {site.vertical_std:.1f} m"
+        return f"{where}, u {site.horizontal_std:.1f} m, no height"
+    return f"{where}, {site.height:.1f} m, u {site.horizontal_std:.1f} m, height {site.vertical_std:.1f} m"

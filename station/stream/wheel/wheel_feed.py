@@ -53,7 +53,7 @@ class WheelFeed(LiveCompanion[WheelReading]):
             return gone
         if self._clock() - self._told_at < SILENT_S:
             return ""
-        wrong = f"frames tell no {self._name}, expected a speed; check dbc and signal, or its sensor"
+        wrong = f"frames contain no {self._name}, expected a speed; check dbc and signal, or its sensor"
         return f"{self.address.name}: {wrong}"
 
     @property

@@ -59,12 +59,12 @@ def _beside(location: Location) -> str:
 
 def _heading(location: Location) -> tuple[Content | tuple[str, str], ...]:
     if location.heading is None:
-        return (Content("none: forward is upright"),)
-    std = "" if location.heading_std is None else f"  1 sigma {location.heading_std:.2f} deg"
+        return (Content("none: forward is vertical"),)
+    std = "" if location.heading_std is None else f"  u {location.heading_std:.2f} deg"
     return (f"{location.heading:.2f} deg", "bold $accent"), Content(std)
 
 
 def _sigmas(location: Location) -> str:
     level, up = max(location.enu_std[:2]), location.enu_std[2]
     speed = sum(part**2 for part in location.velocity) ** 0.5
-    return f"1 sigma {level:.2f} m, up {up:.2f} m   {speed:.1f} m/s"
+    return f"u {level:.2f} m, up {up:.2f} m   {speed:.1f} m/s"

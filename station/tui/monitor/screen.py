@@ -26,31 +26,31 @@ from station.tui.widgets.key_line import KeyLine
 from station.tui.widgets.title_bar import TitleBar
 
 MONITOR_HELP = (
-    "Roll and pitch of forward-right-down axes. Residual is the angle between what the accelerometers say is down "
-    "and the attitude. At rest on a slab the table shows the errors of level, drift and g, with the calibration "
-    "and without it. The zero changes what is shown and nothing else: recordings, JSON and MAVLink keep absolute "
-    "angles."
+    "Roll and pitch of forward-right-down axes. The residual is the angle between the vertical of the "
+    "accelerometers and that of the attitude. At rest on a surface plate the table shows errors of level, drift "
+    "and g, with the calibration and without it. The zero affects only the display: recordings, JSON and MAVLink "
+    "keep absolute angles."
 )
 HELP_LOCATED = (
-    "The place is East, North and Up of the first fix, which is + on the map; ✗ is a fix that stands off, counted "
-    "and hardly believed. Heading is of forward, from true north. Residual is the angle between what the "
-    "accelerometers say is down and the attitude. The zero is of the display only."
+    "The position is East, North and Up of the first fix, which is + on the map; ✗ is an outlier fix, which gets "
+    "a low weight. Heading is that of forward, from true north. The residual is the angle between the vertical of "
+    "the accelerometers and that of the attitude. The zero affects only the display."
 )
 MANY_STREAMS = 2  # streams that leave room for all charts on a short screen
-END_TEXT = "The recording is finished and complete; everything stays in its folder."
+END_TEXT = "The recording is complete and stays in its folder."
 
 
 class MonitorScreen(Screen[None]):
     """Made with a way to send verbs, then shown views."""
 
     BINDINGS = [
-        Binding("m", "send('mark')", "Mark", tooltip="mark this moment, with a number, in events.csv"),
-        Binding("r", "send('record')", "Record", tooltip="begin a recording, or end it"),
-        Binding("z", "send('zero')", "Zero", tooltip="show angles from here, or absolute ones again"),
-        Binding("n", "send('anew')", "Anew", tooltip="begin charts and the comparison at rest anew"),
-        Binding("l", "map", "Map", tooltip="the map, or the horizon"),
+        Binding("m", "send('mark')", "Mark", tooltip="mark this moment with a number in events.csv"),
+        Binding("r", "send('record')", "Record", tooltip="start or stop a recording"),
+        Binding("z", "send('zero')", "Zero", tooltip="show angles relative to now, or absolute"),
+        Binding("n", "send('anew')", "Anew", tooltip="restart charts and the comparison at rest"),
+        Binding("l", "map", "Map", tooltip="show the map or the horizon"),
         Binding("q", "leave", "Leave", tooltip="end the monitor"),
-        Binding("question_mark", "help", "Help", key_display="?", tooltip="what is shown, and all keys"),
+        Binding("question_mark", "help", "Help", key_display="?", tooltip="help for this screen, and all keys"),
     ]
     DEFAULT_CSS = """
     MonitorScreen #upper { height: 11; }
@@ -89,7 +89,7 @@ class MonitorScreen(Screen[None]):
             StripChart("RATES", "deg/s", 0.02, p="$axis-x", q="$axis-y", r="$axis-z"),
             StripChart("RESIDUAL", "deg", 0.02, residual="$warning"),
             StripChart("AID", "m/s", 1.0, aid="$primary"),
-            StripChart("SIGMA", "deg", 0.002, sigma="$accent"),
+            StripChart("U", "deg", 0.002, sigma="$accent"),
             StripChart("APART", "deg", 0.002, apart="$accent"),
         )
         self.events, self.streams, self.calibration = EventLines(), Streams(), CalibrationLine()
@@ -140,7 +140,7 @@ class MonitorScreen(Screen[None]):
         self.calibration.set_class(bool(view.in_use.note), "noted")
 
     def action_map(self) -> None:
-        """Show the map, or the horizon again."""
+        """Show show the map or the horizon again."""
         self.toggle_class("-map")
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool:
@@ -194,4 +194,4 @@ def state_of(view: MonitorView) -> tuple[str, str, str]:
         return "… WAIT", "$warning", view.line
     if view.recording:
         return "● RECORDING", "$success", f"{view.folder}/{view.recording}"
-    return "○ NOT RECORDED", "$muted", "r begins a recording" if view.folder else "--folder FOLDER would record"
+    return "○ NOT RECORDED", "$muted", "r begins a recording" if view.folder else "use --folder FOLDER to record"

@@ -57,12 +57,12 @@ class Readings(ValueWidget[MonitorView]):
             return Content.styled("no attitude yet", "$muted")
         symbol, colour = MOTION_LOOKS[reading.mode]
         zero = [f"  from zero {value:+.3f}" for value in view.zero] if view.zero else ["", ""]
-        steep = "  any: X is vertical" if abs(reading.pitch) > STEEP_PITCH_DEG else ""
+        steep = "  undefined: X is vertical" if abs(reading.pitch) > STEEP_PITCH_DEG else ""
         p, q, r = (_short(rate, 3) for rate in reading.rate)
         x, y, z = (_short(bias, 2) for bias in reading.bias)
         is_told = reading.heading is None or view.location is not None  # beside the place, as of the same moment
         heading = "" if is_told else f"  HDG {(reading.heading or 0.0) % 360:.1f}"
-        sigma = f"1 sigma {reading.sigma:8.3f} deg   "
+        sigma = f"u {reading.sigma:14.3f} deg   "
         if math.isnan(reading.sigma):  # a mixing law has none
             sigma = f"by {view.laws[0].law:21}"
         warm = "" if reading.temperature is None else f"   {reading.temperature:.1f} degC"
@@ -93,8 +93,8 @@ class RestComparison(ValueWidget[RestErrorComparison]):
         errors = self.value
         if errors is None:
             return Content("\n").join((
-                Content.styled("ON A LEVEL SLAB  calibrated    nominal", "bold"),
-                Content.styled("at rest, after 2 s", "$muted"),
+                Content.styled("ON LEVEL PLATE   calibrated    nominal", "bold"),
+                Content.styled("shown after 2 s at rest", "$muted"),
             ))  # fmt: skip
         rows = [
             _row(name, getattr(errors.calibrated, part), getattr(errors.nominal, part), unit)
@@ -127,7 +127,7 @@ def _settles(law: LawReading, lines: int) -> list[Content]:
     if law.note:
         return [Content.styled(line, "$warning") for line in textwrap.wrap(law.note, LAW_COLUMNS)[:lines]]
     if law.settles is None:
-        return [Content.styled(f"bias of {law.law}: no velocity says it", "$muted")]
+        return [Content.styled(f"bias of {law.law}: not known without a velocity", "$muted")]
     roll, pitch, roll_std, pitch_std = law.settles
     if lines == 1:
         return [Content.assemble(f"bias of {law.law:13}", (f"{roll:+.3f} {pitch:+.3f}", "$warning"), " deg")]

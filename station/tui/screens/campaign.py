@@ -29,33 +29,37 @@ STAGE_LOOKS: dict[StageName, tuple[str, str, str]] = {
     "turn": ("TURN", CLOCKWISE, "$accent"),
     "paused": ("PAUSED", "‖", "$foreground"),
 }
-GRID_HELP = "Any order works: the station recognises how the cube stands. Arrows and Enter choose a step."
+GRID_HELP = (
+    "You can use any order: the station recognises the orientation of the cube. Arrow keys and Enter choose a "
+    "step."
+)
 
 
 class CampaignScreen(FramedScreen):
     """Where the cube goes, what it does there, and what is done already."""
 
     HELPS = {
-        "place": f"Put the cube on the slab as it is drawn, North mark to North; a free position leans between "
-        f"faces, far from those taken. No key is needed. {GRID_HELP}",
-        "settle": "The cube is on the right face and comes to rest. Take your hands off. Both gates must be open.",
-        "dwell": "Accepted seconds are counted. Do not touch the bench: a knock costs the disturbed seconds only.",
-        "turn": "Turn the cube flat on the slab as the arrow says, whole turns, back to the mark, then let it "
-        "rest. An uneven hand does no harm as long as the speed stays between its limits.",
-        "paused": f"Nothing is recorded. p goes on. {GRID_HELP}",
+        "place": f"Put the cube on the surface plate as shown, with its North mark to North. In a free position "
+        f"it is tilted between faces, far from earlier attitudes. No key is needed. {GRID_HELP}",
+        "settle": "The cube is on the correct face. Take your hands off and wait until both checks pass.",
+        "dwell": "The station counts the accepted seconds. Do not touch the bench. If it is bumped, only the "
+        "affected seconds are discarded.",
+        "turn": "Rotate the cube flat on the surface plate in the direction of the arrow. Make whole turns back "
+        "to the mark, then take your hands off. The speed may vary between its limits.",
+        "paused": f"Nothing is recorded. Press p to continue. {GRID_HELP}",
     }
     BINDINGS = [
         Binding("up", "move(-1, 0)", "Up", show=False),
         Binding("down", "move(1, 0)", "Down", show=False),
         Binding("left", "move(0, -1)", "Left", show=False),
         Binding("right", "move(0, 1)", "Right", show=False),
-        Binding("enter", "choose", "Do", tooltip="do the step under the cursor (arrows move it) next"),
-        Binding("r", "redo", "Redo", tooltip="record the step under the cursor again, else the last one"),
-        Binding("p", "pause", "Pause", tooltip="pause, or go on"),
-        Binding("b", "back", "Back", tooltip="the cursor to the step before"),
-        Binding("escape", "set_cursor('')", "Home", show=False, tooltip="the cursor to the step wanted"),
-        Binding("k", "order('keep_seating')", "Keep", tooltip="accept the cube as it sits"),
-        Binding("f", "finish", "Finish", tooltip="solve with what is there"),
+        Binding("enter", "choose", "Do", tooltip="do the step under the cursor next (arrow keys move it)"),
+        Binding("r", "redo", "Redo", tooltip="repeat the step under the cursor, otherwise the last one"),
+        Binding("p", "pause", "Pause", tooltip="pause or continue"),
+        Binding("b", "back", "Back", tooltip="move the cursor to the step before"),
+        Binding("escape", "set_cursor('')", "Home", show=False, tooltip="move the cursor to the requested step"),
+        Binding("k", "order('keep_seating')", "Keep", tooltip="accept the current seating of the cube"),
+        Binding("f", "finish", "Finish", tooltip="solve with the steps that are done"),
     ]
     DEFAULT_CSS = """
     CampaignScreen #middle { height: 1fr; }
@@ -133,7 +137,7 @@ class CampaignScreen(FramedScreen):
         self.action_set_cursor(self._grid().neighbour(down, right))
 
     def action_back(self) -> None:
-        """Move the cursor to the step before."""
+        """Move move the cursor to the step before."""
         self.action_set_cursor(self._grid().before())
 
     def action_choose(self) -> None:
@@ -153,7 +157,7 @@ class CampaignScreen(FramedScreen):
         self.action_order("go_on" if self.view.stage == "paused" else "pause")
 
     def action_finish(self) -> None:
-        """Ask, then solve with what is there; not where that surely cannot be."""
+        """Ask, then solve with the steps that are done; not where that surely cannot be."""
         if lack := lacking(self.view.steps):
             self.notify(lack, title="Not yet", severity="warning", markup=False)
             return
@@ -162,7 +166,7 @@ class CampaignScreen(FramedScreen):
             f"{self.view.done} of {len(self.view.steps)} steps are done. What the {missing} missing ones would "
             "determine is left out of the result, and it says so."
         )
-        self.confirm("Finish with what is there?", text, "Yes, finish", "finish", *STAGES)
+        self.confirm("Finish with the steps that are done?", text, "Yes, finish", "finish", *STAGES)
 
     def _show_lower(self, view: CalibrationView) -> None:
         """Show the words of the step under the cursor while it was moved there, else what is measured."""

@@ -33,5 +33,5 @@ class ConfirmScreen(Modal[bool]):
             box.border_title = self._title
             yield Label(self._text, markup=False)
             with Horizontal():
-                yield Button("n  No, go on", action="screen.dismiss(False)", compact=True)
+                yield Button("n  No, continue", action="screen.dismiss(False)", compact=True)
                 yield Button(f"y  {self._yes}", action="screen.dismiss(True)", variant="error", compact=True)

@@ -12,12 +12,12 @@ from station.tui.screens.stage import StageScreen
 ENDED_LOOKS: dict[StageName, tuple[str, str, str]] = {
     "cancelled": (
         "✗ CANCELLED", "$warning",
-        "Everything recorded stays as files in the folder; the database is as it was before.",
+        "All recordings stay as files in the folder; the database is unchanged.",
     ),
     "left": ("‖ LEFT", "$primary", "All accepted steps are safe; `station resume` continues from here."),
     "failed": (
         "✗ STOPPED", "$error",
-        "All accepted steps are safe; `station resume` continues once this is corrected.",
+        "All accepted steps are safe; `station resume` continues after you correct this.",
     ),
 }  # fmt: skip
 
@@ -27,7 +27,7 @@ class EndedScreen(StageScreen):
 
     HELPS = {stage: sentence for stage, (_, _, sentence) in ENDED_LOOKS.items()}
     BINDINGS = [
-        Binding("enter", "leave", "Close", tooltip="close the screens"),
+        Binding("enter", "leave", "Close", tooltip="close the program"),
         Binding("escape,space,q,c", "leave", show=False),
     ]
     DEFAULT_CSS = """

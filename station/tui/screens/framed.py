@@ -30,7 +30,7 @@ class LinkLine(ValueWidget[LinkView]):
         if not link.is_live:
             return Content(f"✗ {link.word or NO_DATA}  {link.name}")  # the banner says the rest
         if not link.rate_hz:
-            said = f"… {link.name}  nothing received yet" if link.name else "… no IMU yet"
+            said = f"… {link.name}  nothing received yet" if link.name else "… no IMU connected yet"
             return Content.styled(said, "$muted")
         numbers = f"{link.rate_hz:.1f} Hz  {link.bad_frames} bad  {link.lost} lost  {plural(link.gaps, 'gap')}"
         warm = "" if link.temperature_c is None else f"  {link.temperature_c:.1f} °C"

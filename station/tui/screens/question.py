@@ -47,7 +47,7 @@ class QuestionScreen(Modal[str]):
             box.border_title = "Question"
             yield Label(self.question.text, markup=False)
             yield self._list
-            yield Label("its key, or arrows and Enter; Esc: not now, a asks again", id="keys")
+            yield Label("press its key, or use arrows and Enter; Esc: later, a asks again", id="keys")
 
     def fits(self, view: CalibrationView) -> bool:
         """Return whether the question is still asked."""

@@ -22,7 +22,7 @@ RUNNING: tuple[StageName, ...] = (
     "start", "connecting", "warm_up", "place", "settle", "dwell", "turn", "paused", "solving", "verdict",
 )  # fmt: skip
 CANCEL_TEXT = (
-    "Everything recorded stays as files in the folder. The database is unchanged: no calibration is stored, "
+    "All recordings stay as files in the folder. The database is unchanged: no calibration is stored, "
     "and this campaign cannot be resumed."
 )
 LEAVE_CAMPAIGN_TEXT = (
@@ -31,7 +31,7 @@ LEAVE_CAMPAIGN_TEXT = (
 COMMON_KEYS = ("app.ask", "leave", "cancel", "help", "command_palette")  # the keys of every screen
 MIN_SIZE = (MIN_COLUMNS, 24)  # columns, rows
 PHONE_SIZE = (44, 34)  # columns, rows of a telephone held upright: parts stand below instead of beside each other
-CAMPAIGN_GOES_ON = "The campaign goes on meanwhile, and keys work"
+CAMPAIGN_GOES_ON = "The campaign continues, and the keys work"
 
 
 def progress(view: CalibrationView) -> str:
@@ -63,8 +63,8 @@ class TooSmall(ValueWidget[bool]):
         columns, rows = self.app.size
         return Content.assemble(
             (f"needs {MIN_SIZE[0]}x{MIN_SIZE[1]}", "bold $warning"),
-            f"; this terminal has {columns}x{rows}: make it larger, or its letters smaller. "
-            f"{CAMPAIGN_GOES_ON if goes_on else 'Keys work'}. --plain does with any terminal.",
+            f"; this terminal has {columns}x{rows}: make it larger, or its font smaller. "
+            f"{CAMPAIGN_GOES_ON if goes_on else 'Keys work'}. --plain works in any terminal.",
         )
 
 
@@ -76,10 +76,10 @@ class StageScreen(Screen[None]):
     """
 
     BINDINGS = [
-        Binding("a", "app.ask", "Answer", tooltip="answer the question that was put off"),
-        Binding("q", "leave", "Leave", tooltip="end here and resume another time"),
-        Binding("c", "cancel", "Cancel", tooltip="give the campaign up; the database stays unchanged"),
-        Binding("question_mark", "help", "Help", key_display="?", tooltip="what goes on, and all keys"),
+        Binding("a", "app.ask", "Answer", tooltip="answer the postponed question"),
+        Binding("q", "leave", "Leave", tooltip="stop here and resume later"),
+        Binding("c", "cancel", "Cancel", tooltip="cancel the campaign; the database stays unchanged"),
+        Binding("question_mark", "help", "Help", key_display="?", tooltip="help for this screen, and all keys"),
     ]
     DEFAULT_CSS = """
     StageScreen { layers: default above; }
@@ -169,7 +169,7 @@ class StageScreen(Screen[None]):
 
     def action_leave(self) -> None:
         """Ask, then leave."""
-        self.confirm("Leave and resume another time?", LEAVE_CAMPAIGN_TEXT, "Yes, leave", "leave")
+        self.confirm("Leave and resume later?", LEAVE_CAMPAIGN_TEXT, "Yes, leave", "leave")
 
     def action_cancel(self) -> None:
         """Ask, then cancel."""

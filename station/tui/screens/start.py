@@ -23,10 +23,10 @@ from station.tui.widgets.setup_fields import SetupInput
 from station.tui.widgets.setup_form import SetupForm
 
 START_HELP = (
-    "Resume an unfinished campaign by Enter, or fill in the form and begin. Tab and shift+Tab go from field "
-    "to field, Enter opens a list. A port is looked at for two seconds when it is chosen. Dwell 0: the length "
-    "comes from the unit's noise and the sigma wanted of the accelerometers' bias. A GNSS receiver says where the "
-    "slab stands, where latitude is left empty, and what time it is. All is remembered."
+    "Press Enter to resume an unfinished campaign, or fill in the form and begin. Tab and shift+Tab go from field "
+    "to field, Enter opens a list. The station checks a port for two seconds when you choose it. Dwell 0: the "
+    "dwell time follows from the unit's noise and the bias uncertainty that you want. A GNSS receiver gives the "
+    "time, and the position if latitude is empty. The form is remembered."
 )
 CONSIDER_S = 0.2  # after the last letter
 LOOK_VERBS: dict[str, CommandVerb] = {"url": "check", "gnss": "listen"}  # what looks at the address in a field
@@ -74,17 +74,17 @@ class StartScreen(StageScreen):
 
     HELPS = {"start": START_HELP}
     BINDINGS = [
-        Binding("ctrl+s", "begin", "Begin", tooltip="begin a new campaign as the form says"),
+        Binding("ctrl+s", "begin", "Begin", tooltip="begin a new campaign with this form"),
         Binding(
-            "ctrl+r", "ready", "Ready?", tooltip="what is ready, what is missing, and how the campaign can end"
+            "ctrl+r", "ready", "Ready?", tooltip="what is ready, what is missing, and which verdict is possible"
         ),
-        Binding("ctrl+l", "look", "Look at port", tooltip="look at the port and listen to the receiver"),
-        Binding("q,ctrl+q", "leave", "Quit", tooltip="close; nothing was begun"),
-        Binding("c,escape", "cancel", "Cancel", tooltip="give up; nothing was recorded"),
+        Binding("ctrl+l", "look", "Check port", tooltip="check the port and the receiver"),
+        Binding("q,ctrl+q", "leave", "Quit", tooltip="close; nothing was started"),
+        Binding("c,escape", "cancel", "Cancel", tooltip="cancel; nothing was recorded"),
         Binding("tab", "app.focus_next", show=False, priority=True),  # at once: what is typed next goes there
         Binding("shift+tab", "app.focus_previous", show=False, priority=True),
         Binding("question_mark", "help", show=False, priority=True),  # before an empty field takes it as text
-        Binding("f1", "help", "Help", tooltip="what goes on, and all keys"),
+        Binding("f1", "help", "Help", tooltip="help for this screen, and all keys"),
     ]
     DEFAULT_CSS = """
     StartScreen .heading { height: 1; padding: 0 2; color: $accent; text-style: bold; }
@@ -151,15 +151,15 @@ class StartScreen(StageScreen):
         if self.view.remaining_s:
             return f"It takes about {duration_in_words(self.view.remaining_s)}."
         if (self.view.start or StartView()).is_planned_on_the_way:
-            return "It takes as long as what is wanted does: the plan is made on the way."
+            return "The duration depends on the targets: the plan is made during the campaign."
         if self.form.problems().keys() & {"dwell_s", "repeats"}:
             return ""
         texts = self.form.texts()
         dwell_s, dwells = float(texts["dwell_s"]), 12 + int(texts["repeats"])
         if not dwell_s:
-            return "How long it takes follows from the unit's noise, after warm-up."
+            return "The duration depends on the unit's noise, measured after warm-up."
         time = duration_in_words(seconds_needed(dwell_s, dwells))
-        return f"It takes about {time}: {dwells} dwells of {dwell_s:g} s, 6 hand turns."
+        return f"It takes about {time}: {dwells} dwells of {dwell_s:g} s, 6 rotations."
 
     def on_input_changed(self, event: Input.Changed) -> None:
         """Say what is wrong with what was typed."""
@@ -259,8 +259,8 @@ class StartScreen(StageScreen):
 
     def action_cancel(self) -> None:
         """Ask, then give up."""
-        text = "Nothing was begun and nothing recorded. The database is unchanged."
-        self.confirm("Give up?", text, "Yes, give up", "cancel", "start")
+        text = "Nothing was started or recorded. The database is unchanged."
+        self.confirm("Give up?", text, "Yes, cancel", "cancel", "start")
 
     def action_leave(self) -> None:
         """Close; nothing was begun."""

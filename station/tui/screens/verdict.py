@@ -55,16 +55,16 @@ class VerdictScreen(StageScreen):
     """Shown while nothing is stored yet, and after."""
 
     HELPS = {
-        "verdict": "The result is not stored yet: s stores it, append-only, once you agree with it. The report, "
-        "the solution and all recordings are in the folder either way.",
-        "stored": "The calibration is in the database, sealed by its hash; `station verify` notices any change.",
+        "verdict": "The result is not stored yet. If you agree with it, press s to store it permanently. The "
+        "report, the solution and all recordings stay in the folder in any case.",
+        "stored": "The calibration is in the database, protected by its hash. `station verify` detects a change.",
     }
     BINDINGS = [
-        Binding("s", "store", "Store", tooltip="put the calibration into the database"),
-        Binding("r", "redo", "Redo", tooltip="record again the position that stood turned or was kept tilted"),
-        Binding("g", "order('more')", "Go on", tooltip="one placing more, though all that is wanted is met"),
+        Binding("s", "store", "Store", tooltip="store the calibration in the database"),
+        Binding("r", "redo", "Redo", tooltip="repeat the position with a wrong heading or tilt"),
+        Binding("g", "order('more')", "Go on", tooltip="one more placement, although all targets are met"),
         Binding("o", "open_report", "Open report", tooltip="show the report in a browser"),
-        Binding("d", "diagnose", "Diagnose", tooltip="what the residuals say the model is missing"),
+        Binding("d", "diagnose", "Diagnose", tooltip="diagnosis: error terms that the model lacks"),
         Binding("down,pagedown", "roll(1)", "More", key_display="↑↓", tooltip="scroll the facts and the numbers"),
         Binding("up,pageup", "roll(-1)", "More", show=False),
     ]
@@ -121,7 +121,7 @@ class VerdictScreen(StageScreen):
         self.confirm("Store the calibration?", text, "Yes, store it", "store", "verdict")
 
     def action_redo(self) -> None:
-        """Record the step again that the verdict names; the verdict is made anew after it."""
+        """Record the step again that the verdict names; the verdict is then computed again."""
         if self.view.verdict is not None:
             self.action_order("redo", step=self.view.verdict.redo)
 

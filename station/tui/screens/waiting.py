@@ -12,8 +12,8 @@ class WaitingScreen(FramedScreen):
     """Says what is waited for."""
 
     HELPS = {
-        "connecting": "The station opens the port, finds the frames and reads which unit it is.\n\n"
-        "If nothing comes: is the IMU powered? Is it this port, and this baud rate?\n"
+        "connecting": "The station opens the port, finds the frames and identifies the unit.\n\n"
+        "If no data arrive: is the IMU powered? Are port and baud rate correct?\n"
         "Are A and B of the RS-422 pair swapped? c cancels.",
         "solving": "The joint solve runs over all accepted steps. The IMU is no longer needed; all is on the "
         "disk.",

@@ -13,11 +13,13 @@ class WarmUpScreen(FramedScreen):
     """Shows how far the unit has settled."""
 
     HELPS = {
-        "warm_up": "The IMU warms up. Nothing is to be done: leave the cube at rest on the slab. The positions "
-        "begin by themselves once the temperature rate and the drift of the gyros are inside limits that are "
-        "learnt from this unit. Skipping is recorded, and the sigmas become wider."
+        "warm_up": "The IMU warms up. Leave the cube at rest on the surface plate. The positions start "
+        "automatically when temperature rate and gyro drift are below limits that the station "
+        "determines for this unit. If you skip the warm-up, this is recorded and uncertainties increase."
     }
-    BINDINGS = [Binding("s", "skip", "Skip warm-up", tooltip="begin now; recorded, and the sigmas become wider")]
+    BINDINGS = [
+        Binding("s", "skip", "Skip warm-up", tooltip="begin now; this is recorded, and uncertainties increase")
+    ]
 
     def _inner(self) -> ComposeResult:
         self.panel = WarmUpPanel()
@@ -32,5 +34,5 @@ class WarmUpScreen(FramedScreen):
 
     def action_skip(self) -> None:
         """Ask, then begin without having settled."""
-        text = "That it was skipped is recorded, and the sigmas become wider."
+        text = "This is recorded, and the uncertainties increase."
         self.confirm("Skip the warm-up?", text, "Yes, skip it", "skip_warm_up", "warm_up")

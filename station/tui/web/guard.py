@@ -42,7 +42,7 @@ class Guard:
         said = request.path.lstrip("/").partition("/")[0].encode()
         if request.path.startswith(DOWNLOAD) or secrets.compare_digest(said, self.token.encode()):
             return ""
-        return "the address does not hold this server's secret"
+        return "the address does not contain this server's secret"
 
     @web.middleware
     async def middleware(self, request: web.Request, handler: Handler) -> web.StreamResponse:

@@ -18,7 +18,7 @@ LEANING = f"""
  \u2572  {SLANT}   not to
    \u2572{SLANT}    slip"""
 TEXT_LINES = 2
-TITLES = ("AS WANTED", "AS IT STANDS")
+TITLES = ("TARGET", "CUBE NOW")
 
 
 class CubePair(ValueWidget[tuple[StepView | None, PoseView | None]]):
@@ -36,7 +36,7 @@ class CubePair(ValueWidget[tuple[StepView | None, PoseView | None]]):
             canvas.put(0, number * (width // 2) + 1, title, "bold" if number == 0 else "bold $accent")
         _wanted(canvas.window(1, 0, width // 2, size.rows), step, size)
         _stands(canvas.window(1, width // 2, width - width // 2, size.rows), pose, size)
-        text = wrap(pose.text if pose else "how it stands is not known", max(width - 2, 20))
+        text = wrap(pose.text if pose else "orientation not known", max(width - 2, 20))
         for row, line in enumerate(text, size.rows + 1):
             canvas.put(row, 1, line, "bold $accent")
         return canvas.content()

@@ -21,7 +21,7 @@ class GatesPanel(ValueWidget[GatesView]):
         """Draw both; while the cube is turned, or before there are counts, neither is judged."""
         gates = self.value
         if gates is None:
-            unknown = ("… not judged now", "$muted")
+            unknown = ("… not checked now", "$muted")
             return Content.assemble((" FACE  ", "bold"), unknown, ("\n STILL ", "bold"), unknown)
         room = self.size.width - 17 - NUMBER_COLUMNS
         up = f"{gates.face.replace('_', ' ').capitalize()}, " if gates.face else ""

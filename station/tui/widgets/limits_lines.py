@@ -21,7 +21,7 @@ class LimitsLines(ValueWidget[Limits]):
         limits, left_s = value
         shown = sorted(limits, key=lambda one: one.share)[: max(self.size.height, 1)]
         left = f", about {max(-(-left_s // S_PER_MIN), 1):.0f} min left" if left_s else ""
-        left = ", all is met" if all(one.share >= 1 for one in limits) else left
+        left = ", all targets met" if all(one.share >= 1 for one in limits) else left
         said = [(left, NAME), *[("", " " * len(NAME))] * (len(shown) - 1)]
         return Content("\n").join(self._line(one, *each) for one, each in zip(shown, said, strict=True))
 

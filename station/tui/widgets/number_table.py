@@ -9,9 +9,9 @@ from station.guide.view import VerdictRow
 from station.tui.widgets.redrawn_on_change import ValueWidget
 from station.tui.widgets.verdict_sentence import VERDICT_LOOKS
 
-TABLE_HEADER = ("parameter", "value", "U (95 %)", "1 sigma", "unit", "verdict", "limit", "change")
+TABLE_HEADER = ("parameter", "value", "U (95 %)", "u", "unit", "verdict", "limit", "change")
 RIGHT_COLUMNS = (1, 2, 3, 7)  # columns of numbers
-SIGMA, VERDICT = TABLE_HEADER.index("1 sigma"), TABLE_HEADER.index("verdict")
+STD, VERDICT = TABLE_HEADER.index("u"), TABLE_HEADER.index("verdict")
 GAP, INDENT = "  ", "    "
 
 
@@ -50,11 +50,11 @@ def _line(cells: tuple[str, ...], widths: list[int], colour: str, _: int) -> lis
 def _stacked(cells: tuple[str, ...], widths: list[int], colour: str, width: int) -> list[Content]:
     """Draw the numbers of a row in one line, verdict, limit and change below as far as it has any.
 
-    1 sigma is left out where it does not fit: U says as much.
+    u is omitted where it does not fit: U is shown.
     """
     numbers = _aligned(cells, widths, range(VERDICT))
     if numbers.cell_length > width:
-        numbers = _aligned(cells, widths, [column for column in range(VERDICT) if column != SIGMA])
+        numbers = _aligned(cells, widths, [column for column in range(VERDICT) if column != STD])
     if cells is TABLE_HEADER:
         return [numbers.stylize("bold $muted")]
     verdict, limit, change = cells[VERDICT:]

@@ -32,10 +32,10 @@ class LookLine(ValueWidget[AddressLook]):
     def _drawn(self, look: AddressLook) -> Content:
         check = look.check
         if look.is_under_way:
-            port, receiver = "looking at the port for two seconds", "listening to the receiver for a few seconds"
+            port, receiver = "checking the port for two seconds", "checking the receiver for a few seconds"
             return Content.styled(f"… {receiver if look.use else port}", "$muted")
         if check is None or check.url != look.url:
-            said = "not checked yet: Enter in the address, or ctrl+l" if look.url else ""
+            said = "not checked yet: press Enter in the address, or ctrl+l" if look.url else ""
             return Content.styled(said, "$muted")
         if not check.is_good:
             return Content.styled(f"✗ {check.text}", "bold $error")

@@ -30,7 +30,7 @@ def consequences(ready: Readiness, width: int | None = None) -> list[Content]:
 def _fitting(text: str, width: int | None) -> str:
     if width is None or len(text) + 2 <= width:
         return text
-    return f"{text.partition(', ')[0]}, ctrl+r says why"
+    return f"{text.partition(', ')[0]}, ctrl+r for details"
 
 
 def ready_line(one: ReadyLine) -> Content:

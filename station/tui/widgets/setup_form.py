@@ -72,9 +72,9 @@ class SetupForm(VerticalScroll, can_focus=False):
     def show_looks(self) -> None:
         """Show what the looks found of the addresses that stand there now."""
         texts, start = self.texts(), self._start
-        use = "compared with the latitude stated"
+        use = "compared with the stated latitude"
         if not texts["latitude_deg"]:
-            use = "it fills in what is left empty below"
+            use = "it fills in the empty fields below"
         self.look.show(AddressLook(texts["url"], start.check, start.is_checking))
         self.heard.show(AddressLook(texts["gnss"], start.receiver, start.is_listening, use))
         self.heard.display = bool(texts["gnss"])
@@ -115,7 +115,7 @@ class SetupForm(VerticalScroll, can_focus=False):
         found = problems(texts)
         if self._check and self._check.is_good:
             silent = [name for name in ("model", "serial") if not texts[name]]
-            found |= dict.fromkeys(silent, "is needed: this device does not send it")
+            found |= dict.fromkeys(silent, "is required: this device does not send it")
         return found
 
     def setup(self) -> Setup:

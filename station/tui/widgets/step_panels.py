@@ -50,9 +50,9 @@ class SoakLines(ValueWidget[SoakView]):
 
     def _drawn(self, soak: SoakView) -> Content:
         minutes, seconds = divmod(round(soak.left_s), 60)
-        said = "the device does not send it"
+        said = "not sent by the device"
         if soak.temperature_c is not None:
-            said = f"{soak.temperature_c:.1f} degC, so far {soak.low_c:.1f} to {soak.high_c:.1f}"
+            said = f"{soak.temperature_c:.1f} degC, range {soak.low_c:.1f} to {soak.high_c:.1f}"
         return Content.assemble((" TEMP  ", "bold"), said, ("\n LEFT  ", "bold"), f"{minutes} min {seconds:02d} s")
 
 

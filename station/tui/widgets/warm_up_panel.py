@@ -19,7 +19,7 @@ class WarmUpPanel(ValueWidget[WarmUpView]):
         warm = self.value
         if warm is None:
             return Content.styled("waiting for the first counts", "$muted")
-        left = "cannot be said yet" if warm.left_s is None else f"about {duration_in_words(warm.left_s)}"
+        left = "not known yet" if warm.left_s is None else f"about {duration_in_words(warm.left_s)}"
         lines = [
             Content.assemble(("time so far     ", "$muted"), (duration_in_words(warm.seconds), "bold")),
             Content.assemble(("time left       ", "$muted"), (left, "bold")),
@@ -33,7 +33,7 @@ class WarmUpPanel(ValueWidget[WarmUpView]):
 
     def _gate(self, name: str, value: float | None, limit: float | None, unit: str) -> Content:
         if value is None or limit is None:
-            said = "not measured yet" if value is None else f"{value:.2g} {unit}, the limit is being learnt"
+            said = "not measured yet" if value is None else f"{value:.2g} {unit}, the limit is being determined"
             return Content.assemble((f"{name:16}", "bold"), (f"… {said}", "$muted"))
         is_inside = abs(value) <= limit
         colour, word = ("$success", "✓ settled ") if is_inside else ("$warning", "✗ changing")

@@ -109,7 +109,7 @@ def test_a_seating_that_is_off_makes_the_sigmas_larger_and_is_told() -> None:
     assert third.accel is not None
     np.asarray(third.accel)[:, 1] += 5e-3  # 5 urad
     found = measure_cube(seen)
-    assert any("residual is larger" in warning for warning in found.warnings)
+    assert any("residuals exceed" in warning for warning in found.warnings)
     assert np.all(spread(found, "less") > 1.5 * spread(quiet, "less"))
 
 

@@ -20,8 +20,8 @@ OPPOSITE = {"+": "-", "-": "+"}
 OTHER_FACE = {1: 3, 3: 1, 2: 4, 4: 2, 5: 7, 7: 5, 6: 8, 8: 6, 9: 11, 11: 9, 10: 12, 12: 10}
 # what a diagnosis tries beside signs
 SOME = [each for each in EFFECTS if each.name.startswith(("placement.", "gyroscope.g_", "procedure.", "slab."))]
-TURNS, GYROS = "labelled in the opposite direction", "gyroscopes' signs are inverted"
-DOES_NOT_TELL = "does not tell which"
+TURNS, GYROS = "labelled with the opposite direction", "gyroscopes' signs are inverted"
+DOES_NOT_TELL = "does not determine which"
 
 
 @cache
@@ -86,7 +86,7 @@ def said(campaign: Campaign) -> str:
     ("wrong", "words", "never"),
     [
         (lambda c: c, (), ("backwards",)),
-        (turned_round, ("all turns are labelled in the opposite direction: ",), ("inverted",)),
+        (turned_round, ("all turns are labelled with the opposite direction: ",), ("inverted",)),
         (lambda c: negated(c, "gyro"), ("the gyroscopes' signs are inverted: ",), (TURNS,)),
         (lambda c: negated(c, "gyro", [1]), ("the sign of gyroscope y is inverted: ",), (TURNS,)),
         (lambda c: turned_round(c, "xz"), ("turns about x are", "turns about z are"), ("inverted", "about y")),

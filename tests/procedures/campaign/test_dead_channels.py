@@ -160,7 +160,7 @@ def test_a_rate_tables_dead_gyroscope_is_left_out() -> None:
     output = np.column_stack((rate * 10 + np.arange(90) % 3, np.zeros(90), np.zeros(90)))
     tables = tuple(RateTable(f"table_{axis}", axis, rate, output, np.full(90, 23.0)) for axis in "xy")
     [kept], said = without_dead([replace(recorded(False), rate_tables=tables)])
-    assert said == ("gyroscope y puts out a constant 0 in all of table_y: left out",)
+    assert said == ("gyroscope y outputs a constant 0 in all of table_y: not used",)
     assert np.all(np.isfinite(kept.rate_tables[0].output))
     assert np.all(np.isnan(kept.rate_tables[1].output[:, 1]))
 

@@ -164,7 +164,7 @@ def test_a_slope_by_temperature_is_told_by_rests_at_one_temperature_each(tmp_pat
     assert finding.effect == "gyroscope.bias_temperature"
     assert np.all(np.abs(finding.value - SLOPE) < 4 * finding.std)
     assert np.all(finding.std < 0.3)
-    (error,) = (each for each in found.errors if each.quantity == "gyroscope soaks beside each other")
+    (error,) = (each for each in found.errors if each.quantity == "gyroscope neighbouring soaks")
     assert error.held_out_before is not None
     assert error.held_out_after is not None
     assert error.held_out_after < 0.1 * error.held_out_before

@@ -72,5 +72,5 @@ def test_a_turn_the_other_way_is_named_so() -> None:
     assert told.series.gyro is not None
     (one,) = seen(replace(told, series=replace(told.series, gyro=-told.series.gyro)))
     assert one.scale is None
-    assert "a scale factor of z: it turned the other way (say turn:-z)" in left_open([one])
+    assert "a scale factor of z: it turned the other way (state turn:-z)" in left_open([one])
     assert not any("no whole turn" in each or "rest for 2 s" in each for each in left_open([one]))

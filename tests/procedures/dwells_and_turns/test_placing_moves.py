@@ -115,7 +115,7 @@ def test_the_24_attitudes_are_all_there_are_and_the_twelve_keep_their_numbers() 
         assert np.allclose(nominal_C_lb(number) * [[-1], [-1], [1]], nominal_C_lb(number + 1))
 
 
-# Moves too fast for their sample rate are left out
+# Moves too fast for their sample rate are not used
 
 
 ORDER = tuple("ENU ESD USE DSW SUW NDW NWU SWD UWS DES EUS EDN".split())
@@ -130,7 +130,7 @@ def test_brisk_moves_are_left_out_and_said_and_the_others_solve() -> None:
     assert fit is not None
     assert fit.moves is not None
     [said] = fit.moves.moves.left_out
-    assert said.startswith("move_10 left out: too brisk, ")
+    assert said.startswith("move_10 not used: moved too fast, ")
     assert said.endswith(" arcsec of coning")
     assert len(fit.moves.moves.records) == 10
     vector = triad_vector(fit.joint, "gyroscope", accelerometer)

@@ -90,5 +90,5 @@ def test_each_of_several_that_comes_at_a_wrong_pace_is_warned_of(
     assert cli.run([*look, *[word for url in urls for word in ("--url", url)]]) == 0
     lines = capsys.readouterr().out.splitlines()
     (warned,) = [number for number, line in enumerate(lines) if line.startswith("    warning: ")]
-    assert "Hz by this machine's clock; check sample period" in lines[warned]
+    assert "Hz by this computer's clock; check sample period" in lines[warned]
     assert lines[warned + 1].startswith("replay:")

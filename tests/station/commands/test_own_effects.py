@@ -104,7 +104,7 @@ def test_what_the_solution_holds_is_taken_off_later_rates(solved: dict[str, Any]
     expected = np.stack((np.zeros(3), -np.linalg.inv(E) @ value * 6.0 * 0.5 / 3600))
     assert np.allclose(found.omega, expected, rtol=1e-9, atol=1e-12)
     assert calibrated_inputs(solved, None, counts).not_applied == (
-        "gyroscope.warming_while_warm: what it depends on was not recorded",
+        "gyroscope.warming_while_warm: the quantity that it depends on was not recorded",
     )
     altered = {**solved["effects"][0], "definition": WARMING.replace("T * T_rate", "T_rate * T")}
     with refused(DataRefused):

@@ -39,7 +39,7 @@ def transcript(steps: Iterable[Step], folder: Path, capsys: pytest.CaptureFixtur
             continue
         code = cli.run([*shlex.split(step), "--verbose"])
         out, error = capsys.readouterr()
-        refusal = [line for line in error.splitlines() if not line.startswith("guessed: ")]
+        refusal = [line for line in error.splitlines() if not line.startswith("inferred: ")]
         assert len(refusal) == (code != 0), error
         assert "Traceback" not in error
         said = (out + error).replace(f"{folder}/", "").replace(str(folder), ".")

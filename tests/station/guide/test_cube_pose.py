@@ -44,7 +44,7 @@ def test_it_turns_on_the_screen_while_hands_turn_it_and_counts_down_what_is_left
     assert any(100 < each < 170 for each in left)
     assert any(20 < each < 100 for each in left)
     assert left[-1] < 8
-    assert guided.view.pose.text == "it stands as wanted"
+    assert guided.view.pose.text == "the position is correct"
 
 
 def test_before_anything_told_the_heading_it_is_said_to_be_unknown(rig: Make) -> None:
@@ -52,7 +52,7 @@ def test_before_anything_told_the_heading_it_is_said_to_be_unknown(rig: Make) ->
     view = guided.rest(12)
     assert view.pose.heading_std_deg is None
     assert view.pose.turn_deg is None
-    assert view.pose.text == "which way it points is not known yet"
+    assert view.pose.text == "its heading is not known yet"
 
 
 def test_a_heading_that_stays_wrong_on_the_right_face_is_said_after_20_s_and_once(rig: Make) -> None:
@@ -63,7 +63,7 @@ def test_a_heading_that_stays_wrong_on_the_right_face_is_said_after_20_s_and_onc
     view = guided.run(lambda v: any("heading is wrong" in event.text for event in v.events), seconds=60)
     assert 15 < guided.source.device.imu.time - began < 35
     turned = float(view.events[-1].text.split("turn ")[1].split()[0])
-    assert view.events[-1].text.startswith("X points up as wanted, but the heading is wrong: turn ")
+    assert view.events[-1].text.startswith("X points up is correct, but the heading is wrong: turn ")
     assert abs(turned - 35) < 8
     assert view.hint == view.events[-1].text
     guided.rest(30)
@@ -99,7 +99,8 @@ def test_a_position_that_stood_4_deg_off_is_named_at_once_and_done_again(rig: Ma
     guided = placed_7_turned(rig)
     view = guided.run(lambda v: v.question is not None)
     told = re.match(
-        r"Position 7 stood (\d\.\d) deg off, clockwise from above, by the Earth rate", view.question.text
+        r"Position 7 has a heading error of (\d\.\d) deg, clockwise from above, by the Earth rate",
+        view.question.text,
     )
     assert told
     assert float(told[1]) == pytest.approx(4.0, abs=1.0)

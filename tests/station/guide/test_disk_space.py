@@ -118,7 +118,7 @@ def test_a_round_that_lasts_is_said_and_no_other() -> None:
         assert len(seen) <= told + 1
     assert seen[0].line == "position 3"
     assert "writing to the disk for " in seen[0].hint
-    assert "what was accepted is safe" in seen[0].hint
+    assert "accepted steps are safe" in seen[0].hint
 
 
 @pytest.mark.parametrize("stage", ["solving", "connecting", "verdict", "failed"])

@@ -53,7 +53,7 @@ def test_a_face_with_nothing_left_to_do_is_said_and_is_no_failure(rig: Make) -> 
     guided = rig(dwells(1, 3))
     guided.hands("place 9 8")
     view = guided.run(lambda v: bool(v.events))
-    assert view.events[-1].text == "Z points up: nothing is left to do there"
+    assert view.events[-1].text == "Z points up: nothing remains to be done there"
     assert view.line.startswith("put the cube in position 1")
     assert view.stage == "place"
     for _ in range(8):  # the wrong face five times kills the run elsewhere
@@ -89,12 +89,12 @@ def test_where_the_earth_rate_does_not_tell_it_is_asked(rig: Make) -> None:
     view = guided.run(lambda v: v.question is not None)
     assert [choice.key for choice in view.question.choices] == ["5", "6", "n"]
     assert "position 6: X north, Y up, Z east" in view.question.choices[1].title
-    guided.run(lambda v: "accepted once it is known" in v.hint)  # the dwell is complete and waits
+    guided.run(lambda v: "accepted when the heading" in v.hint)  # the dwell is complete and waits
     guided.rest(30)
     assert guided.view.done == 0
     guided.obey("answer", key="6")
     guided.run(guided.done(1))
-    assert guided.view.gates.heading in {"as you said", ""}
+    assert guided.view.gates.heading in {"as you answered", ""}
     assert [d.position for d in read_campaign(guided.folder).campaign.dwells] == [6]
 
 
@@ -104,7 +104,7 @@ def test_a_cube_that_is_in_neither_position_is_set_down_again(rig: Make) -> None
     guided.run(lambda v: v.question is not None)
     guided.obey("answer", key="n")
     view = guided.run(lambda v: v.question is None)
-    assert (view.stage, view.hint) == ("place", "set the cube down along the marks on the slab")
+    assert (view.stage, view.hint) == ("place", "set the cube down along the marks on the surface plate")
     guided.hands("place 5 8")
     guided.run(lambda v: v.question is not None)
     guided.obey("answer", key="5")
@@ -118,11 +118,11 @@ def test_a_knock_costs_the_disturbed_seconds_only_and_the_bar_never_falls(rig: M
     guided.run(guided.done(1))
     seconds = accepted_seconds(guided)
     assert np.min(np.diff(seconds)) >= 0
-    assert "still: disturbed: keep still, only those seconds are left out" in guided.texts
+    assert "still: disturbed: keep still, only the affected seconds are discarded" in guided.texts
     assert len(read_campaign(guided.folder).campaign.dwells[0].series.starts) > 1
 
 
-@pytest.mark.parametrize(("after_s", "when"), [(20.0, ""), (2.0, " just after it was set down")])
+@pytest.mark.parametrize(("after_s", "when"), [(20.0, ""), (2.0, " just after placement")])
 def test_a_cube_that_was_turned_a_little_is_to_be_set_along_the_marks_again(
     rig: Make, after_s: float, when: str
 ) -> None:
@@ -146,7 +146,7 @@ def test_a_slow_creep_is_seen_at_the_end(rig: Make) -> None:
     guided = rig(dwells(1, seconds=100.0))
     guided.hands("creep 200 0 0.1 0")  # 2 arcsec a second
     guided.run(lambda v: any(e.sound == "rejected" for e in v.events))
-    assert "the cube crept by" in guided.texts[-1]
+    assert "the cube moved slowly by" in guided.texts[-1]
     assert guided.view.done == 0
 
 
@@ -165,7 +165,7 @@ def test_a_tilted_cube_is_told_its_angle_and_never_recorded(rig: Make) -> None:
 def test_a_dwell_across_an_unplug_is_rejected(rig: Make) -> None:
     guided = rig(dwells(1, seconds=30.0), faults=[Fault("unplug", at_s=25.0, seconds=5.0)])
     guided.run(guided.done(1))
-    assert "rejected: the stream was interrupted; the dwell begins again" in guided.texts
+    assert "rejected: the data stream was interrupted; the dwell starts again" in guided.texts
     series = read_campaign(guided.folder).campaign.dwells[0].series
     assert series.t[0] > 30.0
     assert len(series.starts) == 1

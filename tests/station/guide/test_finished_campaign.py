@@ -77,11 +77,11 @@ def test_a_seat_that_spoils_the_calibration_is_the_first_thing_a_verdict_says(
     kept_tilted(folder, 4, 5.2e-3, 0.0)
     engine = resumed(folder, database)
     verdict = engine.view.verdict
-    assert verdict.doubt.startswith("do not rely on it, record position 4 again: ")
+    assert verdict.doubt.startswith("do not use this result, record position 4 again: ")
     assert "tilted by 0.3 deg" in verdict.doubt
-    assert f": {verdict.doubt}; " in verdict.sentence
+    assert f": {verdict.doubt}. " in verdict.sentence
     assert verdict.redo == "dwell_04"
-    assert "do not rely on it, record position 4 again" in Path(verdict.report).read_text(encoding="utf-8")
+    assert "do not use this result, record position 4 again" in Path(verdict.report).read_text(encoding="utf-8")
     engine.close()
 
 

@@ -60,7 +60,7 @@ def test_a_broken_stream_breaks_one_move_and_says_so(rig: Make, fault: str, why:
     guided.rest(4.0)
     guided.source.device.plant(fault, 3, 3.0)
     guided.run(guided.done(2))
-    assert any("no move to it" in text and why in text for text in guided.texts), guided.texts
+    assert any("no transfer to it" in text and why in text for text in guided.texts), guided.texts
     assert why in guided.view.step("dwell_02").note
     placed(guided, 3)
     assert carried(guided) == [("dwell_02", "dwell_03")]
@@ -200,16 +200,16 @@ def test_a_brisk_flip_is_told_at_once_and_a_slow_one_is_not(rig: Make) -> None:
     guided = rig(dwells(1, 4, 2, seconds=30.0), SLOW)
     guided.run(guided.done(1))
     guided.hands("carry 4 3 60")
-    view = guided.run(lambda v: any("too brisk" in e.text for e in v.events), seconds=60)
+    view = guided.run(lambda v: any("moved too fast" in e.text for e in v.events), seconds=60)
     assert view.done == 1  # before the dwell is over
-    [said] = [e.text for e in view.events if "too brisk" in e.text]
+    [said] = [e.text for e in view.events if "moved too fast" in e.text]
     assert "arcsec of coning; at least" in said
     assert said.endswith("s for a flip")
     guided.run(guided.done(2))
-    assert "its move is left out" in guided.view.step("dwell_04").note
+    assert "its transfer is not used" in guided.view.step("dwell_04").note
     guided.hands("carry 2 60 0")
     guided.run(guided.done(3))
-    assert sum("too brisk" in text for text in guided.texts) == 1
+    assert sum("moved too fast" in text for text in guided.texts) == 1
     moves = read_campaign(guided.folder).campaign.moves
     k = float(np.mean(SLOW.gyro_k))
     left = [coning_of(move.series, k * np.eye(3), np.zeros(3)) for move in moves]

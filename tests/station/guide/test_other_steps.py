@@ -62,8 +62,8 @@ def test_leaning_cubes_are_recorded_each_where_it_is_asked_for(rig: Make) -> Non
 def test_a_face_is_no_free_position_and_says_how_to_lean(rig: Make) -> None:
     guided = rig(free(1))
     view = guided.rest(30)
-    assert view.line.startswith("lean the cube on an edge, X and Y half up, near 45 deg")
-    assert view.hint.endswith("deg from the nearest face, at least 20: lean it further")
+    assert view.line.startswith("tilt the cube on an edge, X and Y half up, near 45 deg")
+    assert view.hint.endswith("deg from the nearest face, at least 20: tilt it further")
     assert view.gates.is_free
     assert not view.gates.is_right_face
     assert view.done == 0
@@ -79,8 +79,8 @@ def test_an_attitude_taken_already_is_said_and_not_taken_twice(rig: Make) -> Non
     guided.hands("lean 1 1 0.1 8")
     view = guided.rest(60)
     assert view.done == 1
-    assert view.hint.endswith("deg from an attitude taken already, at least 20: lean it another way")
-    assert view.line.startswith("lean the cube on an edge, X and Z half up")
+    assert view.hint.endswith("deg from an attitude already recorded, at least 20: tilt it in another direction")
+    assert view.line.startswith("tilt the cube on an edge, X and Z half up")
     guided.hands("lean -1 -1 1 8")  # not the one asked for: any other will do
     guided.run(guided.done(2))
 

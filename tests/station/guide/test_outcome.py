@@ -33,9 +33,9 @@ def document(bias: float = 1e-3) -> dict[str, Any]:
 @pytest.mark.parametrize(
     ("limits", "word", "said"),
     [
-        ([BIAS], "PASS", "accelerometer bias y at 80 %"),
+        ([BIAS], "PASS", "accelerometer bias y, which uses 80 %"),
         ([Limit("accelerometer.bias.y", None, 2e-3, "g")], "PASS", "100 %"),
-        ([Limit("accelerometer.bias.y", None, 2e-3, "g", 1.0)], "FAIL", "2000 ug less 1 sigma"),
+        ([Limit("accelerometer.bias.y", None, 2e-3, "g", 1.0)], "FAIL", "2000 ug, minus 1 u"),
         ([BIAS, GYRO], "NOT_MEASURED", "1 of 2"),
         ([Limit("accelerometer.scale_factor.x", 0.0, 9e9, "output/g")], "NOT_MEASURED", "1 of 1"),
         ([], "NOT_MEASURED", "FOG-3"),
@@ -45,7 +45,7 @@ def document(bias: float = 1e-3) -> dict[str, Any]:
                 Limit("gyroscope.bias.x", 0, 1, "deg/h"),
             ],
             "FAIL",
-            "accelerometer bias y, 2000.000 ug against +-900 ug",
+            "accelerometer bias y, 2000.000 ug; limit +-900 ug",
         ),
     ],
 )
@@ -73,11 +73,11 @@ def test_the_change_is_in_sigmas_of_both_calibrations() -> None:
     assert moved["accelerometer.bias.x"].sigmas == pytest.approx(4.0)
     assert sum(one.sigmas != 0 for one in moved.values()) == 1
     text = change_in_words(moved, before)
-    assert "since the calibration of 2026-03-04 1 of 12 parameters moved by more than 3 sigma" in text
-    assert text.endswith("accelerometer bias x, +0.453 ug (4.0 sigma)")
-    assert change_in_words({}, None) == "the first calibration of this unit"
+    assert "since the calibration of 2026-03-04, 1 of 12 parameters changed by more than 3 u" in text
+    assert text.endswith("accelerometer bias x, +0.453 ug (4.0 u)")
+    assert change_in_words({}, None) == "this is the first calibration of this unit"
     assert "none of 12" in change_in_words(shifts(applied(parameters(before)), parameters(before)), before)
-    assert "nothing to compare" in change_in_words({}, before)
+    assert "no parameter to compare" in change_in_words({}, before)
 
 
 def test_a_row_shows_the_uncertainty_it_was_judged_by_and_what_of_the_limit_that_leaves() -> None:
@@ -87,14 +87,16 @@ def test_a_row_shows_the_uncertainty_it_was_judged_by_and_what_of_the_limit_that
     rows = {row.name: row for row in verdict_rows(parameters(document()), outcome, {}, [budget])}
     judged, other = rows["accelerometer bias y"], rows["accelerometer bias x"]
     assert (judged.value, judged.sigma, judged.expanded) == ("2000.000", "100", "196")
-    assert judged.limit == "+-2500 ug less 2 sigma, so +-2300"
-    assert "accelerometer bias y at 87 % of its limit less 2 sigma" in outcome.sentence  # 2000 of 2300
+    assert judged.limit == "+-2500 ug, minus 2 u: +-2300"
+    assert (
+        "accelerometer bias y, which uses 87 % of the accepted range (limit minus 2 u)" in outcome.sentence
+    )  # 2000 of 2300
     assert (other.sigma, other.expanded) == ("0.080", "")
     narrow = replace(limit, guard_band=30.0)
     [failed] = judge(document(), [narrow], {budget.name: budget.std}).judged
-    assert judged_in_words(failed) == "+-2500 ug less 30 sigma, which leaves nothing"
+    assert judged_in_words(failed) == "+-2500 ug, minus 30 u (u is too large: no value is accepted)"
     [upper] = judge(document(), [replace(limit, low=None)], {budget.name: budget.std}).judged
-    assert judged_in_words(upper) == "at most 2500 ug less 2 sigma, so at most 2300"
+    assert judged_in_words(upper) == "at most 2500 ug, minus 2 u: at most 2300"
 
 
 @pytest.mark.parametrize("count", range(1, 7))

@@ -54,7 +54,7 @@ def test_the_guide_asks_for_what_comes_next_ends_a_dwell_that_is_enough_and_stop
     assert [round(step.seconds) for step in guided.view.steps] == [20, 20, 12]
     assert guided.view.limits[0].text.startswith("gyroscope bias ")
     assert any("of 0.0200 deg/h, about 2 min left" in text for text in guided.texts)
-    assert guided.texts[-1].endswith("all that is wanted is met")
+    assert guided.texts[-1].endswith("all targets are met")
     guided.obey("more")
     assert guided.view.wanted == "dwell_05"
 

@@ -106,8 +106,8 @@ def test_a_bad_line_is_named_with_what_to_do(tmp_path: Path) -> None:
     check = check_port(replayed(tmp_path, [Fault("bad_crc", 0.2 * n) for n in range(1, 50)]), 60.0)
     assert not check.is_good
     assert check.bad_frames == 49
-    assert "frames are damaged, expected under 1%; check cable" in check.text
-    assert "frames are missing in" in check.text
+    assert "frames are damaged, expected less than 1%; check cable" in check.text
+    assert "frames are missing at" in check.text
 
 
 @pytest.mark.parametrize(
@@ -166,6 +166,6 @@ def test_the_campaign_waits_for_looks_and_says_the_site_that_it_took(tmp_path: P
         finally:
             engine.close()
     assert "for 20 positions of the receiver" in shown[0].hint
-    assert said.startswith("site by GNSS: 48.")
+    assert said.startswith("site from GNSS: 48.")
     assert "1 sigma" in said
-    assert said.endswith("longitude_deg 12.5 is stated, GNSS says 11.5")
+    assert said.endswith("longitude_deg 12.5 is stated, GNSS gives 11.5")

@@ -45,7 +45,7 @@ def test_another_unit_is_refused_and_none_of_its_samples_are_used(rig: Make) -> 
     guided.feed.begin_anew()
     guided.guide.stream_is_back()
     guided.run(guided.done(1))
-    assert any("the stream was interrupted" in text for text in guided.texts)
+    assert any("the data stream was interrupted" in text for text in guided.texts)
 
 
 @pytest.mark.proof
@@ -64,7 +64,7 @@ def test_a_unit_switched_off_and_on_says_so_warms_up_and_marks_what_follows(rig:
     guided.hands("place 2 8")
     guided.run(guided.done(2))
     view = guided.run(lambda v: any("switched off and on" in event.text for event in v.events))
-    assert view.events[-1].text.endswith("it warms up again")
+    assert view.events[-1].text.endswith("it must warm up again")
     assert view.stage == "warm_up"
     assert guided.context.accepted_dwells == {}
     guided.hands("place 3 8")

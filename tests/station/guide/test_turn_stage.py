@@ -96,7 +96,7 @@ def test_a_turn_from_the_other_position_of_its_face_is_refused(rig: Make) -> Non
     guided = rig([PLUS])
     guided.hands("place 2 8")
     view = guided.run(rejected)
-    assert view.events[-1].text == "the cube stands in position 2; a turn X+ begins in position 1"
+    assert view.events[-1].text == "the cube is in position 2; a turn X+ starts in position 1"
 
 
 @pytest.mark.parametrize("revolutions", [2, 4])
@@ -106,7 +106,7 @@ def test_the_first_turn_is_counted_by_the_earth_rate(rig: Make, revolutions: int
     guided.run(ready)
     guided.hands(f"turn x + {revolutions} 2")
     view = guided.run(rejected)
-    assert re.search(r"it was about \d\.\d revolutions, expected 3", view.events[-1].text)
+    assert re.search(r"about \d\.\d revolutions were made, expected 3", view.events[-1].text)
     guided.run(ready)
     guided.hands("turn x + 3 2")
     guided.run(guided.done(2))
@@ -140,7 +140,7 @@ def test_a_turn_the_wrong_way_is_taken_as_the_other_one_if_the_operator_says_so(
     guided.hands("turn x - 3 2")
     view = guided.run(lambda v: v.question is not None)
     assert view.hint.startswith("wrong direction")
-    assert "that is turn X-, asked for is turn X+" in view.question.text
+    assert "that is turn X-, requested is turn X+" in view.question.text
     if when == "after it":
         guided.rest(90)
         assert guided.view.done == 0
@@ -174,9 +174,7 @@ def test_a_pair_that_did_not_close_is_not_taken_and_a_third_turn_decides(rig: Ma
     turn(guided, "+")
     off_by(guided, "-", 0.5)
     text = guided.texts[-1]
-    assert re.match(
-        r"rejected: turn X- and turn X\+ came back 0\.\d\d deg apart, limit 0\.05: one more turn X-", text
-    )
+    assert re.match(r"rejected: turn X- and turn X\+ came back 0\.\d\d deg, limit 0\.05: one more turn X-", text)
     assert not guided.guide.is_complete
     view = guided.run(lambda v: v.question is not None)
     assert [choice.key for choice in view.question.choices] == ["t", "w"]
@@ -193,7 +191,7 @@ def test_where_the_third_turn_confirms_the_second_the_first_is_done_again(rig: M
     off_by(guided, "+", 0.5)
     turn(guided, "-")
     turn(guided, "-")
-    assert "turn X- is confirmed, do turn X+ again" in guided.texts[-1]
+    assert "turn X- is confirmed, repeat turn X+ again" in guided.texts[-1]
     turn(guided, "+")
     assert guided.guide.is_complete
 
@@ -224,7 +222,7 @@ def test_the_operator_may_state_a_wider_closure_which_is_recorded_as_that_act(ri
     assert stated.closure_widened_from_deg == pytest.approx(np.degrees(2e-4), rel=1e-6)
     assert 0.2 < stated.closure_std_deg < 0.6
     assert np.degrees(loaded.campaign.sigma.closure) == pytest.approx(stated.closure_std_deg)
-    assert any("widened by the operator" in warning for warning in loaded.warnings)
+    assert any("increased by the operator" in warning for warning in loaded.warnings)
 
 
 def test_with_nobody_to_ask_turns_that_never_agree_end_honestly(rig: Make) -> None:
@@ -277,7 +275,7 @@ def test_a_cube_that_came_to_lie_on_something_as_it_was_turned_is_turned_again(r
     guided = rig([ONCE], FINE)
     turned(guided)
     guided.hands("creep 3 0 0.05 0")
-    guided.run(lambda _: was_said(guided, "turn X+: the cube lies tilted by 18") or guided.view.done > 0)
+    guided.run(lambda _: was_said(guided, "turn X+: the cube is tilted by 18") or guided.view.done > 0)
     assert guided.view.done == 0
     guided.hands("place 1 8")
     turned(guided)

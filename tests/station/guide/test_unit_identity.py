@@ -27,7 +27,7 @@ def record(truth: Truth, position: int = 1, seed: int = 1, *, wire: bool = False
     ticks = counts.reshape(SECONDS, TICKS_PER_BLOCK, -1, 6).sum(axis=2)
     return UnitRecord(
         model="M",
-        serial=truth.serial if wire else "as you said",
+        serial=truth.serial if wire else "as you answered",
         serial_from_wire=wire,
         period=truth.sample_period_s,
         noise=tuple(ticks.var(axis=1, ddof=1).mean(axis=0).tolist()),
@@ -49,7 +49,7 @@ def test_another_unit_of_the_model_is_hardly_ever_taken_for_it() -> None:
     assert answers.count("yes") < 0.01 * len(answers)
     found = same_unit(units[0], units[1])
     assert found.answer == "unsure"
-    assert "unlike the campaign's first dwell: " in found.text
+    assert "different from the campaign's first dwell: " in found.text
     assert "accelerometer x by " in found.text
 
 
@@ -58,7 +58,7 @@ def test_the_wires_serial_number_decides() -> None:
     assert same_unit(before, record(Truth.example(1), 3, wire=True)).answer == "yes"
     other = same_unit(before, record(Truth.example(2), wire=True))
     assert other.answer == "no"
-    assert "M SIM-2, the campaign began with M SIM-1" in other.text
+    assert "M SIM-2, the campaign started with M SIM-1" in other.text
 
 
 def test_what_cannot_be_compared_is_unsure_and_says_what_to_do() -> None:
@@ -95,7 +95,7 @@ def test_the_same_unit_looks_the_same_and_is_still_asked_for(rig: Make) -> None:
     guided = begun(rig)
     gone_on(guided)
     view = guided.run(lambda v: v.question is not None)
-    assert "its rates and noise are those of the first dwell" in view.question.text
+    assert "its rates and noise match the first dwell" in view.question.text
     guided.rest(30)
     assert guided.view.done == 1  # nothing is recorded before the answer
     guided.obey("answer", key="y")
@@ -111,6 +111,6 @@ def test_another_unit_is_told_apart_and_no_ends_it(rig: Make) -> None:
     rate = [value * 1.02 if i == 3 else value for i, value in enumerate(record.rate)]
     guided.guide = Guide(guided.context, warms_up=False, unsure=record.model_copy(update={"rate": tuple(rate)}))
     view = guided.run(lambda v: v.question is not None)
-    assert "unlike the campaign's first dwell: accelerometer x by" in view.question.text
+    assert "different from the campaign's first dwell: accelerometer x by" in view.question.text
     with pytest.raises(UnitChanged):
         guided.obey("answer", key="n")

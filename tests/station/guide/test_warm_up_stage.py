@@ -46,7 +46,7 @@ def test_a_skipped_warm_up_is_recorded_and_widens_the_sigma(rig: Make) -> None:
     procedure = read_campaign_toml(guided.folder)[0].procedure
     assert procedure.unsettled_gyro_deg_h > 0.01
     assert read_campaign(guided.folder).campaign.sigma.unsettled_gyro > 0
-    assert any("warm-up skipped" in text for text in guided.texts)
+    assert any("warm-up was skipped" in text for text in guided.texts)
 
 
 @pytest.mark.parametrize("bias_ug", [1.0, 0.1])

@@ -175,4 +175,4 @@ def test_what_does_not_turn_enough_is_exit_5_and_says_so(
     assert isinstance(on_imu_clock(read_fusion(made)), Waiting)
     assert cli.run(["locate", str(made), "--source", "vision", "--json", str(tmp_path / "j.json")]) == 5
     assert "the camera's time offset: its clock is known to" in capsys.readouterr().err
-    assert "turn unevenly" in json.loads((tmp_path / "j.json").read_text())["why_not"]
+    assert "rotate it unevenly" in json.loads((tmp_path / "j.json").read_text())["why_not"]

@@ -55,7 +55,7 @@ def test_what_stamps_are_late_by_is_found(stamps: bool) -> None:
     assert live.is_due
     live.learn(imu)
     assert live.offset is None
-    assert live.said == "its delay is not known: turn it unevenly"
+    assert live.said == "its delay is not known: rotate it unevenly"
     assert live.why.startswith("its delay is not known: ")
     assert not len(live.tracks().t)
     first = fed(live, eye, 4.0, first)
@@ -113,7 +113,7 @@ def test_images_that_are_none_are_passed_over() -> None:
     live.take([], 6.0)
     assert live.said == "no image for 4 s"
     live.take([CameraImage(round(5.95e9), None, b"spoilt")], 6.1)
-    assert live.said == "images are no JPEG, or of another size than the first"
+    assert live.said == "images are not JPEG, or their size differs from the first"
     live.take([], 8.2)
     assert live.said == "no image for 6 s"
 

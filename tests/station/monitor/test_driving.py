@@ -46,7 +46,7 @@ def test_it_says_what_is_missing_until_it_moves(drive: DrivenAlong) -> None:
         view.location.why for view in drive.lines if view.location is not None and not view.location.is_located
     ]
     assert said[0] == "no fix yet"
-    assert any("its noise is learnt" in why for why in said)
+    assert any("its noise is measured" in why for why in said)
     assert "it must move" in said[-1]
     begun = located(drive)[0].location
     assert begun is not None

@@ -80,7 +80,7 @@ def test_a_wheel_that_comes_too_late_to_be_used_is_said_to(
     replay = ["monitor", f"replay:{tmp_path / drive.name}", "--speed", "0", "--json", "--locate", *asked(tmp_path)]
     assert cli.run(replay) == 0
     last = json.loads(capsys.readouterr().out.splitlines()[-1])["location"]
-    assert last["wheel"].startswith("its speeds come 0.6")
+    assert last["wheel"].startswith("its speeds arrive 0.6")
     assert stands_on(TRACK, last)  # nobody waited for it
 
 

@@ -106,7 +106,7 @@ def test_half_a_minute_of_rest_tells_north_and_what_was_learnt_no_longer_holds_t
         -180.0, abs=3 * std
     )
     assert max(map(abs, after.bias)) < 3.0
-    assert any("north by the Earth's rate" in text for text in rig.texts)
+    assert any("north from the Earth's rate" in text for text in rig.texts)
     assert np.degrees(np.arccos(np.clip(down_of(rig.view) @ true_down(10), -1, 1))) < 3 * after.sigma
 
 
@@ -169,7 +169,7 @@ def test_lost_frames_are_counted_and_the_attitude_goes_on() -> None:
 
 def test_what_a_drift_holds_of_the_earth_stands_beside_it() -> None:
     assert RESTING.at_rest is not None
-    held = "drift holds the Earth's rate: no --latitude"
+    held = "drift includes the Earth's rate: no --latitude"
     view = replace(RESTING, at_rest=replace(RESTING.at_rest, earth=held))
     assert reading_line(view).endswith(f"deg/h ({held})")
     assert json.loads(json_line(view))["at_rest"]["earth"] == held

@@ -144,7 +144,7 @@ def test_a_pulled_plug_is_said_and_gone_on_after(tmp_path: Path) -> None:
     try:
         program.until("unplugged")
         with SimulatedDevice(FLAT, 5, speed=paced(SPEED), transport="tcp", port=port):
-            program.until("data are coming again")
+            program.until("data arrive again")
             program.until("at rest")
             program.press("q")
             assert program.end()[0] == 0

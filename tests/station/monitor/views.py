@@ -65,7 +65,7 @@ RESTING = _with(
         mode="at rest",
     ),
     at_rest=RestErrorComparison(
-        157.2, RestErrors(0.0025, 0.031, 0.0018), RestErrors(0.07, 1.006, -22.647), "the Earth's rate is taken off"
+        157.2, RestErrors(0.0025, 0.031, 0.0018), RestErrors(0.07, 1.006, -22.647), "the Earth's rate is corrected"
     ),
 )
 ZEROED = _with(MOVING, zero=(12.0, -4.0))
@@ -87,8 +87,8 @@ UNCALIBRATED = _with(
 WAITING_TO_LOCATE = _with(
     AIDED,
     location=Location(
-        why="at rest the Earth's rate gives yaw to 5.7 deg and gravity tilt to 0.0 deg 1 sigma, 4 and 1 are "
-        "needed: it must move, or have better gyros",
+        why="at rest the Earth's rate gives yaw to 5.7 deg and gravity tilt to 0.0 deg (u), 4 and 1 are "
+        "needed: move it, or use better gyros",
         fixes=98,
     ),
 )
@@ -113,7 +113,7 @@ BLIND = _with(
     )),
     location=Location(
         why="the image moves by 1.8 sigmas more than by a turn, 4 are needed: move further; without the camera: "
-        "at rest the Earth's rate gives yaw to 5.7 deg and gravity tilt to 0.0 deg 1 sigma, 4 and 1 are needed",
+        "at rest the Earth's rate gives yaw to 5.7 deg and gravity tilt to 0.0 deg (u), 4 and 1 are needed",
         fixes=98, camera="no image for 4 s",
     ),
 )  # fmt: skip
@@ -133,7 +133,7 @@ FAILING = _with(
     STEEP,
     laws=(
         _JOINT,
-        _with(_PAPER, note="paper: pitch beyond 80 deg, where its Euler angles fail; use joint or mixer"),
+        _with(_PAPER, note="paper: pitch beyond 80 deg, its Euler angles fail there; use joint or mixer"),
     ),
 )
 BY_MIXERS = _with(

@@ -65,9 +65,9 @@ def test_a_campaign_is_solved_judged_and_stored_once(db: Database, tmp_path: Pat
     verdict = verdict_view(results, db)
     assert verdict.word == "PASS"
     assert verdict.sentence.startswith(
-        "PASS: SIM-FOG3 SIM-7 is within all 7 limits of its model; the tightest is "
+        "PASS: SIM-FOG3 SIM-7 is within all 7 limits of its model. Closest to its limit: "
     )
-    assert (verdict.change, verdict.status) == ("the first calibration of this unit", "measured")
+    assert (verdict.change, verdict.status) == ("this is the first calibration of this unit", "measured")
     assert verdict.status_reason == "no cube is named; no slab is named"
     assert len(verdict.rows) == 25
     assert "the limit of 4" in verdict.worst_residual
@@ -89,7 +89,9 @@ def test_a_campaign_is_solved_judged_and_stored_once(db: Database, tmp_path: Pat
         assert (row.sha256, row.document) == (sha256, stored)
         assert verify_chain(session) == []
         assert campaign(session, str(folder.resolve())).state == "accepted"
-    assert verdict_view(results, db).change == "the first calibration of this unit"  # itself does not count
+    assert (
+        verdict_view(results, db).change == "this is the first calibration of this unit"
+    )  # itself does not count
 
     now = everything(db)
     results.calibration_file.unlink()  # as a kill between the row and the file leaves it
@@ -100,7 +102,7 @@ def test_a_campaign_is_solved_judged_and_stored_once(db: Database, tmp_path: Pat
 
     again = make_results(recorded(tmp_path / "c2", db, seed=2), db)
     moved = verdict_view(again, db)
-    assert "of 12 parameters moved by more than 3 sigma; most of all" in moved.change
+    assert "of 12 parameters changed by more than 3 u; largest change" in moved.change
     assert sum(bool(row.change) for row in moved.rows) == 12  # this one has no gyroscope
     assert moved.word == "NOT_MEASURED"
     assert json.loads(db_document(db, store(again, db)))["previous"] == sha256
@@ -117,7 +119,7 @@ def test_an_unexplained_residual_is_in_the_uncertainty_and_a_pass_says_so(db: Da
     assert results.diagnosis["verdict"] == "unexplained"
     said = verdict_view(results, db).sentence
     assert said.startswith("PASS: ")
-    assert "the diagnosis leaves more than noise unexplained: the uncertainty takes it for scatter" in said
+    assert "the diagnosis cannot explain all residuals: the uncertainty treats them as scatter" in said
     assert "the uncertainty takes it for scatter" in results.report_file.read_text()
     document = json.loads(db_document(db, store(results, db)))
     bias = next(one for one in document["uncertainty"]["parameters"] if one["name"] == "accelerometer.bias.x")
@@ -125,7 +127,7 @@ def test_an_unexplained_residual_is_in_the_uncertainty_and_a_pass_says_so(db: Da
     judged = next(one for one in document["judged"] if one["parameter"] == "accelerometer.bias.x")
     assert judged["std"] == pytest.approx(bias["std"])  # what the guard band was taken of
     assert judged["std"] > left["std"] > 0
-    assert any(text.endswith("is part of U.") for text in diagnosis_said(document))
+    assert any(text.endswith("is included in U.") for text in diagnosis_said(document))
 
 
 def db_document(db: Database, sha256: str) -> str:

@@ -106,7 +106,7 @@ def test_what_is_not_finite_is_left_out_and_said() -> None:
     wild = Estimate(np.array([1.0, np.nan]), np.array([np.inf, 1.0]), "rad")
     got = document(replace(SOLUTION, slab_tilt=wild, covariance=np.full((2, 2), np.inf)))
     assert not {"slab", "covariance"} & set(got)
-    assert "slab.tilt_rad is not finite and was left out" in got["warnings"]
+    assert "slab.tilt_rad is not finite and was omitted" in got["warnings"]
     json.dumps(got, allow_nan=False)
 
 

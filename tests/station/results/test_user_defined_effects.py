@@ -38,7 +38,7 @@ def _entry(path: Path, value: float = 2.0) -> dict[str, Any]:
     return {"name": file.name, "definition": file.text, "sha256": file.sha256, **known}
 
 
-REPEATED, DIFFERS = "it was found in some of these recordings", "do not differ from nought"
+REPEATED, DIFFERS = "it was found in some of these recordings", "do not differ from zero"
 CASES = {
     "other data": (LATER, "consistent", 2.0, ""),
     "other data by the same plan": ({**LATER, "campaign.toml": "c" * 64}, "consistent", 2.0, ""),
@@ -79,7 +79,7 @@ FILE: Any = SimpleNamespace(
     term=SimpleNamespace(
         parameters={"tau_s": SimpleNamespace(unit="s")},
         missing=lambda excitation: excitation,
-        at_ends=lambda values: [f"tau_s {values['tau_s']:.0f} stands at the end of its range"],
+        at_ends=lambda values: [f"tau_s {values['tau_s']:.0f} is at the end of its range"],
     ),
 )
 
@@ -139,8 +139,8 @@ def test_its_coefficients_stand_in_their_own_units_with_what_else_it_could_be(
     assert said_of(found, monkeypatch)[1:] == [
         "  x          0.0000200 +- 0.0000010 g",
         "  tau_s      40.0 +- 2.0 s",
-        "  tau_s 40 stands at the end of its range",
-        "  it could also be slab.tilt, clock.rate",
+        "  tau_s 40 is at the end of its range",
+        "  indistinguishable from slab.tilt, clock.rate",
         "beside it: clock.rate",
         "verdict: partly",
     ]

@@ -44,14 +44,15 @@ def test_a_guard_band_takes_its_sigmas_off_both_ends() -> None:
     assert judge(document(), [limit(X, -1.05, 1.05, guard=1.4)], {X: 0.2}).word == "FAIL"
     (one,) = judge(document(), [limit(X, -0.1, 0.1, guard=2.0)]).judged
     assert (one.word, one.share) == ("FAIL", float("inf"))
-    assert judged_in_words(one).endswith("less 2 sigma, which leaves nothing")
+    assert judged_in_words(one).endswith("minus 2 u (u is too large: no value is accepted)")
 
 
 def test_the_tightest_is_named_where_all_pass() -> None:
     found = judge(document(), [limit(X, -1.0, 1.0), limit(Y, -0.21, 0.21), limit(Z, -1.0, 1.0)])
     assert (found.word, found.exit_code) == ("PASS", 0)
     assert found.sentence == (
-        "PASS: FOG3 S1 is within all 3 limits of its model; the tightest is gyroscope bias y at 95 % of its limit"
+        "PASS: FOG3 S1 is within all 3 limits of its model. Closest to its limit: gyroscope bias y, "
+        "which uses 95 % of the allowed range"
     )
 
 
@@ -59,15 +60,15 @@ def test_the_worst_is_named_where_one_fails_though_another_was_not_measured() ->
     other = limit("accelerometer.bias.x", -1.0, 1.0, unit="g")
     found = judge(document(), [limit(X, -0.5, 0.5), limit(Y, -0.01, 0.01), limit(Z, -1.0, 1.0), other])
     assert (found.word, found.exit_code) == ("FAIL", 1)
-    said = "FOG3 S1 is outside 2 of 4 limits of its model (gyroscope bias x, gyroscope bias y); the worst is"
-    assert found.reason == f"{said} gyroscope bias y, -0.200 deg/h against +-0.01 deg/h"
+    said = "FOG3 S1 exceeds 2 of 4 limits of its model: gyroscope bias x, gyroscope bias y. Largest excess:"
+    assert found.reason == f"{said} gyroscope bias y, -0.200 deg/h; limit +-0.01 deg/h"
 
 
 def test_what_has_no_value_or_no_limit_is_not_measured() -> None:
     others = [limit(f"accelerometer.bias.{axis}", -1.0, 1.0, unit="g") for axis in "xyz"]
     found = judge(document(), [limit(X, -1.0, 1.0), *others])
     assert (found.word, found.said, found.exit_code) == ("NOT_MEASURED", "NOT MEASURED", 0)
-    assert "no value of 3 of 4 limited parameters: accelerometer bias x" in found.reason
+    assert "3 of 4 limited parameters of FOG3 S1 were not measured: accelerometer bias x" in found.reason
     assert judge(document(unit="deg/s"), [limit(X, -1.0, 1.0)]).word == "NOT_MEASURED"
     none = judge(document(), [])
     assert (none.word, none.said) == ("NOT_MEASURED", "NO LIMITS")

@@ -22,7 +22,8 @@ FLIPPING = running(
     gates=GatesView(face="y_down", off_deg=0.3, is_right_face=True, still=1.1, still_channel="gyro z",
                     is_still=True, heading="not known"),
     events=(
-        Event(number=8, sound="accepted", text="accepted: position 4, no move to it: samples were lost, 4 of 12"),
-        Event(number=9, sound="rejected", text="too brisk: 4 arcsec of coning; at least 6 s for a flip"),
+        Event(number=8, sound="accepted",
+              text="accepted: position 4, no transfer to it: samples were lost, 4 of 12"),
+        Event(number=9, sound="rejected", text="moved too fast: 4 arcsec of coning; at least 6 s for a flip"),
     ),
 )  # fmt: skip

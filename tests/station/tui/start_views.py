@@ -18,10 +18,10 @@ NOT_READY = Readiness(
         ReadyLine(name="slab", state="ready", text="SLAB-2, certificate due 2027-02-01"),
         ReadyLine(
             name="site", state="note",
-            text="no survey with this gravity is stored; the laboratory file must name one",
+            text="no survey with this gravity is stored; name one in the laboratory file",
         ),
         ReadyLine(name="disk", state="ready", text="18210 MB free, about 140 MB needed"),
-        ReadyLine(name="receiver", state="note", text="none: this machine's clock is used"),
+        ReadyLine(name="receiver", state="note", text="none: the clock of this computer is used"),
     ),
     can_pass=False, no_pass="no limits are stored for SIM-FOG3",
     can_certify=False, no_certificate="a measurement report: the certificate of cube CUBE-7 expired on 2026-02-01",
@@ -76,7 +76,7 @@ WITH_RECEIVER = START.model_copy(
                 ),
                 "receiver": PortCheck(
                     url=GNSS, is_good=True,
-                    text="48.137251, 11.575498 deg, 568.3 m, 1 sigma 1.2 m, height 2.1 m",
+                    text="48.137251, 11.575498 deg, 568.3 m, u 1.2 m, height 2.1 m",
                 ),
             }
         )

@@ -105,4 +105,4 @@ async def test_to_finish_what_cannot_be_solved_is_refused_before_it_is_asked() -
         await seen.pilot.pause()
         assert seen.sent == []
         assert not isinstance(seen.app.screen, ConfirmScreen)
-        assert any("Too little to solve" in line for line in seen.lines())
+        assert any("Not enough steps to solve" in line for line in seen.lines())

@@ -120,7 +120,7 @@ async def test_the_cube_as_it_stands_is_drawn_beside_the_cube_as_wanted(size: tu
     async with screens(views.TURN_IT, size) as seen:
         await seen.pilot.pause()
         said = "\n".join(seen.lines())
-        assert re.search(r"AS WANTED +AS IT STANDS", said)
+        assert re.search(r"TARGET +CUBE NOW", said)
         assert "turn 176 deg more, clockwise" in " ".join(said.split())
         assert said.count("-X") >= 2  # up in both ...
         assert "-Y" in said  # ... but the front of one is the back of the other
@@ -134,7 +134,7 @@ async def test_a_heading_that_is_not_known_is_not_drawn() -> None:
         half = [line[19:38] for line in seen.lines()[4:16]]  # of the cube as it stands
         assert set(re.findall("[+-][XYZ]", "".join(half))) == {"-X", "+X"}
         assert "?" in "".join(half)
-        assert "which way it points is not known yet" in "\n".join(seen.lines())
+        assert "its heading is not known yet" in "\n".join(seen.lines())
 
 
 async def test_nothing_is_drawn_of_a_cube_that_nobody_sees() -> None:
@@ -143,4 +143,4 @@ async def test_nothing_is_drawn_of_a_cube_that_nobody_sees() -> None:
         assert not re.findall("[+-][XYZ]", "".join(line[19:38] for line in seen.lines()[4:16]))
         gates = seen.app.screen.gates.render().plain
         assert "✓" not in gates
-        assert gates.count("not judged now") == 2
+        assert gates.count("not checked now") == 2

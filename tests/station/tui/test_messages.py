@@ -32,12 +32,12 @@ OTHERS = [
     UnitChanged(PORT, "SIM-FOG3-000123456", "SIM-FOG3-000123457", is_entered=True),
 ]  # fmt: skip
 EVENTS = [
-    "X points down as wanted, but the heading is wrong: turn 135 deg more, counter-clockwise from above",
-    "turn X+ and turn X- came back 0.15 deg apart, limit 0.04: one more turn X+ decides which was off",
-    "warm-up skipped: biases may drift by 0.12 deg/h and 1.3 ug; recorded, and the sigmas become wider",
+    "X points down is correct, but the heading is wrong: turn 135 deg more, counter-clockwise from above",
+    "turn X+ and turn X- came back 0.15 deg, limit 0.04: one more turn X+ shows which was wrong",
+    "warm-up was skipped: biases may drift by 0.12 deg/h and 1.3 ug; this is recorded, and uncertainties increase",
     *map(str, STREAM),
 ]
-LEAN = "lean the cube on a corner, X and Y half up, Z half down, near 45 deg; prop it; then leave it for 3600 s"
+LEAN = "tilt the cube on a corner, X and Y half up, Z half down, near 45 deg; prop it; then leave it for 3600 s"
 CAMPAIGN: tuple[StageName, ...] = ("place", "settle", "dwell", "turn")
 
 
@@ -109,7 +109,7 @@ async def test_the_end_and_the_set_up_say_errors_whole() -> None:
 
 async def test_a_question_is_whole_with_its_choices() -> None:
     question = views.ASKING.question.model_copy(
-        update={"text": "turn X+ and turn X- came back 0.15 deg apart, limit 0.04 deg: take the wider closure of "
+        update={"text": "turn X+ and turn X- came back 0.15 deg, limit 0.04 deg: take the wider closure of "
                         "0.106 deg, which the solution then holds, or turn once more?"}
     )  # fmt: skip
     async with screens(views.ASKING.model_copy(update={"question": question})) as seen:
@@ -128,7 +128,7 @@ async def test_a_terminal_that_is_too_small_says_what_is_needed_and_what_it_has(
             await seen.pilot.pause()
             said = words(" ".join(seen.lines()))
             assert f"needs 80x24; this terminal has {size[0]}x{size[1]}" in said
-            assert "AS WANTED" not in said
+            assert "CUBE NOW" not in said
         await seen.pilot.resize_terminal(80, 24)
         await seen.pilot.pause()
         assert "needs 80x24" not in " ".join(seen.lines())
@@ -137,12 +137,12 @@ async def test_a_terminal_that_is_too_small_says_what_is_needed_and_what_it_has(
 async def test_why_a_turn_was_rejected_stays_in_sight_below_what_comes_next() -> None:
     reasons = [
         "turn X-: it was 2.00 revolutions, by the turns before it, expected 3 revolutions; once more",
-        "turn X-: it came back 3.1 deg off (1 sigma 0.4 deg): the marks say where it ends; once more",
-        "the unit was switched off and on: its biases are solved apart from before; it warms up again",
+        "turn X-: closure error 3.1 deg (u = 0.4 deg): the marks say where it ends; once more",
+        "the unit was switched off and on: its biases are solved separately from before; it must warm up again",
     ]
     later = [
         Event(number=51, sound="start", text="turn now: 3 times counter-clockwise"),
-        Event(number=52, sound="still", text="touched before the turn: keep your hands off"),
+        Event(number=52, sound="still", text="touched before the rotation: keep your hands off"),
     ]
     async with screens(views.TURNING) as seen:
         for reason in reasons:

@@ -18,7 +18,7 @@ from tests.station.tui import views
 from tests.station.tui.session import LARGE, SMALL, screens
 
 PAIR = OperatorQuestion(
-    text="Which is it?",
+    text="Which position is it?",
     choices=(Choice(key="11", title="position 11"), Choice(key="12", title="position 12")),
 )
 

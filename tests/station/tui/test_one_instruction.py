@@ -10,9 +10,9 @@ from tests.station.tui.test_messages import said_in
 BANNERS = [
     (views.PLACING, "NOW put the cube in position 3", "hands off"),
     (views.SETTLING, "KEEP STILL hands off", "put the cube"),
-    (views.BADLY_SEATED, "SET DOWN AGAIN lift the cube, wipe it and the slab", "position"),
+    (views.BADLY_SEATED, "SET DOWN AGAIN lift the cube, wipe it and the plate", "position"),
     (views.TURNING, "TURN turn X-: 2.34 of 3 turns", "hands off"),
-    (views.CAME_BACK, "KEEP STILL hands off: it rests after turn X-", "3 times"),
+    (views.CAME_BACK, "KEEP STILL hands off: the cube rests after turn X-", "3 times"),
     (views.SILENT, "NO DATA check cable and power", "position"),
     (views.OTHER_UNIT, "WRONG UNIT connect the campaign's own unit", "NO DATA"),
     (views.WARMING, "WARM-UP leave the cube at rest", "put the cube"),
@@ -70,4 +70,4 @@ async def test_a_position_named_by_its_axes_is_drawn_and_has_its_cell() -> None:
     assert "where X, Y, Z point" in text
     assert "▶SDE" in text
     assert "-Y up" in text
-    assert "no move to it: samples were lost" in text
+    assert "no transfer to it: samples were lost" in text

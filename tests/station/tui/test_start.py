@@ -185,9 +185,9 @@ async def test_what_the_receiver_says_stands_below_its_address() -> None:
     base = start_views.WITH_RECEIVER
     async with screens(base) as seen:
         for receiver, is_listening, expected in (
-            (None, True, "listening to the receiver"),
+            (None, True, "checking the receiver"),
             (None, False, "not checked yet"),
-            (base.start.receiver, False, "✓ 48.137251, 11.575498 deg, 568.3 m, 1 sigma 1.2 m"),
+            (base.start.receiver, False, "✓ 48.137251, 11.575498 deg, 568.3 m, u 1.2 m"),
             (PortCheck(url=start_views.GNSS, is_good=False, text="no fix"), False, "✗ no fix"),
             (PortCheck(url="mavlink:tcp:x:1", is_good=True, text="48"), False, "not checked yet"),
         ):
@@ -216,7 +216,7 @@ async def test_a_device_that_says_its_serial_number_fills_it_in_and_one_that_doe
         assert (serial.value, serial.disabled) == ("", False)
         await seen.press("ctrl+s")
         assert seen.sent == []
-        assert "Serial no. is needed" in said(seen)
+        assert "Serial no. is required" in said(seen)
 
 
 async def test_an_expired_certificate_is_a_warning_with_the_cube_and_one_in_force_is_not() -> None:
@@ -238,14 +238,14 @@ async def test_what_lacks_stands_below_the_form_and_line_by_line_before_it_begin
     async with screens(start_views.START) as seen:
         text = "\n".join(seen.lines())
         assert "✗ can end in PASS: no, no limits are stored for SIM-FOG3" in text
-        assert "✗ can end in a certificate: no, ctrl+r says why" in text
+        assert "✗ can end in a certificate: no, ctrl+r for details" in text
         await seen.press("ctrl+s")
         assert isinstance(seen.app.screen, ReadyScreen)
         await seen.pilot.pause()
         text = "\n".join(seen.lines())
         for word in ("✗ limits", "✓ operator  M. Huber", "✗ cube      CUBE-7, its certificate expired", "· site"):
             assert word in text
-        assert "y  Begin all the same" in text
+        assert "y  Begin anyway" in text
         await seen.press("n")
         assert seen.sent == []
         await seen.press("ctrl+s", "y")
@@ -293,7 +293,7 @@ def test_a_set_up_survives_the_form_to_the_last_digit() -> None:
         ("latitude_deg", "-90.01", "-90.01"),
         ("longitude_deg", "400", "400"),
         ("gravity_m_s2", "9.4", "9.5 to 10.1 m/s2"),
-        ("gravity_m_s2", "", "sigma"),
+        ("gravity_m_s2", "", "uncertainty"),
         ("gravity_std_m_s2", "0", "0"),
         ("dwell_s", "", ""),
         ("dwell_s", "-1", "-1"),
@@ -307,7 +307,7 @@ def test_each_field_says_what_is_wrong_in_words(name: str, text: str, words: str
 
 
 def test_a_dwell_from_the_noise_needs_the_sigma_wanted() -> None:
-    assert "is needed" in problems(texts_of(SETUP) | {"dwell_s": "0"})["bias_ug"]
+    assert "is required" in problems(texts_of(SETUP) | {"dwell_s": "0"})["bias_ug"]
 
 
 def test_every_entry_is_a_field_of_the_set_up() -> None:

@@ -24,32 +24,32 @@ from tests.station.tui.campaign_under_way import EVENTS, LINK, UNIT, pose, runni
 from tests.station.tui.start_views import FOLDER
 
 CONNECTING = CalibrationView(
-    stage="connecting", line="connecting", hint="waiting for the unit to say who it is",
+    stage="connecting", line="connecting", hint="waiting for the unit's model and serial number",
     folder=FOLDER, link=LinkView(name="ttyUSB0"),
 )  # fmt: skip
 WARMING = running(
     "warm_up",
     steps=steps(0), wanted="dwell_01", can_redo="", events=EVENTS[1:2], remaining_s=2700.0,
-    line="leave the cube at rest on the slab",
+    line="leave the cube at rest on the surface plate",
     warm_up=WarmUpView(
         seconds=241.0, left_s=372.0, temperature_rate_c_min=0.21, temperature_limit_c_min=0.05,
         gyro_drift_deg_h=4.35e-14, gyro_limit_deg_h=0.0285235,
-        note="waiting for a temperature rate below 0.050 °C/min, now 0.210 °C/min",
+        note="waiting until the temperature rate is below 0.050 °C/min, now 0.210 °C/min",
     ),
 )  # fmt: skip
 PLACING = running(
     "place",
     line="put the cube in position 3: X down, Y north, Z east",
-    hint="waiting for still: gyro z moves",
+    hint="waiting for stillness: gyro z moves",
     gates=GatesView(face="y_up", off_deg=40.0, still=38.2, still_channel="gyro z", heading="not known"),
     pose=pose(5, 25.0, 40.0, text="tip it over to the north: X down"),
 )
 UNKNOWN = PLACING.model_copy(
-    update={"pose": pose(3, std=None, text="which way it points is not known yet"), "hint": "learning the noise"}
+    update={"pose": pose(3, std=None, text="its heading is not known yet"), "hint": "measuring the noise"}
 )
 WRONG_HEADING = PLACING.model_copy(
     update={
-        "hint": "X points down as wanted, but the heading is wrong: turn 35 deg more, clockwise from above",
+        "hint": "X points down is correct, but the heading is wrong: turn 35 deg more, clockwise from above",
         "gates": GatesView(face="x_down", off_deg=0.3, is_right_face=True, still=1.1, still_channel="gyro z",
                        is_still=True, heading="not known"),
         "pose": pose(3, 35.0, turn_deg=-35.0, text="turn 35 deg more, clockwise from above"),
@@ -60,25 +60,25 @@ TURN_IT = PLACING.model_copy(
         "hint": "",
         "gates": WRONG_HEADING.gates,
         "pose": pose(3, 176.0, turn_deg=-176.0,
-                     text="turn 176 deg more, clockwise from above; or leave it: position 4 is to do as well"),
+                     text="turn 176 deg more, clockwise from above; or leave it: position 4 is also still to do"),
     }
 )  # fmt: skip
 SETTLING = running(
     "settle",
-    line="hands off: the cube comes to rest",
-    hint="waiting for still: gyro z moves",
-    pose=pose(3, text="it stands as wanted"),
+    line="hands off: wait until the cube is at rest",
+    hint="waiting for stillness: gyro z moves",
+    pose=pose(3, text="the position is correct"),
     gates=GatesView(face="x_down", off_deg=0.31, is_right_face=True, still=7.9, still_channel="gz", position=3,
-                heading="by the Earth rate"),
+                heading="from the Earth rate"),
 )  # fmt: skip
 BADLY_SEATED = running(
     "settle",
     steps=steps(3), wanted="dwell_04",
-    line="lift the cube, wipe it and the slab, set it down as it stood",
+    line="lift the cube, wipe it and the plate, set it down as before",
     hint="not seated: tilted by 84 arcsec along +y, limit 60",
-    pose=pose(4, text="it stands as wanted"),
+    pose=pose(4, text="the position is correct"),
     gates=GatesView(face="x_down", off_deg=0.32, is_right_face=True, still=1.2, still_channel="gx", is_still=True,
-                position=4, heading="by the Earth rate", is_seated=False,
+                position=4, heading="from the Earth rate", is_seated=False,
                 seating="not seated: tilted by 84 arcsec along +y, limit 60"),
 )  # fmt: skip
 HOLDING = running(
@@ -86,13 +86,13 @@ HOLDING = running(
     steps=steps(3, live="dwell_04"), live="dwell_04", wanted="dwell_04", accepted_s=62.0, wanted_s=100.0,
     remaining_s=2010.0,
     line="position 4: 62 of 100 s, hands off",
-    pose=pose(4, text="it stands as wanted"),
+    pose=pose(4, text="the position is correct"),
     gates=GatesView(face="x_down", off_deg=0.32, is_right_face=True, still=1.1, still_channel="gx", is_still=True,
-                position=4, heading="by the Earth rate", seating="seated within 3 arcsec"),
+                position=4, heading="from the Earth rate", seating="seating error within 3 arcsec"),
 )  # fmt: skip
 KNOCKED = HOLDING.model_copy(
     update={
-        "hint": "disturbed: those seconds are left out; keep still",
+        "hint": "disturbed: the affected seconds are discarded; keep still",
         "gates": HOLDING.gates.model_copy(update={"still": 12.3, "is_still": False, "still_channel": "ay"}),
     }
 )
@@ -113,7 +113,7 @@ TURNING = running(
 )  # fmt: skip
 CAME_BACK = TURNING.model_copy(
     update={
-        "line": "hands off: it rests after turn X-",
+        "line": "hands off: the cube rests after turn X-",
         "pose": pose(1),
         "turn": TurnView(revolutions=-3.0, rest_s=3.0, is_back=True),
     }
@@ -131,8 +131,8 @@ LEANING = running(
     can_redo="free_02",
     events=EVENTS[:1],
     lean=(1, 0, -1),
-    line="lean the cube on an edge, X half up, Z half down, near 45 deg; prop it",
-    hint="12 deg from an attitude taken already, at least 20: lean it another way",
+    line="tilt the cube on an edge, X half up, Z half down, near 45 deg; prop it",
+    hint="12 deg from an attitude already recorded, at least 20: tilt it in another direction",
     gates=GatesView(
         face="y_up", off_deg=38.0, limit_deg=20.0, is_free=True, still=1.1, still_channel="gz", is_still=True
     ),
@@ -145,7 +145,7 @@ SOAKING = running(
     line="soak 1: 1325 of 3600 s, hands off; 31.4 degC (23.0 to 31.4 so far), 38 min left",
     soak=SoakView(temperature_c=31.4, low_c=23.0, high_c=31.4, left_s=2275.0),
     gates=GatesView(face="z_up", off_deg=0.3, is_right_face=True, still=1.1, still_channel="gz", is_still=True,
-                position=9, heading="by the Earth rate"),
+                position=9, heading="from the Earth rate"),
 )  # fmt: skip
 MONITORING = running(
     "dwell",
@@ -164,7 +164,7 @@ MONITORING = running(
         difference_deg=0.0014, calibration="this campaign",
     ),
     gates=GatesView(face="z_up", off_deg=0.3, is_right_face=True, still=1.1, still_channel="gz", is_still=True,
-                position=9, heading="by the Earth rate"),
+                position=9, heading="from the Earth rate"),
 )  # fmt: skip
 PAUSED = running("paused", line="paused: nothing is recorded", hint="p goes on")
 NOTHING = LinkSilent("ttyUSB0", 1.8, 921600)
@@ -238,12 +238,12 @@ PASSED = running(
         status_reason="the certificate of CUBE-7 expired on 2026-02-01",
         worst_residual="position 7, accelerometer y: 2.1 sigma, limit 4.0",
         change="largest since 2026-08-03: accelerometer scale factor y, -1.1 ppm (1.4 sigma)",
-        diagnosis="The residual is what noise leaves (p 0.43): the model lacks nothing that this data can show.",
+        diagnosis="The residual is what noise leaves (p 0.43). No further error term was detected.",
         rows=tuple(row for row in ROWS if row.verdict != "FAIL"), report=f"{FOLDER}/report.html",
         solution=f"{FOLDER}/solution.json",
     ),
 )  # fmt: skip
-DOUBT = "do not rely on it, record position 4 again: kept though the cube sat tilted by 0.3 deg"
+DOUBT = "do not use this result, record position 4 again: it was kept although the cube was tilted by 0.3 deg"
 DOUBTED = PASSED.model_copy(
     update={
         "verdict": PASSED.verdict.model_copy(

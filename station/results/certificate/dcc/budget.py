@@ -12,7 +12,10 @@ from station.results.certificate.dcc.quantities import quantity, real
 from station.results.certificate.dcc.results import degrees_of_freedom, result, unit_of
 from station.results.certificate.printed_results import MeasuredParameter
 
-TITLE = Said("Uncertainty budget: contributions, 1 sigma", "Unsicherheitsbudget: Beiträge, 1 Sigma")
+TITLE = Said(
+    "Uncertainty budget: contributions, standard uncertainty u",
+    "Unsicherheitsbudget: Beiträge, Standardunsicherheit u",
+)
 COMBINED = Said("combined standard uncertainty u", "kombinierte Standardunsicherheit u")
 
 

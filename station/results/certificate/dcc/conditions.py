@@ -33,7 +33,7 @@ def influence_conditions(content: CertificateContent) -> Element:
 UNIT_TEMPERATURE = Said("temperature of the unit", "Temperatur des Geräts")
 ROOM_TEMPERATURE = Said("temperature of the laboratory", "Temperatur des Labors")
 HUMIDITY = Said("relative humidity", "relative Luftfeuchte")
-GRAVITY = Said("local gravity, 1 sigma", "örtliche Fallbeschleunigung, 1 Sigma")
+GRAVITY = Said("local gravity, standard uncertainty", "örtliche Fallbeschleunigung, Standardunsicherheit")
 LATITUDE = Said("latitude", "geographische Breite")
 HEIGHT = Said("height", "Höhe")
 REFERENCE = Said(

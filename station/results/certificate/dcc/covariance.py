@@ -17,8 +17,8 @@ TITLE = Said("Covariance matrix of the fit", "Kovarianzmatrix der Ausgleichung")
 MEANING = Said(
     "Covariances of the parameters as the least-squares solution gives them, by blocks of the upper triangle, "
     "each by "
-    "rows; a label names row and column. The combined uncertainty U / k of a parameter holds sources beyond the "
-    "fit, "
+    "rows; a label names row and column. The combined uncertainty U / k of a parameter includes sources beyond "
+    "the fit, "
     "named in the budget.",
     "Kovarianzen der Parameter, wie die Ausgleichung sie liefert: Blöcke des oberen Dreiecks, jeder "
     "zeilenweise; ein "

@@ -11,9 +11,12 @@ from station.results.certificate.dcc.names import as_written, parameter_name
 from station.results.certificate.dcc.quantities import no_quantity, number, of_normal, quantity, real
 from station.results.certificate.dcc.results import result, unit_of
 
-EFFECTS = Said("Effects in the model beside k, E and D, 1 sigma", "Effekte im Modell neben k, E und D, 1 Sigma")
+EFFECTS = Said(
+    "Error terms in the model in addition to K, E and D, standard uncertainty u",
+    "Fehlerterme im Modell neben K, E und D, Standardunsicherheit u",
+)
 AS_FOUND = Said(
-    "As found: errors left by the previous parameters", "Eingangszustand: Abweichungen der vorigen Parameter"
+    "As found: errors with the previous parameters", "Eingangszustand: Abweichungen der vorigen Parameter"
 )
 APPLIED, ERROR = Said("applied before", "zuvor angewandt"), Said("error as found", "Abweichung")
 SIGMAS = Said("error over its standard uncertainty", "Abweichung durch ihre Standardunsicherheit")
@@ -61,7 +64,7 @@ def _effect(one: Mapping[str, Any]) -> Element:
 def _coefficient(name: str, said: Mapping[str, float], text: str) -> Element:
     std, unit = said.get("std"), dsi_unit(text)
     if unit is None:  # a unit of somebody's own
-        written = f"{number(said['value'])} ({text})" + ("" if std is None else f", 1 sigma {number(std)}")
+        written = f"{number(said['value'])} ({text})" + ("" if std is None else f", u = {number(std)}")
         return no_quantity(as_written(name), written)
     expanded = None if std is None else of_normal(std)
     return quantity(as_written(name), real(said["value"], unit, expanded, label=name))

@@ -16,23 +16,24 @@ VERDICTS = {
 }
 ENGLISH = "(englisch)"  # what follows is no German
 _CLAUSES = {  # an English clause as a pattern, and its German
-    r"twelve-position calibration on a level slab": "Kalibrierung in zwölf Lagen auf der Richtplatte",
-    r"calibration from (\d+) of (\d+) positions on a level slab":
+    r"twelve-position calibration on a level surface plate": "Kalibrierung in zwölf Lagen auf der Richtplatte",
+    r"calibration from (\d+) of (\d+) positions on a level surface plate":
         r"Kalibrierung aus \1 von \2 Lagen auf der Richtplatte",
     r"(\d+) repeated positions?": r"\1 wiederholten Lagen",
-    r"(\d+) hand turns of whole revolutions": r"\1 Drehungen von Hand um ganze Umdrehungen",
-    r"(\d+) moves by hand from one to the next": r"\1 Umlagerungen von Hand von einer zur nächsten",
+    r"(\d+) manual rotations of whole revolutions": r"\1 Drehungen von Hand um ganze Umdrehungen",
+    r"(\d+) manual transfers between positions": r"\1 Umlagerungen von Hand von einer zur nächsten",
     r"(\d+) recordings in free positions": r"\1 Aufzeichnungen in freien Lagen",
     r"the serial number was typed in: the unit does not send one":
         "die Seriennummer wurde eingegeben: das Gerät sendet keine",
-    r"the closure of hand turns was widened from (\S+) to (\S+) deg, as they did not close to it":
-        r"der Schluss der Drehungen von Hand wurde von \1 auf \2 Grad erweitert, da sie ihn nicht erreichten",
-    r"position (\d+) was kept though the cube sat tilted by (\S+) deg":
+    r"the closure error of manual rotations was increased from (\S+) to (\S+) deg, because the rotations "
+    r"did not meet it":
+        r"der Schlussfehler der Drehungen von Hand wurde von \1 auf \2 Grad erhöht, da sie ihn nicht einhielten",
+    r"position (\d+) was kept although the cube was tilted by (\S+) deg":
         r"Lage \1 wurde behalten, obwohl der Würfel um \2 Grad geneigt saß",
     r"(.+) was not used": r"\1 wurde nicht verwendet",
     r"(\S+) was recorded (\d+) times, the last one is used": r"\1 wurde \2 mal aufgezeichnet, die letzte gilt",
-    r"the software had changes that its commit does not hold":
-        "die Software hatte Änderungen, die ihr Commit nicht enthält",
+    r"the software had uncommitted changes":
+        "die Software hatte nicht eingecheckte Änderungen",
     r"No diagnosis of the residual is stored with this calibration\.":
         "Zu dieser Kalibrierung ist keine Diagnose des Residuums gespeichert.",
     **{
@@ -40,22 +41,22 @@ _CLAUSES = {  # an English clause as a pattern, and its German
         for verdict, german in VERDICTS.items()
     },
     r"Found in the residual: (.+\.)": r"Im Residuum gefunden (englisch): \1",
-    r"Explaining the residual in part only: (.+\.)": r"Erklärt das Residuum nur zum Teil (englisch): \1",
-    r"Not told apart by this campaign: (.+\.)": r"Von dieser Kampagne nicht unterschieden (englisch): \1",
-    r"The residual is what noise leaves: nothing more that this campaign can show\.":
-        "Das Residuum ist, was das Rauschen lässt: mehr kann diese Kampagne nicht zeigen.",
-    r"The residual is more than noise, and no known effect accounts for (?:all of )?it\.":
-        "Das Residuum ist mehr als Rauschen und kein bekannter Effekt erklärt es ganz.",
-    r"The residual is more than noise, and no known effect accounts for (?:all of )?it\. What it leaves "
-    r"unexplained is part of U\.": "Das Residuum ist mehr als Rauschen und kein bekannter Effekt erklärt es ganz. "
-    "Was unerklärt bleibt, ist in U enthalten.",
-    r"Heading of a position: (1\u03c3 \S+)": r"Azimut einer Lage: \1",
-    r"Closure of a turn: (1\u03c3 \S+)": r"Schluss einer Drehung: \1",
-    r"Tilt of the slab: solved for within (1\u03c3 \S+) of level":
-        r"Neigung der Richtplatte: bestimmt innerhalb \1 um die Waagerechte",
+    r"Explains the residual only in part: (.+\.)": r"Erklärt das Residuum nur zum Teil (englisch): \1",
+    r"Not separated by this campaign: (.+\.)": r"Von dieser Kampagne nicht unterschieden (englisch): \1",
+    r"The residuals are consistent with noise: no further error term was detected\.":
+        "Die Residuen sind mit Rauschen verträglich: kein weiterer Fehlerterm wurde nachgewiesen.",
+    r"The residuals exceed noise, and no known error term explains (?:all of )?it\.":
+        "Die Residuen übersteigen das Rauschen, und kein bekannter Fehlerterm erklärt sie ganz.",
+    r"The residuals exceed noise, and no known error term explains (?:all of )?it\. The unexplained part is "
+    r"included in U\.": "Die Residuen übersteigen das Rauschen, und kein bekannter Fehlerterm erklärt sie ganz. "
+    "Der unerklärte Teil ist in U enthalten.",
+    r"Heading of a position: u = (\S+)": r"Azimut einer Lage: u = \1",
+    r"Closure error of a rotation: u = (\S+)": r"Schlussfehler einer Drehung: u = \1",
+    r"Tilt of the surface plate: estimated, prior standard uncertainty (\S+)":
+        r"Neigung der Richtplatte: geschätzt, Vorgabe der Standardunsicherheit \1",
     r"Time base: the device\u2019s own clock": "Zeitbasis: die Uhr des Geräts",
-    r"rate taken as right within (1\u03c3 \S+), a stated value":
-        r"Gang als richtig angenommen auf \1, ein Angabewert",
+    r"rate assumed correct, relative u = (\S+), a stated value":
+        r"Gang als richtig angenommen, relativ u = \1, ein Angabewert",
     r"(\S+): (accelerometer|gyroscope) (\w) shows (?:one|no) count edge; its rate is only known to lie in "
     r"(.+) count/s":
         r"\1: \2 \3 zeigt höchstens eine Zählflanke; seine Rate liegt in \4 count/s, mehr ist nicht bekannt",
@@ -63,12 +64,12 @@ _CLAUSES = {  # an English clause as a pattern, and its German
     r"([a-z_]+(?:\.[a-z_]+)+) \(with misalignment\)": r"\1 (mit der Fehlausrichtung)",
     r"(\S+) against (\S+): (\d+) combinations?": r"\1 gegen \2: \3 Kombinationen",
     r"not compared with a reference here": "hier mit keinem Normal verglichen",
-    r"by GNSS time recorded beside the counts off by (\S+ ppm, 1\u03c3 \S+ ppm)":
-        r"gegen daneben aufgezeichnete GNSS-Zeit abweichend um \1",
-    r"Laboratory\u2019s clock: (.+); as the laboratory states, the device was not compared with it":
+    r"deviation from GNSS time recorded with the counts (\S+ ppm, u = \S+ ppm)":
+        r"gegen gleichzeitig aufgezeichnete GNSS-Zeit abweichend um \1",
+    r"Laboratory\u2019s clock: (.+); stated by the laboratory, the device was not compared with it":
         r"Uhr des Labors: \1; nach Angabe des Labors, das Gerät wurde nicht mit ihr verglichen",
-    r"warm-up was skipped: biases may drift by (\S+) deg/h and (\S+) ug \(1 sigma\)":
-        r"das Einlaufen wurde ausgelassen: Nullpunkte können um \1 deg/h und \2 ug wandern (1 Sigma)",
+    r"warm-up was skipped: biases may drift by (\S+) deg/h and (\S+) ug \(standard uncertainty\)":
+        r"das Einlaufen wurde ausgelassen: Nullpunkte können um \1 deg/h und \2 ug wandern (Standardunsicherheit)",
     r"Also in the model: (.+), as defined by the file of SHA-256 ([0-9a-f]+)\.":
         r"Auch im Modell: \1, festgelegt durch die Datei mit SHA-256 \2.",
     r"the certificate of (cube|slab|site) (\S+) expired on (\S+)": r"der Schein von \1 \2 lief am \3 ab",

@@ -5,8 +5,8 @@ from station.results.certificate.dcc.elements import Element, Said, dcc, worded
 from station.results.certificate.dcc.names import as_written
 
 EQUATIONS = {  # by number, LaTeX: model, application, expanded uncertainty, error as found, acceptance, risk
-    "1": r"\mathbf{N} = \mathbf{k} \circ (\mathbf{E}\,\mathbf{u} + \mathbf{D})",
-    "2": r"\mathbf{u} = \mathbf{E}^{-1} (\mathbf{N} / \mathbf{k} - \mathbf{D})",
+    "1": r"\mathbf{N} = \mathbf{K} \circ (\mathbf{E}\,\mathbf{u} + \mathbf{D})",
+    "2": r"\mathbf{u} = \mathbf{E}^{-1} (\mathbf{N} / \mathbf{K} - \mathbf{D})",
     "3": r"U = k_p(\nu_\mathrm{eff})\, u",
     "4": r"e = p_\mathrm{now} - p_\mathrm{prev},\; U(e) = 2\sqrt{u_\mathrm{now}^2 + u_\mathrm{prev}^2}",
     "5": r"L + r u \le y \le H - r u",

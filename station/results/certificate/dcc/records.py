@@ -26,7 +26,7 @@ def records_results(content: CertificateContent) -> Iterator[Element]:
         (Said("this calibration", "diese Kalibrierung"), certificate.sha256, "fog_thisCalibration"),
         (Said("newest calibration", "neueste Kalibrierung"), certificate.heads.calibration, "fog_head"),
         (Said("newest face certificate", "neuester Flächenschein"), certificate.heads.certificate, "fog_head"),
-        (Said("newest slab level", "neueste Nivellierung"), certificate.heads.level, "fog_head"),
+        (Said("newest surface plate level", "neueste Nivellierung"), certificate.heads.level, "fog_head"),
         (Said("certificate before this", "Schein vor diesem"), certificate.heads.issued, "fog_head"),
     ]
     if certificate.heads.entries:

@@ -99,14 +99,14 @@ def _uncertainty(content: CertificateContent) -> Element:
             "factor k, "
             "which for a Student distribution with the effective degrees of freedom stated (normal where none "
             "are) "
-            f"corresponds to a coverage probability of approximately {percent} %; 1 sigma is U / k. It holds at "
+            f"corresponds to a coverage probability of approximately {percent} %; u = U / k. It holds at "
             f"the "
             "time and under the conditions of the measurement and says nothing of the unit\u2019s stability.",
             "Die erweiterte Unsicherheit U ist die kombinierte Standardunsicherheit u mal dem "
             "Erweiterungsfaktor k, "
             "der für eine Student-Verteilung mit den genannten effektiven Freiheitsgraden (normal, wo keine "
             "genannt "
-            f"sind) einer Überdeckungswahrscheinlichkeit von etwa {percent} % entspricht; 1 Sigma ist U / k. "
+            f"sind) einer Überdeckungswahrscheinlichkeit von etwa {percent} % entspricht; u = U / k. "
             f"Sie gilt "
             "für Zeit und Bedingungen der Messung und sagt nichts über die Stabilität des Geräts.",
         ),

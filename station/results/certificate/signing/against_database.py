@@ -107,7 +107,7 @@ def _raw_data(row: CalibrationRow) -> Finding:
     """Hash the recorded files again where their folder is."""
     folder = None if row.campaign is None else Path(row.campaign.folder)
     if folder is None or not folder.is_dir():
-        words = f"hashes of {len(row.inputs)} files stored; their folder is not here, so that none was read"
+        words = f"hashes of {len(row.inputs)} files stored; their folder is missing, so no file was checked"
         return Finding("raw data", words, None)
     for name, expected in row.inputs.items():
         file = folder / name

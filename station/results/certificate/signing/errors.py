@@ -34,7 +34,7 @@ class NotVerified(StationError, ValueError):
     ) -> None:
         self.file, self.faults = str(file), faults
         said = "; ".join(f"{name} {words.removeprefix('found ')}" for name, words in faults.items())
-        super().__init__(f"{file}: found {said}; do not rely on it, {remedy}")
+        super().__init__(f"{file}: found {said}; do not use it, {remedy}")
 
 
 class NoTimeStamp(StationError, OSError):

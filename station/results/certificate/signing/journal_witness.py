@@ -27,10 +27,10 @@ def journal_finding(session: Session, found: Verified) -> list[Finding]:
     if (head := stated_head(found.document)) is None:
         return []
     if faults := missing_entry(session.connection(), head):
-        words = f"{faults[0]}: an older copy was put back, or the journal begun anew"
+        words = f"{faults[0]}: an older copy was restored, or the journal was restarted"
         return [Finding("journal", words, False)]
     when = "" if found.stamped is None else f", stamped {found.stamped:%Y-%m-%d %H:%M} UTC"
-    by = f"this witnesses all before it{when}" if found.is_whole else "unsigned, this witnesses nothing"
+    by = f"this confirms all entries before it{when}" if found.is_whole else "unsigned, this confirms nothing"
     return [Finding("journal", f"has entry {head.entries} as stated; {by}", True)]
 
 

@@ -102,10 +102,10 @@ def _judged(
     if not certificate.not_valid_before_utc <= moment <= certificate.not_valid_after_utc:
         return Standing(False, "expired" if moment > certificate.not_valid_after_utc else "not yet valid")
     if not may_sign(certificate):
-        return Standing(False, "not made for signatures by its key usage")
+        return Standing(False, "not allowed for signatures by its key usage")
     if certificate.issuer == certificate.subject:
         is_known = certificate in trust.roots
-        return Standing(is_known, "self-made, trusted as given" if is_known else "self-made, not trusted")
+        return Standing(is_known, "self-signed, trusted as given" if is_known else "self-signed, not trusted")
     if not trust.roots:
         return Standing(False, f"not trusted: issued by {_issuer(certificate)}, no trusted root is given")
     try:
@@ -116,11 +116,11 @@ def _judged(
         return Standing(False, f"not trusted: {' '.join(str(error).split())}")
     found = _revocation(path, trust, datetime.now(UTC) if is_service else moment)
     if found is None and trust.revoked and not is_service:
-        return Standing(False, "not looked for in a revocation list: none given is of its issuer")
+        return Standing(False, "not checked against a revocation list: none given is from its issuer")
     if found:
         return Standing(False, found)
     by = f"trusted by {path[-1].subject.rfc4514_string()}"
-    return Standing(True, by if found == "" else f"{by}, no revocation list looked at")
+    return Standing(True, by if found == "" else f"{by}, no revocation list checked")
 
 
 def _issuer(certificate: x509.Certificate) -> str:
@@ -157,7 +157,7 @@ def _revocation(path: Sequence[x509.Certificate], trust: Trust, moment: datetime
                 continue  # not this issuer's, whatever its name says
             ends = listed.next_update_utc
             if ends is not None and ends < datetime.now(UTC):
-                return f"not looked for: the revocation list given ended {ends:%Y-%m-%d}"
+                return f"not checked: the revocation list given ended {ends:%Y-%m-%d}"
             seen = seen or one is path[0]
             entry = listed.get_revoked_certificate_by_serial_number(one.serial_number)
             if entry is not None and entry.revocation_date_utc <= moment:

@@ -32,7 +32,7 @@ class Finding:
 
 
 PDF_MARK = b"%PDF-"
-UNSIGNED = Finding("signature", "none: nothing proves who wrote it, nor that it is unchanged", False)
+UNSIGNED = Finding("signature", "none: author and integrity cannot be proved", False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +73,7 @@ def verify_xml(content: bytes, where: str | Path, trust: Trust) -> Verified:
 def verify_pdf(content: bytes, where: str | Path, trust: Trust) -> Verified:
     """Look at a PDF and at the DCC attached to it; raise `DataRefused` where either is none that is read."""
     if not content.startswith(PDF_MARK):
-        raise DataRefused(where, None, "no PDF", "a certificate's PDF", "give the file as it was issued")
+        raise DataRefused(where, None, "no PDF", "a certificate's PDF", "give the file as issued")
     try:
         reader = open_pdf(content)
         is_signed_pdf = has_signature(reader)
@@ -116,7 +116,7 @@ def _broken(error: SignatureBroken) -> Finding:
 def _schema(root: Any) -> Finding:
     version = root.get("schemaVersion")
     if version != VERSION:
-        return Finding("schema", f"DCC {version}, which is not among the station's: not looked at", None)
+        return Finding("schema", f"DCC {version}, which the station does not have: not checked", None)
     fault = schema_fault(root)
     return Finding("schema", fault or f"valid by DCC {VERSION} and D-SI", not fault)
 
@@ -137,7 +137,7 @@ def _signature(signed: Signed, trust: Trust, what: str) -> tuple[list[Finding], 
 def _time_stamp(signed: Signed, trust: Trust) -> tuple[Finding, datetime | None]:
     """Return what is said of a time stamp, and the moment that it proves; None if it proves none."""
     if signed.token is None:
-        return Finding("time stamp", "none: nothing proves when it was signed", None), None
+        return Finding("time stamp", "none: the time of signing cannot be proved", None), None
     try:
         stamp = read_time_stamp(signed.token, signed.stamped)
     except SignatureBroken as error:

@@ -128,4 +128,4 @@ def test_tracks_that_are_not_the_same_motion_are_refused() -> None:
     fixes = flight.fixes(rng)
     graph = PoseGraph()
     assert not whole_run(graph, flight.odometry(rng, DRIFT), replace(fixes, p_n=3 * fixes.p_n, v_n=-3 * fixes.v_n))
-    assert "does not fit GNSS's" in graph.why_not
+    assert "does not match that of GNSS" in graph.why_not

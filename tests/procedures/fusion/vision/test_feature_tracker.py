@@ -75,7 +75,7 @@ def test_what_moves_by_itself_is_not_followed(scene: Scene, monkeypatch: pytest.
     assert np.mean(off < 1.0) > 0.95
     monkeypatch.setattr(FeatureTracker, "_one_motion", lambda _self, before, _after: np.ones(len(before), bool))
     allowed, _ = lives(scene, SETTINGS)
-    assert allowed > 0.2  # what does not stand on the patch's edge looks as it did
+    assert allowed > 0.2  # what is not at rest on the patch's edge looks as it did
     monkeypatch.setattr(AnchoredPatches, "fit", unfitted)
     allowed, _ = lives(scene, SETTINGS)
     assert allowed > 0.6  # the tracker alone would have gone along

@@ -95,7 +95,7 @@ def test_a_motion_that_does_not_tell_is_refused_and_says_what_to_do(motion: Moti
     for seed in range(2):
         found = camera_offset(*seen(motion, seed), CAMERA)
         assert isinstance(found, Waiting), found
-        assert "turn unevenly" in found.why
+        assert "rotate it unevenly" in found.why
 
 
 def test_a_camera_that_sits_otherwise_than_told_is_refused() -> None:

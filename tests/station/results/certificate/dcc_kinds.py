@@ -45,7 +45,7 @@ def _procedure(name: str, steps: list[str]) -> dict[str, Any]:
 KINDS: dict[str, Callable[[Session], Any]] = {
     "twelve positions": accepted,
     "six faces": lambda session: accepted(
-        session, **_procedure("calibration from 6 of 12 positions on a level slab", ["dwell_01"])
+        session, **_procedure("calibration from 6 of 12 positions on a level surface plate", ["dwell_01"])
     ),
     "free positions": lambda session: accepted(
         session, **_procedure("calibration with 30 recordings in free positions", ["rest_01", "rest_02"])

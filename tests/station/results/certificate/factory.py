@@ -42,7 +42,7 @@ REFERENCES: tuple[dict[str, Any], ...] = (
     },
 )  # fmt: skip
 PROCEDURE = {
-    "name": "twelve-position calibration on a level slab with 6 hand turns of whole revolutions",
+    "name": "twelve-position calibration on a level surface plate with 6 manual rotations of whole revolutions",
     "steps": [f"dwell_{p:02d}" for p in range(1, 13)]
     + [f"turn_{a}_{s}" for a in "xyz" for s in ("plus", "minus")],
     "started_utc": "2026-03-04T08:02:00Z",

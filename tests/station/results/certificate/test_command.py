@@ -115,7 +115,7 @@ def test_a_printed_head_shows_that_its_row_was_dropped(db: Database, station: Ru
     heads = dict(records)
     tables = {
         "Newest calibration": "calibrations", "Newest face certificate": "face_certificates",
-        "Newest slab level": "slab_levels", "Certificate before this": "certificates",
+        "Newest surface plate level": "slab_levels", "Certificate before this": "certificates",
     }  # fmt: skip
     assert set(heads) == {*tables, "This calibration"}
     [heads["Journal of the database"]] = re.findall(r"\d+-[0-9a-f]{16}", Path("a.html").read_text())

@@ -97,7 +97,7 @@ def test_effects_stand_with_their_coefficients(made: dict[str, tuple[Document, b
         (-0.012, r"\degree\hour\tothe{-1}\kelvin\tothe{-1}"),
         (0.004, r"\degree\hour\tothe{-1}\kelvin\tothe{-1}"),
     ]
-    assert "0.5 (ax..az: g/unit), 1 sigma 0.1" in etree.tostring(effects, encoding="unicode")
+    assert "0.5 (ax..az: g/unit), u = 0.1" in etree.tostring(effects, encoding="unicode")
 
 
 def test_every_unit_is_one_of_the_d_si(made: dict[str, tuple[Document, bytes]]) -> None:

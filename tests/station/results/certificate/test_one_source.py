@@ -21,7 +21,7 @@ PRINTED = {  # what a printed unit is in that of the XML
     "output/g": G, "output/(deg/s)": 1.0,
 }  # fmt: skip
 SCALES = (1.0, G, 1 / G, 1e6 / G, 648000 / pi, 100.0, 1e6)  # of the numbers that stand in sentences
-SYMBOLS = {"k": "scale_factor", "E": "misalignment", "D": "bias"}
+SYMBOLS = {"K": "scale_factor", "E": "misalignment", "D": "bias"}
 GROUP = re.compile(r'(?s)<tbody class="group">(.*?)</tbody>')
 ROW = re.compile(
     r'<tr><td><i class="symbol">(\w)</i><sub>(\w+)</sub></td><td class="num value">([^<]+)</td>'

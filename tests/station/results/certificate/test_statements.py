@@ -84,7 +84,7 @@ def test_what_was_judged_then_is_judged_now_and_what_has_no_value_is_not_measure
 
 
 QUADRATIC = {"effect": "accelerometer.quadratic", "confidence": "ambiguous", "aliases": ["fixture.parallelism"]}
-WARNING = "the residual is larger (chi-square 90 at 30): the sigmas are too small; run `station diagnose`"
+WARNING = "the residual is larger (chi-square 90 at 30): the uncertainties are too small; run `station diagnose`"
 K2 = "accelerometer.quadratic"
 
 
@@ -95,10 +95,10 @@ def budget(source: str) -> dict[str, Any]:
 
 def test_what_a_campaign_cannot_tell_apart_is_said() -> None:
     said = diagnosis_said({"diagnosis": {"verdict": "ambiguous", "findings": [QUADRATIC]}})
-    expected = "Not told apart by this campaign: quadratic term of the accelerometers (K2) or cube parallelism."
+    expected = "Not separated by this campaign: quadratic term of the accelerometers (K2) or cube parallelism."
     assert said == ["Diagnosis of the residual: ambiguous.", expected]
-    assert "noise leaves" in diagnosis_said({"diagnosis": {"verdict": "consistent", "findings": []}})[1]
-    assert "no known effect" in diagnosis_said({"diagnosis": {"verdict": "unexplained", "findings": []}})[1]
+    assert "consistent with noise" in diagnosis_said({"diagnosis": {"verdict": "consistent", "findings": []}})[1]
+    assert "no known error term" in diagnosis_said({"diagnosis": {"verdict": "unexplained", "findings": []}})[1]
     assert diagnosis_said({}) == ["No diagnosis of the residual is stored with this calibration."]
 
 
@@ -115,14 +115,14 @@ def test_a_warning_to_the_operator_is_not_printed_to_the_customer(source: str) -
     said = residual_said({"uncertainty": budget(source)}, WARNING)
     assert said.startswith("the residual is larger (chi-square 90 at 30)")
     assert "station diagnose" not in said
-    assert said.endswith("is part of U") == (source == "unexplained")
+    assert said.endswith("is included in U") == (source == "unexplained")
     assert residual_said({}, "gyroscope not solved: no turn about x") == "gyroscope not solved: no turn about x"
 
 
 def test_what_is_stated_has_its_value() -> None:
     lines = dict(stated({"procedure": {"heading_std_deg": 0.05}, "uncertainty": budget("clock")}))
-    assert lines["Heading of a position"] == "1\u03c3 0.05\u00b0"
-    assert "1\u03c3 2e-05, a stated value" in lines["Time base"]
+    assert lines["Heading of a position"] == "u = 0.05\u00b0"
+    assert "relative u = 2e-05, a stated value" in lines["Time base"]
     assert np.isclose(np.degrees(SLAB_TILT_RANGE_RAD), SLAB_RANGE_DEG, rtol=0.02)
 
 
@@ -157,20 +157,23 @@ def test_a_unit_is_received_before_it_is_measured(received: date | None, said: s
 @pytest.mark.parametrize(
     ("english", "german"),
     [
-        ("twelve-position calibration on a level slab with 6 hand turns of whole revolutions and 2 recordings in "
-         "free positions", "Kalibrierung in zwölf Lagen auf der Richtplatte mit 6 Drehungen von Hand um ganze "
-         "Umdrehungen und 2 Aufzeichnungen in freien Lagen"),
+        ("twelve-position calibration on a level surface plate with 6 manual rotations of whole "
+         "revolutions and 2 recordings in free positions",
+         "Kalibrierung in zwölf Lagen auf der Richtplatte mit 6 Drehungen von Hand um ganze Umdrehungen und "
+         "2 Aufzeichnungen in freien Lagen"),
         ("dwell_07 was recorded 2 times, the last one is used",
          "dwell_07 wurde 2 mal aufgezeichnet, die letzte gilt"),
-        ("warm-up was skipped: biases may drift by 0.2 deg/h and 30 ug (1 sigma)",
-         "das Einlaufen wurde ausgelassen: Nullpunkte können um 0.2 deg/h und 30 ug wandern (1 Sigma)"),
+        ("warm-up was skipped: biases may drift by 0.2 deg/h and 30 ug (standard uncertainty)",
+         "das Einlaufen wurde ausgelassen: Nullpunkte können um 0.2 deg/h und 30 ug wandern "
+         "(Standardunsicherheit)"),
         ("Diagnosis of the residual: established.", "Diagnose des Residuums: Ursache gesichert."),
-        ("Not told apart by this campaign: cube parallelism or slab.",
+        ("Not separated by this campaign: cube parallelism or slab.",
          "Von dieser Kampagne nicht unterschieden (englisch): cube parallelism or slab."),
         ("the certificate of cube C-7 expired on 2026-03-03", "der Schein von Würfel C-7 lief am 2026-03-03 ab"),
-        ("Time base: the device\u2019s own clock; rate taken as right within 1\u03c3 1e-05, a stated value; "
-         "not compared with a reference here", "Zeitbasis: die Uhr des Geräts; Gang als richtig angenommen auf "
-         "1\u03c3 1e-05, ein Angabewert; hier mit keinem Normal verglichen"),
+        ("Time base: the device\u2019s own clock; rate assumed correct, relative u = 1e-05, a stated value; "
+         "not compared with a reference here",
+         "Zeitbasis: die Uhr des Geräts; Gang als richtig angenommen, relativ u = 1e-05, ein Angabewert; "
+         "hier mit keinem Normal verglichen"),
     ],
 )  # fmt: skip
 def test_a_sentence_is_said_in_german(english: str, german: str) -> None:

@@ -31,10 +31,10 @@ def lines(urad: float, sources: str = "b", certificate: MeasuredCube | None = No
 
 def test_values_are_in_urad_and_arcsec_and_what_was_not_seen_is_named() -> None:
     text = lines(10.0)
-    assert text[0] == "cube CUBE-7, 2025-03-02, by SIM 1 (1); +- is 1 sigma"
+    assert text[0] == "cube CUBE-7, 2025-03-02, by SIM 1 (1); +- is the standard uncertainty u"
     assert "skew.x.y 10.0 +- 2.0 2.06 +- 0.41" in text  # 1 urad is 0.20626 arcsec
     assert "parallelism.x.y not determined" in text
-    assert "units, and K2 with its range, against each other: chi-square 5 at 3 degrees of freedom, p 0.17" in text
+    assert "consistency of the units and the K2 range: chi-square 5 at 3 degrees of freedom, p 0.17" in text
     assert "warning: a fan ran" in text
 
 
@@ -52,5 +52,5 @@ def test_a_certificate_is_compared_by_the_sigma_of_both() -> None:
 
 def test_measurements_that_share_a_campaign_are_not_compared() -> None:
     text = lines(10.0, sources="ab")
-    said = "1 of 1 campaigns are the same: not independent, left out of the drift"
+    said = "1 of 1 campaigns are the same: not independent, not used for the drift"
     assert text[-1] == f"against the measurement of 2025-01-01: {said}"

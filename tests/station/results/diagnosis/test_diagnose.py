@@ -81,7 +81,7 @@ def test_two_faces_alone_are_exit_5_and_partial_says_how_level_they_stood(
     capsys.readouterr()
     assert cli.run(["diagnose", str(folder), "--partial"]) == 0
     said = capsys.readouterr().out
-    assert "not determined by this: accelerometer.scale_factor" in said
+    assert "not observable: accelerometer.scale_factor" in said
     assert "0.34 deg" in said
     assert "0.35" in said
 

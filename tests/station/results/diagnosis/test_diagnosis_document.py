@@ -15,7 +15,7 @@ from procedures.units import DEG_H_PER_DEG_S
 from station.files.effect_file import effect_in
 from station.results.diagnosis import single_channels
 from station.results.diagnosis.diagnosis_text import not_looked_at
-from station.results.diagnosis.diagnosis_wording import chance_text
+from station.results.diagnosis.diagnosis_wording import p_text
 from station.results.diagnosis.finding_figure import caption, draw_panel
 from station.results.diagnosis.finding_residuals import ResidualPanel
 from station.results.diagnosis.plot_coordinates import Coordinate
@@ -26,15 +26,14 @@ from tests.procedures.diagnosis.test_turns_seen import SCALE, recorded
 
 
 def test_a_chance_is_said_in_plain_words_however_small() -> None:
-    said = [chance_text(log10_p) for log10_p in (0.0, -0.42, -2.5, -5.3, -12.2, -400.0)]
-    assert said[:2] == ["100 times in 100", "38 times in 100"]
-    assert said[2:] == ["once in 300", "once in 200,000", "once in 1e12", "less than once in 1e300"]
+    said = [p_text(log10_p) for log10_p in (0.0, -0.42, -2.5, -5.3, -12.2, -400.0)]
+    assert said == ["p = 1", "p = 0.38", "p = 0.0032", "p = 5e-06", "p = 6e-13", "p < 1e-300"]
 
 
 def test_gyroscopes_that_no_residual_was_diagnosed_of_are_said_to_be_not_looked_at() -> None:
     solution = {"accelerometer": {}, "gyroscope": {}}
     document = {"error": [{"quantity": "accelerometer bias"}], "solution": solution}
-    assert not_looked_at(document).startswith("not looked at: the gyroscopes")
+    assert not_looked_at(document).startswith("not diagnosed: the gyroscopes")
     assert not_looked_at(document | {"error": [{"quantity": "gyroscope bias"}]}) == ""
     assert not_looked_at(document | {"solution": {"gyroscope": {}}}) == ""
     assert not_looked_at({"error": []}) == ""

@@ -101,4 +101,4 @@ def test_a_day_that_no_model_holds_on_leaves_the_field_open(recorded: LoadedCamp
 def test_a_calibration_s_diagnosis_has_the_field_too(recorded: LoadedCampaign) -> None:
     closed = close_loop([recorded])
     assert closed.diagnosis.before.campaigns[0].site.magnetic is not None
-    assert any("no file says when" in text for text in closed.document["solution"]["warnings"])
+    assert any("no file states its date" in text for text in closed.document["solution"]["warnings"])

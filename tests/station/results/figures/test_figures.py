@@ -46,8 +46,8 @@ def population() -> str:
         "groups": [group(i, 3.0 * i - 8.0, i == 7) for i in range(30)],
     }
     charts = population_svgs(document)
-    assert [heading for heading, *_ in charts] == ["Units", "Cubes, slabs, sites, operators"]
-    assert charts[1][1].startswith("Shifts in their own sigmas, the 25 least probable of 30.")
+    assert [heading for heading, *_ in charts] == ["Units", "Cubes, surface plates, sites, operators"]
+    assert charts[1][1].startswith("Shifts in units of their uncertainty, the 25 least probable of 30.")
     assert len(population_svgs(document | {"groups": []})) == 1
     return "\n".join(svg for *_, svg in charts)
 

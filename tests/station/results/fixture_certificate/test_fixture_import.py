@@ -122,10 +122,10 @@ def test_other_values_of_a_number_are_told(take_in: Run) -> None:
 def test_unsigned_ones_are_taken_where_that_is_said_and_it_is_stored(take_in: Run) -> None:
     code, said = take_in(small_dcc((Y, Z, SIDE)))
     assert code == 3
-    assert "nothing proves who wrote it" in said
+    assert "author and integrity cannot be proved" in said
     assert take_in(small_dcc((Y, Z, SIDE)), "--unsigned")[0] == 0
     with open_db(Path("s.db")) as database, database.read() as session:
-        assert session.get_one(CubeRow, "CUBE-7").certificates[0].source.endswith("taken in unsigned")
+        assert session.get_one(CubeRow, "CUBE-7").certificates[0].source.endswith("imported unsigned")
 
 
 def test_a_broken_signature_is_never_taken_for_none(take_in: Run) -> None:
@@ -138,7 +138,7 @@ def test_a_broken_signature_is_never_taken_for_none(take_in: Run) -> None:
 
 def test_a_key_that_is_not_trusted_or_revoked_is_refused(take_in: Run, tmp_path: Path) -> None:
     own = issue("Own", rsa_key(3))
-    assert "self-made, not trusted" in take_in(sign_xml(small_dcc((Y, Z, SIDE)), key_of(own)), *TRUSTED)[1]
+    assert "self-signed, not trusted" in take_in(sign_xml(small_dcc((Y, Z, SIDE)), key_of(own)), *TRUSTED)[1]
     (tmp_path / "list").write_bytes(revocations(root(), laboratory()))
     assert "revoked on " in take_in(signed(Y, Z, SIDE), *TRUSTED, "--crl", "list")[1]
     assert not Path("s.db").exists()
@@ -152,9 +152,9 @@ REFUSED = {
     "no unit": ((Y, result("up tilt x_up z", real(1.0, "\\second", 1.0))), "unit '\\second'"),
     "half": ((Y,), "found one component of the tilt of x_up, expected both"),
     "twice": ((Y, Y, Z), "the same quantity twice"),
-    "both": ((Y, Z, EAST, NORTH), "found tilts of a slab and of a cube"),
+    "both": ((Y, Z, EAST, NORTH), "found tilts of a surface plate and of a cube"),
     "correlation": ((Y, Z, result("c", real(1.5, "\\one", None), "fog_upTiltCovariance_x_up")), "correlation 1.5"),
-    "nothing": ((SIDE,), "found no tilt of a cube's face or a slab"),
+    "nothing": ((SIDE,), "found no tilt of a cube's face or a surface plate"),
     "no side": ((Y, Z), "CUBE-7, which is not in the database, without its side"),
     "steep face": (
         (result("tilt of x_up along y", real(5.0, "\\radian", 0.1)), Z, SIDE),

@@ -54,7 +54,7 @@ def test_what_cannot_be_told_is_said() -> None:
     assert document["groups"] == []
     assert document["cannot_tell"] == ["cube CUBE-1", "cube CUBE-2", "operator A. Miller"]
     text = population_text(document)
-    assert "units: 2 are too few to say that one stands out, 5 are needed" in text
+    assert "units: 2 are too few to find an outlier, 5 are needed" in text
     assert "it takes 3 units" in text
 
 

@@ -35,8 +35,8 @@ def test_any_number_of_calibrations_gives_text_of_80_columns_and_json_without_na
     json.dumps(found, allow_nan=False)
     lines = history_text(found).splitlines()
     assert max(map(len, lines)) <= 80
-    assert any("too short a history to predict" in line for line in lines) == (each < 3)
-    assert sum(line.startswith("  moved significantly") for line in lines) == each - 1
+    assert any("the history is too short to predict" in line for line in lines) == (each < 3)
+    assert sum(line.startswith("  significant changes") for line in lines) == each - 1
 
 
 def test_it_is_predicted_for_the_due_date_with_the_probability_to_be_outside() -> None:
@@ -71,7 +71,7 @@ def test_a_jump_beyond_the_turn_on_scatter_is_an_alarm_of_that_calibration() -> 
     assert found["chart"]["alarms"] == [runs[-1].sha256]
     text = history_text(all_of_it)
     assert "alarm on" in text
-    *_, said = (line for line in text.splitlines() if "moved significantly" in line)
+    *_, said = (line for line in text.splitlines() if "significant changes" in line)
     p = np.array([one["p_adjusted"] for one in all_of_it["calibrations"][-1]["drift"].values()])
     assert said.endswith(f": {np.sum(p < 0.05)} of {len(p)}")
 
@@ -92,7 +92,7 @@ def test_another_unit_or_no_sigma_leaves_a_value_out_and_says_so() -> None:
     runs[0].document["accelerometer"]["bias"]["unit"] = "m/s2"
     runs[1].document["accelerometer"]["bias"]["std"] = [0.0, 1e-6, 1e-6]
     found = analysis(runs, LIMITS, None)
-    assert found["left_out"][0] == "accelerometer.bias.x: 2 of 5 not in g or without sigma"
+    assert found["left_out"][0] == "accelerometer.bias.x: 2 of 5 not in g or without uncertainty"
     assert len(found["parameters"]["accelerometer.bias.x"]["value"]) == 3
     assert len(found["parameters"]["accelerometer.bias.y"]["value"]) == 4
 

@@ -45,7 +45,7 @@ def test_a_limit_asks_for_what_its_guard_band_leaves(limit: Limit, values: dict[
 def test_a_value_outside_its_limits_is_said_and_asks_for_nothing() -> None:
     found, said = wanted_by([Limit(BIAS, -0.8, 0.8, "deg/h", 2.0)], {BIAS: 0.9})
     assert np.all(np.isinf(found.sigma))
-    assert said == ["gyroscope.bias.x was 0.9 deg/h last, outside its limits: no plan helps"]
+    assert said == ["gyroscope.bias.x was 0.9 deg/h at last, outside its limits: no plan helps"]
 
 
 def test_sigmas_are_asked_for_in_the_units_of_the_screens() -> None:
@@ -82,7 +82,7 @@ def test_the_hands_times_are_those_of_this_stations_campaigns(tmp_path: Path) ->
         found, said = hand_times(database)
     assert (found.placing, found.turn) == (pytest.approx(30.0), pytest.approx(50.0))
     assert found.move < found.placing
-    assert said.startswith("30 s a placing, the median of 11")
+    assert said.startswith("30 s per placement, the median of 11")
 
 
 def test_a_unit_whose_campaigns_are_gone_has_no_known_noise(tmp_path: Path) -> None:

@@ -95,7 +95,7 @@ def test_the_expanded_uncertainty_stands_beside_the_value_and_is_that_of_the_bud
     assert context.solution.accelerometer is not None
     std = context.solution.accelerometer.bias.std[0] * 1e6
     assert re.findall(r"<td[^>]*>([^<]*)</td>", found[1])[1:3] == ["2.0", fixed(std, decimals(std))]
-    assert "<b>U</b> counts wherever a value is used" in page
+    assert "Use U when you compare a value with a limit" in page
     assert ">U (95 %)<" in page
     assert ">U (95 %)<" not in render(factory.context())
     assert ">95 % from<" in render(factory.context())
@@ -115,7 +115,7 @@ def test_every_residual_and_hash_is_there(html: str) -> None:
     for name, sha256 in factory.context().files.items():
         assert name in html
         assert sha256 in html
-    assert "\u25b2 over the limit" in html
+    assert "\u25b2 above the limit" in html
 
 
 def test_conditions_warnings_and_what_is_not_observable_are_there(html: str) -> None:

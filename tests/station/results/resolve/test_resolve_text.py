@@ -56,9 +56,9 @@ def test_shifts_are_summed_up_and_told_of_one_sigma_or_more() -> None:
     assert shift_of(entries[3]) is None
     first, *remarks = text_of(*entries)
     said = "median 1, at most 3, accelerometer bias z of FOG3 S2"
-    assert f"largest shift of a campaign, in its own sigma as known before: {said}" in first
+    assert f"largest change of a campaign, in units of its earlier uncertainty u: {said}" in first
     assert [each.split(" moved: accelerometer bias z ")[0] for each in remarks] == ["S2 FOG3 S2", "S3 FOG3 S1"]
-    assert [each.rpartition(" (")[2].strip() for each in remarks] == ["3.0 sigma)", "1.0 sigma)"]
+    assert [each.rpartition(" (")[2].strip() for each in remarks] == ["3.0 u)", "1.0 u)"]
 
 
 def test_the_exit_code_is_that_of_the_first_refusal_where_nothing_is_solved() -> None:

@@ -68,7 +68,7 @@ def test_a_recording_holds_device_host_and_gnss_time_side_by_side(
         assert cli.run(["record", device.url, "--gnss", gnss.url, "--seconds", "160", "--out", out]) == 0
     said = capsys.readouterr().out
     assert "system 1" in said
-    assert re.search(r"31\.(169|170)\d+, 121\.(399|400)\d+ deg, \d+\.\d m, 1 sigma 1\.\d m", said)
+    assert re.search(r"31\.(169|170)\d+, 121\.(399|400)\d+ deg, \d+\.\d m, u 1\.\d m", said)
     step = read_step(tmp_path / "r" / "recording.mcap")
     utc = step.aux["utc_s"]
     known = np.isfinite(utc)
@@ -93,7 +93,7 @@ def test_what_is_stated_stands_and_is_compared_and_the_rest_is_taken(tmp_path: P
     noted = json.loads((tmp_path / "gnss.json").read_text())
     assert noted["latitude_deg"] == pytest.approx(48.1, abs=1e-4)
     assert noted["height_above"] == "ellipsoid"
-    assert "latitude_deg 48.3 is stated, GNSS says 48.1" in noted["warnings"][0]
+    assert "latitude_deg 48.3 is stated, GNSS gives 48.1" in noted["warnings"][0]
 
 
 def test_without_a_fix_a_site_that_nobody_states_is_refused(
@@ -114,4 +114,4 @@ def test_a_campaign_is_gone_on_with_although_its_receiver_is_gone(tmp_path: Path
         assert reopened(stack, Setup(), tmp_path) == (None, "")
         feed, said = reopened(stack, Setup(gnss="mavlink:tcp:127.0.0.1:9"), tmp_path)
     assert feed is None
-    assert "going on without GNSS: 127.0.0.1:9" in said
+    assert "continuing without GNSS: 127.0.0.1:9" in said

@@ -89,7 +89,7 @@ def test_frames_that_tell_no_speed_are_said_after_so_long(bus: Bus) -> None:
     assert bus.hear(1.0, 5.0) == ""
     assert bus.hear(2.75, OTHERS, UNKNOWN) == ""
     assert bus.hear(2.85, OTHERS) == (
-        f"{bus.feed.address.name}: frames tell no WHEELS.SPEED, expected a speed; "
+        f"{bus.feed.address.name}: frames contain no WHEELS.SPEED, expected a speed; "
         "check dbc and signal, or its sensor"
     )
     assert bus.feed.stream().trouble == bus.feed.trouble

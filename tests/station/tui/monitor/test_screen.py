@@ -65,12 +65,12 @@ SAID = [
     ("alarming", ("✗ ALARM", "roll 12.3, limit 10 deg")),
     ("silent", ("✗ NO DATA", "check cable and power", "age 3.1 s")),
     ("aided", ("aid gnss 12.3 m/s", "2 lost")),
-    ("steep", ("any: X is vertical",)),
+    ("steep", ("undefined: X is vertical",)),
     ("uncalibrated", ("NONE: nominal", "NOT RECORDED")),
     ("not_located", ("NOT LOCATED 98 fixes", "better gyros")),
     (
         "located",
-        ("HEADING 329.20 deg 1 sigma 0.11 deg", "1 sigma 0.21 m, up 0.34 m", "4051 fixes 3 outliers", "20 m"),
+        ("HEADING 329.20 deg u 0.11 deg", "u 0.21 m, up 0.34 m", "4051 fixes 3 outliers", "20 m"),
     ),
     ("seeing", ("118 features, stamps 43 ms late", "camera 10.0.0.7:8080 19.8 Hz")),
     (
@@ -93,7 +93,7 @@ SAID = [
         ),
     ),
     ("failing", ("paper: pitch beyond 80 deg", "use joint or mixer")),
-    ("by_mixers", ("by paper-filter", "bias of paper-whole: no velocity says it")),
+    ("by_mixers", ("by paper-filter", "bias of paper-whole: not known without a velocity")),
     ("behind", ("3 outliers 12 s behind",)),
     ("waiting", ("waiting for the first samples", "no attitude yet")),
 ]

@@ -33,10 +33,10 @@ def between() -> Owner:
 
 
 CASES: dict[str, tuple[Callable[[], Owner], bool, str]] = {
-    "trusted": (laboratory, True, "trusted by CN=Root of tests, no revocation list looked at"),
+    "trusted": (laboratory, True, "trusted by CN=Root of tests, no revocation list checked"),
     "expired": (lambda: issue("Old", rsa_key(1), root(), begins=-20, days=10), False, "expired"),
     "not yet": (lambda: issue("New", rsa_key(1), root(), begins=10), False, "not yet valid"),
-    "self-made": (lambda: issue("Own", rsa_key(1)), False, "self-made, not trusted"),
+    "self-made": (lambda: issue("Own", rsa_key(1)), False, "self-signed, not trusted"),
     "of others": (lambda: issue("X", rsa_key(1), stranger()), False, f"not trusted: {STRANGER} leads to no"),
     "a forged root": (
         lambda: issue("X", rsa_key(1), issue("Root of tests", rsa_key(3), is_authority=True)),
@@ -44,7 +44,7 @@ CASES: dict[str, tuple[Callable[[], Owner], bool, str]] = {
         "not trusted",
     ),
     "by no authority": (lambda: issue("X", rsa_key(3), laboratory()), False, "not trusted"),
-    "of another use": (lambda: issue("X", rsa_key(1), root(), signs=False), False, "not made for signatures"),
+    "of another use": (lambda: issue("X", rsa_key(1), root(), signs=False), False, "not allowed for signatures"),
 }  # fmt: skip
 
 
@@ -69,7 +69,7 @@ def test_a_key_is_said_to_be_what_it_is(name: str) -> None:
 
 def test_a_self_made_key_is_trusted_where_it_is_given() -> None:
     own = issue("Own", rsa_key(1))
-    assert judged(own, trust=Trust((own.certificate,))) == Standing(True, "self-made, trusted as given")
+    assert judged(own, trust=Trust((own.certificate,))) == Standing(True, "self-signed, trusted as given")
 
 
 def test_an_authority_between_is_found_in_what_came_with_it() -> None:
@@ -97,9 +97,9 @@ def test_an_authority_between_may_be_revoked() -> None:
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        (lambda: revocations(stranger()), "not looked for in a revocation list: none given is of its issuer"),
-        (lambda: revocations(issue("Root of tests", rsa_key(3), is_authority=True)), "not looked for in a"),
-        (lambda: revocations(root(), days=-2), "not looked for: the revocation list given ended "),
+        (lambda: revocations(stranger()), "not checked against a revocation list: none given is from its issuer"),
+        (lambda: revocations(issue("Root of tests", rsa_key(3), is_authority=True)), "not checked against a"),
+        (lambda: revocations(root(), days=-2), "not checked: the revocation list given ended "),
     ],
 )
 def test_a_list_that_says_nothing_of_it_is_no_list(content: Callable[[], bytes], words: str) -> None:
@@ -160,4 +160,4 @@ def test_a_service_revoked_after_it_stamped_is_revoked_and_needs_no_list_of_its_
     other = listed(revocations(stranger()))
     assert not standing(known, [], other, then).is_trusted
     found = standing(known, [], other, then, is_service=True)
-    assert found == Standing(True, "trusted by CN=Root of tests, no revocation list looked at")
+    assert found == Standing(True, "trusted by CN=Root of tests, no revocation list checked")

@@ -90,7 +90,7 @@ def test_a_certificate_whose_journal_is_another_is_told(station: Run, tmp_path: 
         session.execute(text("DELETE FROM journal WHERE id > 3"))
     code, out, error = station("verify", "c.xml", "--trust", "root.pem")
     assert (code, "journal" in error) == (1, True)
-    assert "an older copy was put back, or the journal begun anew" in out
+    assert "an older copy was restored, or the journal was restarted" in out
 
 
 @pytest.mark.parametrize("name", ["c.xml", "c.pdf"])
@@ -143,7 +143,7 @@ def test_a_signed_file_gives_way_to_a_signed_one_alone(station: Run, tmp_path: P
     key = ("--sign", "lab.p12", "--password-env", "KEY_PASSWORD")
     code, out, _ = station(*again, *key, "--timestamp", "http://127.0.0.1:9/")
     assert code == 4
-    assert "c.xml: left as it is, signed before" in out
+    assert "c.xml: not changed, it was signed before" in out
     assert [(tmp_path / name).read_bytes() for name in names] == before
     assert station(*again, *key)[0] == 0
     assert (tmp_path / "c.xml").read_bytes() != before[0]
