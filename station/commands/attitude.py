@@ -84,7 +84,7 @@ def attitude(
 
     LOG is any table that `station diagnose` and `station noise` read: columns and units are taken from its header
     or from the options, and each guess is printed. A file whose header is that of attitude-log/1 may also hold an
-    airspeed, a velocity, a heading and truth (docs/attitude.md).
+    airspeed, a velocity, a heading and truth (docs/explanation/attitude.md).
 
     airspeed-filter and gnss are one filter of attitude, velocity and biases; none is the same without a velocity,
     or with --tau or --k1 and --k2 the mixing law. airspeed is the law with forward speed and remembered angle of

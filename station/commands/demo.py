@@ -62,4 +62,4 @@ def demo(
     typer.echo("try next:")
     typer.echo(f"  station diagnose {outcome.campaign}")
     typer.echo(f"  station solve {outcome.campaign} --json solution.json")
-    typer.echo("  station calibrate           # the guided screen; docs/guided-calibration.md")
+    typer.echo("  station calibrate           # the guided screen; docs/how-to/guided-calibration.md")

@@ -41,7 +41,7 @@ def locate(
     Trajectories are TUM lines `t x y z qx qy qz qw` in s and m, quaternions take the IMU's axes to East-North-Up.
     The online one uses nothing later than each pose and begins when heading and tilt are known; the smoothed one
     uses all. Where the folder has a [truth], position errors in m are reported, nothing aligned. A vehicle's wheel
-    speed in m/s is used where it has a [wheel]: docs/locate-wheel.md.
+    speed in m/s is used where it has a [wheel]: docs/how-to/locate-wheel.md.
 
     --images DIR holds images.csv (`t_s,file`) and the images it names; or it is a camera as /dev/video0 or a video
     file. The tracks are written where [tracks] says, in place of what is there; the source is then vision.

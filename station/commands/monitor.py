@@ -78,8 +78,8 @@ def monitor(
     velocity filter; paper-whole: also what the velocity changes by). What they read is in laws.csv and in --json.
 
     --locate adds place [m, East-North-Up of the first fix] and true heading [deg] with sigmas, by IMU and GNSS;
-    with --camera also by what a camera sees, whose file docs/locate-vision.md describes, with --wheel by a
-    vehicle's speed over CAN: docs/locate-wheel.md.
+    with --camera also by what a camera sees, whose file docs/how-to/locate-vision.md describes, with --wheel by a
+    vehicle's speed over CAN: docs/how-to/locate-wheel.md.
 
     Exit code 2 if the disk refuses or an extra is missing, 3 if there is no calibration, 4 if the port cannot be
     opened, 130 on Ctrl-C.

@@ -82,7 +82,7 @@ def simulate(
     On CAN the URL has the sample period in it; `--transport slcan --pty LINK` keeps a link to the adapter.
 
     With --scenario all of it stands in one file, the operator's moves and the faults at their times too, and what
-    happens is told as it happens: docs/testing.md. Only --speed and --camera-file go with it.
+    happens is told as it happens: docs/how-to/testing.md. Only --speed and --camera-file go with it.
 
     Exit code 3 if the truth, the faults or the scenario are wrong, 4 if the port cannot be made.
 

@@ -48,7 +48,7 @@ def stream(
     Each has a sequence number, UTC [s since 1970] where --gnss tells it, temperature [degC], and flags such as
     gap_before or saturated. Outputs: foxglove is a live server for Foxglove (extra `foxglove`; this machine's port
     8765 unless told), udp a datagram of 96 bytes a sample, mavlink HIGHRES_IMU, stdout a line of JSON a sample:
-    the one without --to. Layouts, flags and readers in Python and C: docs/streaming.md.
+    the one without --to. Layouts, flags and readers in Python and C: docs/how-to/streaming.md.
 
     Without --calibration it is the newest stored one of the unit that is connected; another unit's is refused.
     Samples are in the IMU's own axes; --frame frd turns them as --axes says, MAVLink's always are. No output waits

@@ -1,4 +1,4 @@
-"""Every refusal has a stable code and an exit code, which `--verbose` prints and docs/error-codes.md lists."""
+"""Every refusal has a stable code and an exit code, which `--verbose` prints and a page lists."""
 
 import importlib
 import re
@@ -49,7 +49,7 @@ def refusals() -> Iterator[type[Exception]]:
 
 def listed() -> list[str]:
     """Return the rows of the page, which is regenerated from the table of codes."""
-    page = (ROOT / "docs/error-codes.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs/reference/error-codes.md").read_text(encoding="utf-8")
     return [line for line in page.splitlines() if line.startswith("| `E-")]
 
 

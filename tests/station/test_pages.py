@@ -13,7 +13,7 @@ from station import cli
 from tests.paths import ROOT
 from tests.proof.registry import PROOFS
 
-PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").rglob("*.md"))]
 PACKAGES = ("station", "drivers", "procedures", "fixtures_db", "tests", "docs")
 LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
 FENCE = re.compile(r"^\s*```.*?^\s*```", re.MULTILINE | re.DOTALL)
@@ -63,8 +63,9 @@ def test_every_source_file_that_is_named_is_there(page: Path) -> None:
 
 def test_the_front_page_leads_to_every_other() -> None:
     assert "docs/README.md" in LINK.findall(prose(ROOT / "README.md"))
-    links = LINK.findall(prose(ROOT / "docs/README.md"))
-    assert {page.name for page in PAGES if page.parent.name == "docs"} - {"README.md"} <= set(links)
+    docs = ROOT / "docs"
+    pages = {str(page.relative_to(docs)) for page in docs.rglob("*.md")}
+    assert pages - {"README.md"} <= set(LINK.findall(prose(docs / "README.md")))
 
 
 @every_page

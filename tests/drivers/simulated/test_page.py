@@ -12,7 +12,7 @@ from drivers.simulated.timed_faults import CAMERA_KINDS
 from drivers.simulated.truth import Truth, load_truth
 from tests.paths import ROOT
 
-PAGE = (ROOT / "docs/simulated-devices.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs/reference/simulated-devices.md").read_text(encoding="utf-8")
 
 
 def test_the_example_file_is_a_truth_and_faults() -> None:
@@ -30,7 +30,9 @@ def test_every_effect_with_options_has_its_row() -> None:
         options = ", ".join(f"{name} = {value:g}" for name, value in effect.options.items())
         for part in (effect.name, effect.unit, ", ".join(effect.keys), options):
             if part not in ROWS.get(effect.name, ""):
-                pytest.fail(f"{effect.name} has no {part!r} in a row of docs/simulated-devices.md.", pytrace=False)
+                pytest.fail(
+                    f"{effect.name} has no {part!r} in a row of the page of simulated devices.", pytrace=False
+                )
 
 
 def test_every_key_of_a_truth_has_its_row_and_its_default() -> None:

@@ -14,7 +14,7 @@ from tests.paths import ROOT
 
 pytest_plugins = ["pytester"]
 THREE_LINES, WHOLE_FILE = re.findall(
-    r"```python\n(.*?)```", (ROOT / "docs/testing.md").read_text(encoding="utf-8"), re.DOTALL
+    r"```python\n(.*?)```", (ROOT / "docs/how-to/testing.md").read_text(encoding="utf-8"), re.DOTALL
 )
 PLUGIN = ("-p", pytest_plugin.__name__, "-p", "no:cacheprovider")
 

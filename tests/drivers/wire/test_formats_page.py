@@ -6,14 +6,14 @@ from drivers.wire import FORMATS, WireFormat
 from tests.drivers.wire.blocks import each_format
 from tests.paths import ROOT
 
-PAGE = (ROOT / "docs/wire-formats.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs/reference/wire-formats.md").read_text(encoding="utf-8")
 TABLE = [row.split("|")[1:-1] for row in PAGE.splitlines() if row.startswith("| `")]
 ROWS = {name: row for row in TABLE for name in re.findall("`(.*?)`", row[0])}
 
 
 @each_format()
 def test_every_format_has_its_row(wire: WireFormat) -> None:
-    assert wire.name in ROWS, f"docs/wire-formats.md has no row for {wire.name}"
+    assert wire.name in ROWS, f"docs/reference/wire-formats.md has no row for {wire.name}"
     _, _, sample, sequence, besides, line = ROWS[wire.name]
     assert (wire.output == "rate") == ("rate" in sample)
     assert ("counter" in wire.carries) == ("counter" in sequence)

@@ -1,4 +1,4 @@
-"""docs/streaming.md says what the code does: layout, flags, and readers in Python and C that read."""
+"""docs/how-to/streaming.md says what the code does: layout, flags, and readers in Python and C that read."""
 
 import os
 import re
@@ -18,7 +18,7 @@ from tests.free_port import free_udp_port
 from tests.paths import ROOT
 from tests.station.sending.test_outputs import ABOUT, made
 
-PAGE = (ROOT / "docs/streaming.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs/how-to/streaming.md").read_text(encoding="utf-8")
 TYPES = {"4 bytes": "S4", "u32": "<u4", "u64": "<u8", "f64": "<f8", "3 f64": ("<f8", (3,))}
 COMPILER = ("cc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-D_DEFAULT_SOURCE")
 

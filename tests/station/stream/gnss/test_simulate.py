@@ -87,7 +87,7 @@ def test_a_track_carries_the_imu_along_and_one_that_is_over_is_refused(
     assert "a track that ended at -8 s" in capsys.readouterr().err
 
 
-PAGE = (ROOT / "docs/gnss.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs/how-to/gnss.md").read_text(encoding="utf-8")
 
 
 def test_every_fault_and_link_has_its_row() -> None:

@@ -6,7 +6,7 @@ from tests.paths import ROOT
 from tests.station.stream.live.test_triad_faults import CASES as TRIAD_CASES
 from tests.station.stream.reader.faulty import CASES
 
-PAGE = (ROOT / "docs/faults.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs/explanation/faults.md").read_text(encoding="utf-8")
 ROWS = [[cell.strip() for cell in row.split("|")[1:-1]] for row in PAGE.splitlines() if row.startswith("| ")]
 
 
