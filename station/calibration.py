@@ -64,7 +64,7 @@ class Calibration:
     model, serial : of the unit that it is of
     output : "counts" or "rates", what it is applied to
     effects : names of the effects that it takes off
-    document : calibration/1 as it was read (docs/reference/formats.md)
+    document : calibration/1 as it was read (docs/reference/file-formats.md)
     sha256 : of the document's one text, by which the database knows it
     """
 

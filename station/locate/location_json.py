@@ -1,4 +1,4 @@
-"""A location as `location/1` (docs/reference/formats.md): JSON-ready; what is not estimated is absent."""
+"""A location as `location/1` (docs/reference/file-formats.md): JSON-ready; what is not estimated is absent."""
 
 from dataclasses import dataclass
 from typing import Any

@@ -1,4 +1,4 @@
-"""A solution as `solution/1` (docs/reference/formats.md): JSON-ready; what was not estimated is absent."""
+"""A solution as `solution/1` (docs/reference/file-formats.md): JSON-ready; what was not estimated is absent."""
 
 import subprocess
 from collections.abc import Mapping, Sequence
