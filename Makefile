@@ -75,7 +75,7 @@ proof: $(VENV)/.installed-test
 # The documentation as a site, in the folder site. A warning is an error: mkdocs.yml says so.
 docs: $(VENV)/.installed-docs
 	$(BIN)/python docs/generate.py
-	$(BIN)/mkdocs build --quiet
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
 
 $(VENV)/.installed-docs: $(VENV)/.installed
 	$(PIP) ".[docs]"
@@ -84,7 +84,7 @@ $(VENV)/.installed-docs: $(VENV)/.installed
 # The source distribution and the wheel; the wheel is installed into an empty environment and runs the demo there.
 dist: $(VENV)/bin/python
 	rm -rf dist
-	$(BIN)/python -m pip install --disable-pip-version-check --quiet "build>=1.2,<2"
+	$(BIN)/python -m pip install --disable-pip-version-check --quiet --constraint constraints.txt build
 	$(BIN)/python -m build --outdir dist
 	$(PYTHON) -m venv dist/empty
 	dist/empty/bin/python -m pip install --disable-pip-version-check --quiet --constraint constraints.txt dist/*.whl
