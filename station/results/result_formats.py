@@ -54,6 +54,8 @@ RESULTS: dict[str, ResultFormat] = {
             "`share`, `aliases`, `separate_by`, `log10_p`, `reasons`, `same_here`; of a user-defined term also "
             "`term`, `sha256`, `definition`; of a proposed one `latex`, `readings`, `held_out_sigmas`, "
             "`searched_p`",
+            "p_value": "of the residual that stays; `log10_p` where it is too small for a number",
+            "log10_p": "its logarithm",
             "searched": "with `--discover`: number of `terms`",
             "error": "quantity, unit, value before and after, the same on held-out data, and how it was held out",
             "parameters": "each parameter before and after, and its shift in standard uncertainties",
@@ -100,7 +102,13 @@ RESULTS: dict[str, ResultFormat] = {
             "valid_from": "first day of validity",
             "valid_until": "last day of validity",
             "temperature_range_c": "lowest and highest temperature of the campaign",
+            "residual": "as in solution/1",
+            "uncertainty": "budget/1 of its parameters",
+            "diagnosis": "`verdict` and `findings` on the residual",
+            "procedure": "`name`, `steps`, times, and the standard uncertainties that were stated",
+            "site": "`latitude_deg`, `height_m`, gravity with its source and standard uncertainty",
             "inputs": "SHA-256 of every recorded file",
+            "manifest": "SHA-256 of the list of accepted steps",
             "previous": "SHA-256 of the calibration of this unit before",
             "journal": "`entries` and `sha256` of the newest entry in the journal of the database",
             "used": "SHA-256 over the rows of unit, limits, campaign, cube, surface plate and site that it rests "
