@@ -93,7 +93,7 @@ def software_version() -> str:
         name = "fog-station (not installed)"
     root = Path(__file__).resolve().parents[2]
     if not (root / ".git").exists():
-        return f"{name} (sources {sources})" if (sources := _installed_sources()) else name
+        return f"{name} (sources {sources})" if (sources := installed_sources()) else name
     command = ["git", "-C", str(root), "describe", "--always", "--dirty", "--abbrev=12", "--exclude=*"]
     try:
         commit = subprocess.run(command, capture_output=True, text=True, timeout=5, check=True).stdout.strip()
@@ -102,7 +102,7 @@ def software_version() -> str:
     return f"{name} ({commit})"
 
 
-def _installed_sources() -> str:
+def installed_sources() -> str:
     """Return the first digits of a SHA-256 over the hashes of all sources in a wheel; nothing where none is."""
     try:
         files = distribution("fog-station").files or ()
