@@ -10,7 +10,7 @@ OWN := import sys, sysconfig; "--enable-optimizations" in str(sysconfig.get_conf
 PYTHON ?= $(shell { [ "$$($(SYSTEM) -c '$(SYSTEMS)' || echo none)" = "$$(python3 -c '$(OWN)')" ]; } 2> /dev/null \
 	&& echo $(SYSTEM) || echo python3)
 
-.PHONY: demo install web test lint types contracts tests slowest test-postgres proof clean
+.PHONY: demo install web test lint types contracts tests slowest test-postgres proof docs dist clean
 
 demo: install
 	$(BIN)/station demo
@@ -75,5 +75,24 @@ test-postgres: $(VENV)/.installed-test
 proof: $(VENV)/.installed-test
 	$(BIN)/python -m tests.with_postgres $(BIN)/python -m tests.proof $(or $(ONLY),--all)
 
+# The documentation as a site, in the folder site. A warning is an error: mkdocs.yml says so.
+docs: $(VENV)/.installed-docs
+	$(BIN)/python docs/generate.py
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
+
+$(VENV)/.installed-docs: $(VENV)/.installed
+	$(PIP) ".[docs]"
+	touch $@
+
+# The source distribution and the wheel; the wheel is installed into an empty environment and runs the demo there.
+dist: $(VENV)/bin/python
+	rm -rf dist
+	$(BIN)/python -m pip install --disable-pip-version-check --quiet --constraint constraints.txt build
+	$(BIN)/python -m build --outdir dist
+	$(PYTHON) -m venv dist/empty
+	dist/empty/bin/python -m pip install --disable-pip-version-check --quiet --constraint constraints.txt dist/*.whl
+	cd dist && empty/bin/station demo --out demo
+	rm -rf dist/empty dist/demo
+
 clean:
-	rm -rf $(VENV)
+	rm -rf $(VENV) build dist site

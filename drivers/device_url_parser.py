@@ -36,7 +36,7 @@ ACCEPTED = {
     "triad": ("x", "y", "z", "format", "baud", "parity"),
 }
 TRIAD = "triad"  # three single-axis gyros; also the format of what their port gives
-CAN_OPTIONS = ("dbc", "map", "period_s")  # the others are those of python-can's interface, see docs/can.md
+CAN_OPTIONS = ("dbc", "map", "period_s")  # the others are those of python-can's interface, see docs/how-to/can.md
 CAN = "can"  # the format of a CAN bus, as `dbc` and `map` describe it
 DEVICE_FILES = {"slcan", "serial", "robotell", "seeedstudio"}  # interfaces whose channel is a file
 LINKS = ("udpin", "udpout", "tcp", "serial")  # of MAVLink

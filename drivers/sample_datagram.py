@@ -1,5 +1,6 @@
-"""A calibrated sample as a datagram of 96 bytes, little-endian; docs/streaming.md has the table and two readers.
+"""A calibrated sample as a datagram of 96 bytes, little-endian.
 
+docs/how-to/streaming.md has the table and two readers.
 Each field stands at a multiple of its own size, so that a C compiler lays a struct out the same way.
 """
 
@@ -13,7 +14,7 @@ MAGIC = b"FOG1"  # the layout's name; another layout has another
 
 DATAGRAM = np.dtype([
     ("magic", "S4"),
-    ("flags", "<u4"),         # bits, as docs/streaming.md lists them
+    ("flags", "<u4"),         # bits, as docs/how-to/streaming.md lists them
     ("sequence", "<u8"),      # rises by 1 with each sample sent
     ("t_s", "<f8"),           # device time
     ("utc_s", "<f8"),         # since 1970-01-01; NaN: not known

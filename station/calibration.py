@@ -1,4 +1,4 @@
-"""A stored calibration applied in a program of your own: the library, and all of it (docs/library.md).
+"""A stored calibration applied in a program of your own: the library, and all of it (docs/reference/library.md).
 
 >>> calibration = load("calibration.json")                      # doctest: +SKIP
 >>> found = calibration.apply(counts, t, temperature=T)         # doctest: +SKIP
@@ -64,7 +64,7 @@ class Calibration:
     model, serial : of the unit that it is of
     output : "counts" or "rates", what it is applied to
     effects : names of the effects that it takes off
-    document : calibration/1 as it was read (docs/formats.md)
+    document : calibration/1 as it was read (docs/reference/file-formats.md)
     sha256 : of the document's one text, by which the database knows it
     """
 

@@ -47,14 +47,14 @@ class LazyGroup(TyperGroup):
 
 def _group(command: Command, table: tuple[Command, ...]) -> Any:
     kind = type("Group", (LazyGroup,), {"table": table})
-    made = typer.Typer(cls=kind, add_completion=False, rich_markup_mode=None, no_args_is_help=False)
+    made = typer.Typer(name=command.name, cls=kind, add_completion=False, rich_markup_mode=None)
     made.callback(help=command.help)(lambda: None)
     return typer.main.get_command(made)
 
 
 def _single(command: Command, module: ModuleType) -> Any:
     single = typer.Typer(add_completion=False, rich_markup_mode=None)
-    single.command(command.name)(getattr(module, command.function))
+    single.command(command.name, short_help=command.help)(getattr(module, command.function))
     return typer.main.get_command(single)
 
 

@@ -5,6 +5,16 @@ from procedures.error_codes import ErrorCode
 LONGEST_LINE = 2000  # characters of what is said of an error
 CANCELLED = 130
 BUG = 70
+MEANINGS = {
+    0: "done",
+    1: "done, but the verdict is FAIL, or something was altered",
+    2: "wrong usage, or a result cannot be written",
+    3: "data refused",
+    4: "a device, its port or a service fails",
+    5: "not observable: the data do not determine what was asked",
+    BUG: "a bug of the program: please report it; STATION_TRACEBACK=1 shows where",
+    CANCELLED: "cancelled",
+}
 EXIT_CODES = {
     "station.errors.DataRefused": 3,
     "station.errors.TimeUnitAsked": 2,

@@ -43,7 +43,7 @@ def can_format(dbc: str = "", mapping: str = "", period: float | None = None) ->
     return WireFormat(
         name=can_map.name,
         title=f"CAN: {can_map.title}",
-        source="docs/can.md",
+        source="docs/how-to/can.md",
         sync=frame_record.SYNC,
         length_at=3,
         imu=replace(frame_record.IMU, channels=can_map.channels),

@@ -185,7 +185,7 @@ def open_can_log(address: DeviceUrl, form: LogForm) -> CanLogPort:
     """
     path = address.path
     if not (address.dbc and address.map):
-        expected = "dbc and map in its address: replay:FILE?dbc=FILE&map=FILE (docs/can.md)"
+        expected = "dbc and map in its address: replay:FILE?dbc=FILE&map=FILE (docs/how-to/can.md)"
         raise BadCanFile(path, None, f"a CAN log ({form.name})", expected)
     wanted = dict(address.options).get("channel")
     seen = _Seen(load_map(address.dbc, address.map))

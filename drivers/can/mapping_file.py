@@ -1,7 +1,7 @@
 """The mapping file: which signals of a DBC are the IMU's channels, counter, status, check, time and temperature.
 
-TOML; docs/can.md explains every key by an example. A name is ``MESSAGE.SIGNAL``; `counter`, `status` and `check`
-may be a bare ``SIGNAL``, which then stands in every message of the sample.
+TOML; docs/how-to/can.md explains every key by an example. A name is ``MESSAGE.SIGNAL``; `counter`, `status` and
+`check` may be a bare ``SIGNAL``, which then stands in every message of the sample.
 """
 
 import tomllib

@@ -1,6 +1,6 @@
 """The station's own frame for a rig or an FPGA that emits counts, little-endian.
 
-Source: docs/wire-format-counts.md, written so that the sender can be built from that page alone.
+Source: docs/reference/wire-format-counts.md, written so that the sender can be built from that page alone.
 Two kinds of frame share one sync: an IMU frame per sample and an identity frame about once a second.
 """
 
@@ -125,7 +125,7 @@ IDENTIFY = FrameKind(prefix=SYNC + bytes((2, IDENTITY.itemsize)), dtype=IDENTITY
 FORMAT = WireFormat(
     name="counts",
     title="Counts of a rig or FPGA, version 1",
-    source="docs/wire-format-counts.md",
+    source="docs/reference/wire-format-counts.md",
     sync=SYNC,
     length_at=3,
     imu=IMU,

@@ -37,8 +37,8 @@ class ComplementaryFilter:
     "paper-airspeed-rate" and "paper-gnss" are (9) with what the airspeed or a GNSS velocity changes by.
     "paper-filter" is the velocity filter (11)-(14), which begins with ``velocity_variance`` [m2/s2] and from the
     vertical velocity of level flight, unless ``starts_level`` is False; in turns of more than a minute it
-    diverges, since it takes the attitude for known (docs/attitude.md). The first sample's specific force is
-    where the attitude begins. Over a gap the rates of the sample after it are taken for what went on.
+    diverges, since it takes the attitude for known (docs/explanation/attitude.md). The first sample's specific
+    force is where the attitude begins. Over a gap the rates of the sample after it are taken for what went on.
     """
 
     def __init__(

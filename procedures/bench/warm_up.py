@@ -10,7 +10,7 @@ the time two positions of one face take. Two things tell the drift:
   was seen, with a prior as wide as fibre-optic gyros are. A temperature at rest settles the matter in a minute.
 
 Either is enough where the other does not contradict it. Least squares and its sigmas are textbook; the rules are
-this project's own (docs/guiding.md).
+this project's own (docs/explanation/guiding.md).
 """
 
 from collections.abc import Sequence

@@ -6,13 +6,13 @@ treats the remainder as white, which it is not at low rates. Here every node say
 cumulative output lay in ``[c, c + 1)``, and the output is a straight line plus the random walk that white rate
 noise integrates to; `procedures.counts.count_propagation.propagate` combines the statements (expectation
 propagation, started from the least-squares slope). The noise is the one that makes the counts most likely,
-averaged over what the counts leave open. With few edges this matters most: see ``docs/count-rate.md`` for the
-figures.
+averaged over what the counts leave open. With few edges this matters most: the figures are in
+``docs/explanation/count-rate.md``.
 
 Only nodes that can bind are used: in each of `NODE_WINDOWS` stretches the few that come closest to either end of
 their interval. Dropping a true statement costs information, never truth; measured, it costs none. Where the noise
 leaves more than `MAX_NODES` in doubt, the output wanders so far between two nodes that every few of them say the
-same as all (``docs/count-rate.md``): 100 s at 1 kHz take no longer than at 50 Hz.
+same as all (``docs/explanation/count-rate.md``): 100 s at 1 kHz take no longer than at 50 Hz.
 """
 
 from collections.abc import Sequence
@@ -192,8 +192,8 @@ def estimate_counts(
     TooShort
         If a dwell has fewer than `MIN_DWELL_SAMPLES` samples.
 
-    Source: the interval likelihood and its figures are this project's own (docs/count-rate.md); expectation
-    propagation is Minka, UAI 2001.
+    Source: the interval likelihood and its figures are this project's own (docs/explanation/count-rate.md);
+    expectation propagation is Minka, UAI 2001.
     """
     return estimate_channels([dwells], period, starts, times)[0]
 

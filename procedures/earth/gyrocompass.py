@@ -11,7 +11,7 @@ prior. With ``s = 1 / k``, one gyro's dwells so far and the one in question obey
 so that -2 log likelihood is ``chi2(s) - 6 n log s`` for n dwells, chi2 a quadratic form; its least value over
 ``s > 0`` judges a candidate heading. Dwells whose position is certain make the bias drop out. Earth rate and
 signs: `procedures.earth.gravity_and_rate`, `procedures.frames`. The rule of decision is this project's own
-(docs/guiding.md).
+(docs/explanation/guiding.md).
 """
 
 from collections.abc import Sequence

@@ -63,7 +63,7 @@ class OdometryDrift:
     """How an odometry errs: a random walk in time and in way.
 
     ``per_root_s`` [m/sqrt(s)], ``per_root_m`` [m/sqrt(m)], ``yaw_per_root_s`` [rad/sqrt(s)]. The defaults fit
-    visual-inertial odometry (SVO on EuRoC: docs/locate.md has the search).
+    visual-inertial odometry (SVO on EuRoC: docs/how-to/locate.md has the search).
     """
 
     per_root_s: float = 0.015

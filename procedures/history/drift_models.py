@@ -24,7 +24,7 @@ from procedures.history.parameter_series import CalibrationSeries
 from procedures.statistics.small_sample_outlier import tau_levels
 
 GRID_LEVELS_PER_DECADE = 5  # levels of the grid, of each of tau, q and c
-# The density of log q rises as q to this power; the least that covers walks: docs/history.md
+# The density of log q rises as q to this power; the least that covers walks: docs/how-to/history.md
 WALK_PRIOR_EXPONENT = 0.8
 
 

@@ -21,7 +21,7 @@ SI = ("m/s2", "rad/s")
 
 @dataclass(frozen=True, slots=True)
 class OutputRequest:
-    """How samples are wanted: ``units`` of force and rate, ``frame``, ``axes`` (docs/applying.md).
+    """How samples are wanted: ``units`` of force and rate, ``frame``, ``axes`` (docs/how-to/applying.md).
 
     With ``force`` they are written even if they are physically impossible.
     """

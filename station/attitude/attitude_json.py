@@ -1,4 +1,4 @@
-"""`attitude/1` and the CSV of an attitude track; docs/formats.md."""
+"""`attitude/1` and the CSV of an attitude track; docs/reference/file-formats.md."""
 
 from pathlib import Path
 from typing import Any

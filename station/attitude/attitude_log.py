@@ -1,4 +1,4 @@
-"""`attitude-log/1` (docs/attitude.md) read; the first rule that it breaks is named with its line."""
+"""`attitude-log/1` (docs/explanation/attitude.md) read; the first rule that it breaks is named with its line."""
 
 from pathlib import Path
 

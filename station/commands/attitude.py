@@ -85,7 +85,7 @@ def attitude(
 
     LOG is any table that `station diagnose` and `station noise` read: columns and units come from its header or
     from the options, and every inference is printed. A file with the header of attitude-log/1 may also hold an
-    airspeed, a velocity, a heading and truth (docs/attitude.md).
+    airspeed, a velocity, a heading and truth (docs/explanation/attitude.md).
 
     airspeed-filter and gnss are one Kalman filter of attitude, velocity and biases. none is the same filter
     without a velocity, or, with --tau or --k1 and --k2, the complementary filter. airspeed is the complementary

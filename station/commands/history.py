@@ -29,7 +29,7 @@ def history(
     combined u; then per parameter the turn-on repeatability, the control chart's last z, the value predicted for
     the due date with its 95 % interval, and the probability of being outside the limits of the model. Of a model:
     units that differ from the others, and cubes, surface plates, sites and operators that shift a parameter.
-    docs/history.md has the equations.
+    docs/how-to/history.md has the equations.
 
     Scale factors are in count/(g s) and count/deg, biases in ug and deg/h (in g and deg/h in files), misalignments
     in arcsec (1 in files). Without --json or --html the result is text.

@@ -41,7 +41,7 @@ def locate(
     Trajectories are TUM lines `t x y z qx qy qz qw` in s and m; quaternions rotate the IMU's axes to
     East-North-Up. The online trajectory uses only data up to each pose and begins when heading and tilt are known;
     the smoothed one uses all data. If the folder has a [truth], position errors in m are reported, without
-    alignment. A vehicle's wheel speed in m/s is used if the folder has a [wheel]: docs/locate-wheel.md.
+    alignment. A vehicle's wheel speed in m/s is used if the folder has a [wheel]: docs/how-to/locate-wheel.md.
 
     --images DIR holds images.csv (`t_s,file`) and the images it names; or it is a camera such as /dev/video0 or a
     video file. The tracks are written to the file of [tracks] and replace it; the source is then vision.

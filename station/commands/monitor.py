@@ -79,8 +79,8 @@ def monitor(
     velocity filter; paper-whole: also velocity changes). Their readings are in laws.csv and in --json.
 
     --locate adds position [m, East-North-Up of the first fix] and true heading [deg] with uncertainties, from IMU
-    and GNSS; with --camera also from a camera, whose file docs/locate-vision.md describes, with --wheel from a
-    vehicle's speed over CAN: docs/locate-wheel.md.
+    and GNSS; with --camera also from a camera (its file: docs/how-to/locate-vision.md), with --wheel from a
+    vehicle's speed over CAN (docs/how-to/locate-wheel.md).
 
     Exit code 2 if the disk cannot be written or an extra is missing, 3 if there is no calibration, 4 if the port
     cannot be opened, 130 on Ctrl-C.

@@ -49,7 +49,7 @@ def record(
     of features in its images.
 
     With --wheel also wheel_session_*.mcap (every frame of its bus), wheel.toml and wheel.dbc, and with --fusion
-    its speeds: docs/locate-wheel.md.
+    its speeds: docs/how-to/locate-wheel.md.
 
     With --fusion, IMU (calibrated: rad/s, m/s2) and fixes (m East-North-Up of the first) are then written on one
     clock, with noise densities from the Allan deviation of the longest rest. `replay:FILE` with --fusion and

@@ -85,7 +85,7 @@ def simulate(
     On CAN the URL contains the sample period; `--transport slcan --pty LINK` keeps a link to the adapter.
 
     With --scenario one file describes everything, including timed moves of the operator and faults; events are
-    printed when they happen: docs/testing.md. Only --speed and --camera-file can be added.
+    printed when they happen: docs/how-to/testing.md. Only --speed and --camera-file can be added.
 
     Exit code 3 if the truth, the faults or the scenario are wrong, 4 if the port cannot be made.
 

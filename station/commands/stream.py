@@ -48,7 +48,7 @@ def stream(
     Each sample has a sequence number, UTC [s since 1970] with --gnss, temperature [degC], and flags such as
     gap_before or saturated. Outputs: foxglove is a live server for Foxglove (extra `foxglove`; port 8765 of this
     computer by default), udp a datagram of 96 bytes per sample, mavlink HIGHRES_IMU, stdout a line of JSON per
-    sample (the default without --to). Layouts, flags and readers in Python and C: docs/streaming.md.
+    sample (the default without --to). Layouts, flags and readers in Python and C: docs/how-to/streaming.md.
 
     Without --calibration it is the newest stored one of the connected unit; that of another unit is refused.
     Samples are in the IMU's own axes; --frame frd rotates them as --axes states, as always for MAVLink. An output

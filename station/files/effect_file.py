@@ -1,4 +1,4 @@
-"""`effect/1`: an effect that no catalogue holds, as a file of TOML (docs/own-effects.md)."""
+"""`effect/1`: an effect that no catalogue holds, as a file of TOML (docs/how-to/own-effects.md)."""
 
 import hashlib
 from collections.abc import Sequence

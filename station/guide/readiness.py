@@ -25,7 +25,7 @@ NEVER_DETERMINED = (
     "gyroscope.bias_12_position",
     "gyroscope.bias_two_direction",
 )  # closed forms of accelerometers alone
-NO_COMMIT = "the station is not run from a checkout"
+NO_COMMIT = "the station runs neither from a checkout nor from an installed wheel"
 StateAndText = tuple[ReadyState, str]  # of a line
 SAYS_NONE = {"operator": "no operator", "software.commit": NO_COMMIT}
 

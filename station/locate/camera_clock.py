@@ -18,7 +18,7 @@ UNKNOWN_OFFSET_STD_S = 0.01  # s, 1 sigma of a clock of which nothing was said
 WINDOW_S = 20.0  # s that are looked at
 SUSPECTED_OFFSET_STD_S = 0.1  # s, 1 sigma about 0, within which such a clock is looked for
 SIGNIFICANT_SIGMAS = 5.0  # sigmas from which an offset is one
-HARMLESS_OFFSET_S = 0.005  # s, that a window hardly feels: docs/locate-vision.md
+HARMLESS_OFFSET_S = 0.005  # s, that a window hardly feels: docs/how-to/locate-vision.md
 
 
 @dataclass(frozen=True, slots=True, eq=False)

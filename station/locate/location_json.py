@@ -1,4 +1,4 @@
-"""A location as `location/1` (docs/formats.md): JSON-ready, without NaN, what is not estimated left out."""
+"""A location as `location/1` (docs/reference/file-formats.md): JSON-ready; what is not estimated is absent."""
 
 from dataclasses import dataclass
 from typing import Any

@@ -1,10 +1,11 @@
-"""A solution as `solution/1` (docs/formats.md): JSON-ready, without NaN, what was not estimated left out."""
+"""A solution as `solution/1` (docs/reference/file-formats.md): JSON-ready; what was not estimated is absent."""
 
+import hashlib
 import subprocess
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from functools import cache
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import PackageNotFoundError, distribution, version
 from pathlib import Path
 from typing import Any
 
@@ -81,9 +82,10 @@ def input_hashes(campaigns: Sequence[LoadedCampaign]) -> dict[str, str]:
 
 @cache
 def software_version() -> str:
-    """Return name, version and, in a checkout, the commit (``-dirty`` where files differ from it).
+    """Return name, version and the commit of a checkout (``-dirty`` where files differ from it).
 
-    Asked once: what runs is what was there when the process began.
+    Of an installed wheel a hash of its sources stands in place of the commit. Asked once: what runs is what was
+    there when the process began.
     """
     try:
         name = f"fog-station {version('fog-station')}"
@@ -91,13 +93,23 @@ def software_version() -> str:
         name = "fog-station (not installed)"
     root = Path(__file__).resolve().parents[2]
     if not (root / ".git").exists():
-        return name
+        return f"{name} (sources {sources})" if (sources := installed_sources()) else name
     command = ["git", "-C", str(root), "describe", "--always", "--dirty", "--abbrev=12", "--exclude=*"]
     try:
         commit = subprocess.run(command, capture_output=True, text=True, timeout=5, check=True).stdout.strip()
     except (OSError, subprocess.SubprocessError):
         return name
     return f"{name} ({commit})"
+
+
+def installed_sources() -> str:
+    """Return the first digits of a SHA-256 over the hashes of all sources in a wheel; nothing where none is."""
+    try:
+        files = distribution("fog-station").files or ()
+    except PackageNotFoundError:
+        return ""
+    hashes = sorted(f"{file} {file.hash.value}" for file in files if file.suffix == ".py" and file.hash)
+    return hashlib.sha256("\n".join(hashes).encode()).hexdigest()[:12] if hashes else ""
 
 
 def _triad(name: str, triad: TriadCalibration | None, dropped: list[str]) -> dict[str, Any]:

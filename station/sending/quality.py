@@ -1,4 +1,4 @@
-"""What is to be known of a single sample: flags, a bit each, the same in every output; docs/streaming.md."""
+"""What is to be known of a single sample: flags, a bit each, alike in every output (docs/how-to/streaming.md)."""
 
 from enum import IntFlag, auto
 

@@ -1,6 +1,7 @@
 """JCGM 101 on the observations: the fit's rows are drawn anew and minimised anew, by the model itself.
 
-The residuals are written here a second time, from the model in docs/solving.md: the fits' own are tested too.
+The residuals are written here a second time, from the model in docs/explanation/solving.md: those of the fits
+are tested too.
 """
 
 from collections.abc import Callable

@@ -81,7 +81,7 @@ def test_what_no_cube_can_give_is_refused() -> None:
 def test_a_certificate_turning_the_imu_and_free_positions_buy_what_the_alias_says() -> None:
     cases = remedies(5e-6)
     plain, certified, once, twice, free, *_ = [remedy_gain(one, P1_ITEMS, PAPER, QUIET) for one in cases]
-    assert plain.bias == pytest.approx(QUIET / 2, rel=2e-3)  # four dwells see a bias, `docs/solving.md`
+    assert plain.bias == pytest.approx(QUIET / 2, rel=2e-3)  # four dwells: docs/explanation/solving.md
     assert certified.bias == pytest.approx(QUIET / 2, rel=2e-3)  # parallelism is absorbed with or without
     spread = tilt_std(P1_ITEMS)
     pairs = spread[::2] ** 2 + spread[1::2] ** 2  # variance of p; K2 takes the common part of two cross sums

@@ -10,7 +10,8 @@ from tests.proof.registry import PROOFS
 PAGE = EVIDENCE / "README.md"
 HEAD = """# Evidence
 
-What the long statistical runs of `make proof` measured ([how to run them](../station-tests.md#make-proof)).
+What the long statistical runs of `make proof` measured
+([how to run them](../contributing/station-tests.md#make-proof)).
 This page is generated from the JSON files in this folder: `python -m tests.proof --pages`.
 """
 

@@ -30,7 +30,7 @@ FIELDS = {
     ),
 }  # fmt: skip
 NAMES = {"Calibrated", "Calibration", "CalibrationStream", "DataRefused", "calibration_of", "load"}
-PAGES = ("README.md", "docs/library.md")
+PAGES = ("README.md", "docs/reference/library.md")
 
 
 def _bare(function: Any) -> str:
@@ -48,7 +48,7 @@ def _named(path: str) -> Any:
 
 def test_its_names_are_those_that_are_promised() -> None:
     assert set(calibration.__all__) == NAMES
-    page = (ROOT / "docs/library.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs/reference/library.md").read_text(encoding="utf-8")
     assert all(f"`{name}" in page for name in NAMES)
 
 

@@ -1,4 +1,7 @@
-"""Every effect that can be planted by name and size; `docs/simulated-devices.md` lists units and equations."""
+"""Every effect that can be planted by name and size.
+
+`docs/reference/simulated-devices.md` lists units and equations.
+"""
 
 from collections.abc import Mapping
 from types import MappingProxyType

@@ -55,7 +55,7 @@ class PlantedEffect:
     """One effect to plant: ``accel`` and ``gyro`` return what is added to ``E u + D`` [g], [deg/s].
 
     ``keys`` are the coefficients' names, ``unit`` theirs; ``options`` further settings with their default. Their
-    equations stand in `docs/effects.md`, of those with options in `docs/simulated-devices.md`.
+    equations stand in `docs/reference/effects.md`, of those with options in `docs/reference/simulated-devices.md`.
     """
 
     name: str

@@ -1,8 +1,8 @@
 """Effects written as `effect/1`, planted: read, parsed and worked out here, by nothing of what fits them.
 
-Of the grammar (docs/own-effects.md) the inputs that a simulated unit knows of one moment are there, and the lag of
-its temperature; `t_step` counts from when the cube was last moved. Python's parser makes a tree of the term; every
-kind of node of it is looked at here, and none is ever run.
+Of the grammar (docs/how-to/own-effects.md) the inputs that a simulated unit knows of one moment are there, and the
+lag of its temperature; `t_step` counts from when the cube was last moved. Python's parser makes a tree of the
+term; every kind of node of it is looked at here, and none is ever run.
 """
 
 import ast

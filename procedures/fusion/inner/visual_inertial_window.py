@@ -45,7 +45,7 @@ FREE_HEADING = 0.3  # rad on the first attitude: the alignment's own data are us
 FREE_TILT = 0.1
 FIXED = 1e-4  # rad, the heading of the window's own frame
 OFFSET_WALK = 3e-4  # s/sqrt(s): 50 ppm of a camera's own clock are 3 ms in a minute
-SLACK = 2.0  # of the drift that the window states: measured on real IMUs, docs/locate-vision.md
+SLACK = 2.0  # of the drift that the window states: measured on real IMUs, docs/how-to/locate-vision.md
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -28,7 +28,7 @@ from procedures.fusion.odometry import OdometryPose
 LOOK_BACK_AT = (1, 4, 16, 64)  # velocities behind an outage: 1, 2, 4, 8 and so on gave the same figures
 SETTLED_S = 5.0  # s of velocities behind an outage until its motion is left as it is known
 LONGEST_S = 120.0  # s of an outage that are estimated anew: what lies before is left as it was handed on
-SLACK = 2.0  # of an outage's variance: measured on real IMUs, docs/locate.md
+SLACK = 2.0  # of an outage's variance: measured on real IMUs, docs/how-to/locate.md
 
 
 class WayHandedOn:

@@ -76,7 +76,7 @@ def read_campaign(folder: Path, *, moves: bool = True) -> LoadedCampaign:
     Raises
     ------
     DataRefused
-        If the folder breaks a rule of docs/campaign-folder.md: with file, line, found and expected.
+        If the folder breaks a rule of docs/how-to/campaign-folder.md: with file, line, found and expected.
     """
     if not folder.is_dir():
         raise DataRefused(

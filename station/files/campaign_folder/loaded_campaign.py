@@ -18,7 +18,7 @@ from station.files.campaign_folder.sample_series import WARN_PERIOD_DEVIATION, S
 if TYPE_CHECKING:
     from station.files.effect_file import EffectFile  # few campaigns list effects
 
-MAX_PERIOD_DEVIATION = 1e-2  # relative, docs/campaign-folder.md
+MAX_PERIOD_DEVIATION = 1e-2  # relative, docs/how-to/campaign-folder.md
 
 
 @dataclass(frozen=True, slots=True, eq=False)

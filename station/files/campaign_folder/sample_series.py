@@ -14,7 +14,7 @@ from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import CampaignImuTable
 from station.files.columns import OUTPUTS, PLAUSIBLE_C, TRIADS, DataFile
 
-WARN_PERIOD_DEVIATION = 1e-3  # relative, docs/campaign-folder.md
+WARN_PERIOD_DEVIATION = 1e-3  # relative, docs/how-to/campaign-folder.md
 _MAX_GAPS_NAMED = 10
 
 

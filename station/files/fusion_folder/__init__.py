@@ -1,4 +1,4 @@
-"""Fusion folders (`fusion/1`, docs/locate.md): IMU, GNSS and odometry of a drive or a flight, to be located."""
+"""Fusion folders (`fusion/1`, docs/how-to/locate.md): IMU, GNSS and odometry of a drive or flight."""
 
 from station.files.fusion_folder.fusion_reading import FusionLog, read_fusion
 from station.files.fusion_folder.tum import read_tum, write_tum

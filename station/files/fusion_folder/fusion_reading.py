@@ -57,7 +57,7 @@ def read_fusion(folder: Path) -> FusionLog:
     Raises
     ------
     DataRefused
-        If the folder breaks a rule of docs/locate.md: with file, line, found and expected.
+        If the folder breaks a rule of docs/how-to/locate.md: with file, line, found and expected.
     """
     table, lines = read_fusion_toml(folder)
     fixes = _fixes(folder, table.gnss, lines)

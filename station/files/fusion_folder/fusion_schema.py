@@ -1,4 +1,4 @@
-"""The tables of ``fusion.toml`` (`fusion/1`, docs/locate.md): names with units, types, ranges, defaults."""
+"""The tables of ``fusion.toml`` (`fusion/1`, docs/how-to/locate.md): names with units, types, ranges, defaults."""
 
 from typing import Annotated, Literal, Self
 

@@ -135,7 +135,7 @@ def decoded(content: bytes, file: Path) -> str:
     ):
         raise DataRefused(
             file, None, "binary data", "a table as text, .mat, .npz or .parquet",
-            "write a short reader that saves it as .npz (docs/logs.md)", ErrorCode.TABLE,
+            "write a short reader that saves it as .npz (docs/how-to/logs.md)", ErrorCode.TABLE,
         )  # fmt: skip
     return decoded_lines(content)
 

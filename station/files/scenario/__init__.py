@@ -1,4 +1,4 @@
-"""A whole simulated bench from one file: IMU, receiver, the operator's hands, faults; docs/testing.md."""
+"""A whole simulated bench from one file: IMU, receiver, the operator's hands, faults; docs/how-to/testing.md."""
 
 from station.files.scenario.scenario_reading import Scenario, read_scenario
 from station.files.scenario.scenario_serving import serve_scenario

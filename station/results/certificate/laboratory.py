@@ -1,4 +1,4 @@
-"""``laboratory.toml``: what a certificate says that no instrument knows; docs/certificate.md shows one."""
+"""``laboratory.toml``: what a certificate says that no instrument knows; docs/how-to/certificate.md shows one."""
 
 from collections.abc import Mapping
 from datetime import date

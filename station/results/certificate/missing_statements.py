@@ -10,7 +10,7 @@ from station.files.effect_file import stored_effect
 from station.results.certificate.laboratory import Laboratory
 from station.results.parameters_by_name import applied, parameters
 
-COMMIT = re.compile(r"\((?P<commit>[0-9a-f]{7,40})(?P<dirty>-dirty)?\)")
+COMMIT = re.compile(r"\((?:sources )?(?P<commit>[0-9a-f]{7,40})(?P<dirty>-dirty)?\)")
 _ANEW = "a stored calibration is never changed; calibrate again"
 _CONFIRM = (
     "a later campaign that shows it, `station effects adopt` of its diagnosis; then calibrate with that file"
@@ -22,7 +22,7 @@ FROM_CALIBRATION = {  # a field of a calibration by its path, and how it is give
     "serial": _ANEW,
     "accepted_utc": _ANEW,
     "operator": f"`station calibrate --operator`; {_ANEW}",
-    "software.commit": f"a station installed from a checkout; {_ANEW}",
+    "software.commit": f"a station that runs from a checkout or an installed wheel; {_ANEW}",
     "inputs": _ANEW,
     "procedure.name": _ANEW,
     "procedure.steps": _ANEW,

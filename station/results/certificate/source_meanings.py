@@ -1,4 +1,7 @@
-"""What the sources of uncertainty are, for readers of a certificate; docs/uncertainty.md has how each is found."""
+"""What the sources of uncertainty are, for readers of a certificate.
+
+docs/explanation/uncertainty.md has how each is found.
+"""
 
 from collections.abc import Iterable
 

@@ -1,4 +1,4 @@
-"""A diagnosis as `diagnosis/1` (docs/formats.md): JSON-ready, without NaN, what is not known left out."""
+"""A diagnosis as `diagnosis/1` (docs/reference/file-formats.md): JSON-ready, without what is not known."""
 
 import sys
 from collections.abc import Mapping, Sequence

@@ -53,7 +53,8 @@ def read_fixture(document: Any, where: str | Path) -> FixtureDocument:
     for name, known, element in _quantities(document):
         try:
             if known is None:
-                raise NoQuantity("a quantity of no known refType or name", "those of docs/certificate-signing.md")
+                expected = "those of docs/how-to/certificate-signing.md"
+                raise NoQuantity("a quantity of no known refType or name", expected)
             if known in found:
                 raise NoQuantity("the same quantity twice", "each once")
             found[known] = _checked(known, read_real(element))

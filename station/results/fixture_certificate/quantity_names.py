@@ -1,7 +1,7 @@
 """Which quantities of a certificate are taken in: by refType, or by the names that laboratories give them.
 
 ``x_up`` is the cube resting with its x axis up; the components of its up vector are along the two other axes, in
-the order x, y, z. docs/certificate-signing.md has the table.
+the order x, y, z. docs/how-to/certificate-signing.md has the table.
 """
 
 import re

@@ -8,7 +8,7 @@ t4-1 = 0.04
 # ...
 [cost]                  # optional: an item costs its weight over its tolerance; 1 where not given
 t3 = 2.0
-[set_aside]             # optional: what Yao 2018 sets aside, docs/tolerance.md; usual sizes where not given
+[set_aside]             # optional: what Yao 2018 sets aside, docs/explanation/tolerance.md; default: usual sizes
 slab-flatness = 0.008
 [campaign]              # optional: what they act in
 seat_side_mm = 200.0    # half the cube's side where not given

@@ -1,1 +1,1 @@
-"""Laws that no catalogue holds, planted with nothing of the grammar: `docs/discovering-effects.md`."""
+"""Laws that no catalogue holds, planted with nothing of the grammar: `docs/how-to/discovering-effects.md`."""

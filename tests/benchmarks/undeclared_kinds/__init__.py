@@ -1,1 +1,4 @@
-"""Errors of sensors from the literature, planted with nothing of the diagnosis: `docs/undeclared.md`."""
+"""Errors of sensors from the literature, planted with nothing of the diagnosis.
+
+`docs/explanation/undeclared.md` says which.
+"""

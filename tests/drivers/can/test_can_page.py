@@ -12,7 +12,7 @@ from drivers.can.payload_checks import CHECKS
 from tests.drivers.can.frames import DBC, needs_captures
 from tests.paths import ROOT
 
-PAGE = (ROOT / "docs/can.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs/how-to/can.md").read_text(encoding="utf-8")
 
 
 @needs_captures

@@ -13,9 +13,10 @@ from drivers.simulated.server import SimulatedDevice
 from tests.paths import ROOT
 
 pytest_plugins = ["pytester"]
-THREE_LINES, WHOLE_FILE = re.findall(
-    r"```python\n(.*?)```", (ROOT / "docs/testing.md").read_text(encoding="utf-8"), re.DOTALL
+THREE_LINES, FROM_FILE = re.findall(
+    r"```python\n(.*?)```", (ROOT / "docs/how-to/testing.md").read_text(encoding="utf-8"), re.DOTALL
 )
+WHOLE_FILE = (ROOT / "docs/examples/test_devices.py").read_text(encoding="utf-8")
 PLUGIN = ("-p", pytest_plugin.__name__, "-p", "no:cacheprovider")
 
 
@@ -25,6 +26,7 @@ def _this_plugin_alone(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_the_examples_of_the_page_run(pytester: pytest.Pytester) -> None:
+    assert FROM_FILE in WHOLE_FILE
     pytester.makepyfile(f"{WHOLE_FILE}\n\n{THREE_LINES}")
     result = pytester.runpytest_inprocess(*PLUGIN, "--strict-markers", "-W", "error")
     result.assert_outcomes(passed=WHOLE_FILE.count("def test_") + 2)

@@ -1,4 +1,4 @@
-"""docs/wire-format-counts.md and drivers/wire/counts.py say the same, to the byte."""
+"""docs/reference/wire-format-counts.md and drivers/wire/counts.py say the same, to the byte."""
 
 import re
 import zlib
@@ -10,7 +10,7 @@ from drivers.wire import Identity, counts
 from procedures.counts.sample_records import CountBlock
 from tests.paths import ROOT
 
-PAGE = (ROOT / "docs/wire-format-counts.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs/reference/wire-format-counts.md").read_text(encoding="utf-8")
 EXAMPLES = [bytes.fromhex(line) for line in re.findall(r"^EB 90[ 0-9A-F]+$", PAGE, re.MULTILINE)]
 TYPES = {"u8": "u1", "u16": "<u2", "u32": "<u4", "u64": "<u8", "i16": "<i2", "i32": "<i4"}
 

@@ -1,4 +1,4 @@
-"""You and Lee, section 4, run again: what comes out as printed, and what does not (docs/attitude.md)."""
+"""You and Lee, section 4, run again: what comes out as printed and what not (docs/explanation/attitude.md)."""
 
 from collections.abc import Callable
 from functools import cache

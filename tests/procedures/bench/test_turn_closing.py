@@ -1,4 +1,4 @@
-"""Whether turns closed: figures of docs/guiding.md in short, and every case of the decision."""
+"""Whether turns closed: figures of docs/explanation/guiding.md in short, and every case of the decision."""
 
 import numpy as np
 import pytest

@@ -27,10 +27,8 @@ from procedures.effects import EFFECTS
 from procedures.effects.effect import BENCH, INSTRUMENT, TAU, Effect, no_columns
 from procedures.effects.temperature_polynomial import orders_of
 from procedures.frames import TURN_START, rotation
-from tests.paths import ROOT
 
 BY_NAME = {effect.name: effect for effect in EFFECTS}
-PAGE = ROOT / "docs/effects.md"
 
 UNIT = Truth(
     sample_period_s=0.05, gravity_m_s2=9.79, magnetic_enu_ut=np.array([-3.0, 34.0, -36.0]),
@@ -287,11 +285,6 @@ def lacks(effect: Effect) -> Iterator[str]:
         keys = {key for way in ways for key in way.coefficients}
         if strange := ({"value"} if effect.is_scatter else keys) - {*twin.keys, *twin.options}:
             yield f"{name} cannot be planted in {sorted(strange)}: let its twin have these keys."
-    rows = [line for line in PAGE.read_text("utf-8").splitlines() if line.startswith(f"| `{name}` |")]
-    if len(rows) != 1:
-        yield f"{name} has {len(rows) or 'no'} rows in the tables of docs/effects.md: let it have one."
-    elif f"| {effect.unit} |" not in rows[0].replace(";", " |"):
-        yield f"{name} has another unit than {effect.unit!r} in its row of docs/effects.md."
 
 
 def test_every_file_of_effects_is_in_the_catalogue() -> None:

@@ -79,7 +79,7 @@ def told(design) -> dict[str, ToldEffect]:
 
 
 def test_twelve_placings_and_turns_tell_what_is_known_that_they_do() -> None:
-    """docs/effects.md: K2 is one with the parallelism of an uncertified cube, K3 with the scale factor."""
+    """K2 is one with the parallelism of an uncertified cube, K3 with the scale factor (effects.md)."""
     usual = told(usual_design(moves=False))
     assert not usual["accelerometer.quadratic"].is_told
     assert not usual["accelerometer.cubic"].is_told

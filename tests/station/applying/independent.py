@@ -1,5 +1,6 @@
-"""calibration/1 evaluated from its pages' equations (docs/formats.md, docs/effects.md), with none of the product.
+"""calibration/1 evaluated from its pages' equations, with none of the product.
 
+The pages are docs/reference/file-formats.md and docs/reference/effects.md.
 Written a sample at a time, slowly: u by fixed point, the temperature followed in closed form between two samples.
 """
 

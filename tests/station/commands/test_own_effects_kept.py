@@ -50,6 +50,6 @@ def test_an_effect_of_a_diagnosis_is_written_with_its_origin(
 
 
 def test_the_page_states_the_hash_of_its_example() -> None:
-    page = (Path(__file__).parents[3] / "docs/own-effects.md").read_text()
+    page = (Path(__file__).parents[3] / "docs/how-to/own-effects.md").read_text()
     example = page.split("```toml\n")[1].split("```")[0]
     assert f'sha256 = ["{hashlib.sha256(example.encode()).hexdigest()}"]' in page

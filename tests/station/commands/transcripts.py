@@ -18,7 +18,7 @@ MASKED = (
     (r"serial ports present: [^;]*|no serial port is present", "serial ports present: ..."),
     (r"fog-station \d\S*( \([^)]*\))?", "fog-station VERSION"),
     (r"journal (\d+)-[0-9a-f]{16}", r"journal \1-CODE"),
-    (r"\[(E-[A-Z-]+): [^\]]*\]", r"[\1]"),  # its meaning stands in docs/error-codes.md
+    (r"\[(E-[A-Z-]+): [^\]]*\]", r"[\1]"),  # its meaning stands in docs/reference/error-codes.md
     (rf"({date.today()}|{date.today() - timedelta(days=1)})([ T]\d\d:\d\d(:\d\d)?)?", "TODAY"),
 )
 

@@ -1,6 +1,6 @@
 """After a power cut: what was said to be on the disk is there, and what was not is told from it.
 
-`python -m tests.benchmarks.power_cuts` looks at more states; docs/power-cuts.md has what came of it.
+`python -m tests.benchmarks.power_cuts` looks at more states; docs/explanation/power-cuts.md has what came of it.
 """
 
 import os

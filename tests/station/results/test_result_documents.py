@@ -1,4 +1,4 @@
-"""solution/1 and budget/1 as docs/formats.md has them, and as people read them."""
+"""solution/1 and budget/1 as docs/reference/file-formats.md has them, and as people read them."""
 
 import json
 from dataclasses import replace

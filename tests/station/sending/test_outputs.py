@@ -23,7 +23,7 @@ from tests.station.sending.datagrams import listener
 
 FRD = np.diag([1.0, -1.0, -1.0])
 ABOUT = About("MODEL", "S1", "a.json", "sensor", FRD, 0.01)
-DATAGRAM = struct.Struct("<4sIQdd3d3ddII")  # as docs/streaming.md says
+DATAGRAM = struct.Struct("<4sIQdd3d3ddII")  # as docs/how-to/streaming.md says
 
 
 def made(n: int, first: int = 0, seed: int = 1) -> CalibratedSamples:

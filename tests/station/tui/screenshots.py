@@ -1,4 +1,4 @@
-"""Draw the pictures of docs/guided-calibration.md: `python -m tests.station.tui.screenshots`."""
+"""Draw the pictures of docs/how-to/guided-calibration.md: `python -m tests.station.tui.screenshots`."""
 
 import asyncio
 import re

@@ -18,7 +18,7 @@ from tests.station.tui.session import screens
 from tests.station.tui.test_messages import STREAM
 
 DOCS = ROOT / "docs"
-PAGE = (DOCS / "guided-calibration.md").read_text(encoding="utf-8")
+PAGE = (DOCS / "how-to/guided-calibration.md").read_text(encoding="utf-8")
 SHOWN = {"down": "arrows", "enter": "Enter", "question_mark": "`?`", "escape": "Esc"}
 
 
@@ -43,7 +43,7 @@ async def test_each_picture_is_what_the_screens_show(name: str) -> None:
     )
 
 
-GLOSSARY = (ROOT / "docs" / "glossary.md").read_text(encoding="utf-8")
+GLOSSARY = (ROOT / "docs/reference/glossary.md").read_text(encoding="utf-8")
 WORDS = [word.strip() for row in re.findall(r"^\| (.+?) \|", GLOSSARY, re.MULTILINE) for word in row.split(",")]
 SHOUTED = re.compile(r"(?<![\w/+-])[A-Z]{2,}(?:[ -][A-Z]{2,})*(?![\w-])")
 NAMES = {"SIM", "FOG", "IMU", "IMUS", "SLAB", "CUBE", "GNSS", "FTDI", "USB", "PASS", "FAIL", "CANCELLED", "LEFT"}

@@ -8,7 +8,7 @@ from station.tui.app import StationApp
 from tests.station.tui import views
 from tests.station.tui.session import LARGE, SMALL, MemorySession
 
-LOOKS = [  # the usual ones are the pictures of docs/guided-calibration.md, see test_page.py
+LOOKS = [  # the usual ones are the pictures of docs/how-to/guided-calibration.md, see test_page.py
     ("start", SMALL, "ctrl+s"),
     ("warming", SMALL, ""),
     ("silent", SMALL, ""),

@@ -4,7 +4,7 @@ Han 2022 (III.B) takes roll and pitch from ``C a_i = G + a_l``: the acceleromete
 acceleration of the motion, GNSS velocity differentiated, and yaw from the track. Without a camera both come from
 the same equation, carried to one body frame by the gyro and solved for all instants at once (Wahba's problem).
 Differencing turns white velocity noise into ``sqrt(2) std / dt`` of acceleration, and no bias is estimated;
-`MovingAligner` is what the station uses. Measured beside it in docs/locate.md.
+`MovingAligner` is what the station uses. Measured beside it in docs/how-to/locate.md.
 """
 
 import numpy as np

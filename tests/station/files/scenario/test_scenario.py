@@ -33,7 +33,7 @@ def test_the_shipped_examples_can_be_served_and_stand_on_the_page(path: Path) ->
     scenario = read_scenario(path)
     assert scenario.table.title
     assert scenario.moves or scenario.drive
-    assert f"scenarios/{path.name}" in (DOCS / "testing.md").read_text(encoding="utf-8")
+    assert f"scenarios/{path.name}" in (DOCS / "how-to/testing.md").read_text(encoding="utf-8")
 
 
 def test_moves_follow_each_other_and_happen_to_the_sample(tmp_path: Path) -> None:
@@ -133,10 +133,8 @@ def test_imu_receiver_and_camera_go_along_one_track(tmp_path: Path, monkeypatch:
     assert 0 <= images[-1].device_ns / 1e9 - scenario.camera.clock_offset_s < last_s + 1.0
 
 
-def test_the_scenario_on_the_page_can_be_served(tmp_path: Path) -> None:
-    (text,) = re.findall(r"```toml\n(.*?)```", (DOCS / "testing.md").read_text(encoding="utf-8"), re.DOTALL)
-    (tmp_path / "s.toml").write_text(text)
-    scenario = read_scenario(tmp_path / "s.toml")
+def test_the_example_can_be_served() -> None:
+    scenario = read_scenario(DOCS / "scenarios/example.toml")
     assert [move.at_s for move in scenario.moves[:2]] == pytest.approx([20, 30 + 12 * scenario.truth.settle_tau_s])
     assert scenario.autopilot is not None
     assert scenario.autopilot.system == 5

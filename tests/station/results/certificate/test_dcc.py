@@ -57,7 +57,7 @@ def test_what_breaks_the_schema_is_found(written: dict[str, bytes], good: bytes,
 def test_the_page_names_what_stands_in_the_xml(written: dict[str, bytes], tmp_path: Path) -> None:
     with empty_db(tmp_path / "station.db") as database, database.write() as session:
         document = json.loads(accepted(session).document) | {"manifest": "5e" * 32}  # of a campaign with its steps
-    page = (ROOT / "docs" / "certificate.md").read_text()
+    page = (ROOT / "docs/how-to/certificate.md").read_text()
     named = set(re.findall(r"`?((?:fog|basic)_\w+)", page)) - {"fog_", "basic_", "fog_NAME"}
     assert len(named) > 40
     texts = b" ".join([*written.values(), certificate_xml(content(document))]).decode()

@@ -1,4 +1,4 @@
-"""Draw the pictures of docs/monitor.md: `python -m tests.station.tui.monitor.screenshots`."""
+"""Draw the pictures of docs/how-to/monitor.md: `python -m tests.station.tui.monitor.screenshots`."""
 
 import asyncio
 

@@ -14,7 +14,7 @@ from tests.paths import ROOT
 from tests.station.tui.monitor.screenshots import PICTURES, picture
 
 DOCS = ROOT / "docs"
-PAGE = (DOCS / "monitor.md").read_text(encoding="utf-8")
+PAGE = (DOCS / "how-to/monitor.md").read_text(encoding="utf-8")
 
 
 def test_the_page_names_every_key() -> None:

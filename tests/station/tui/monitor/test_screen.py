@@ -12,7 +12,7 @@ from station.tui.widgets.redrawn_on_change import ValueWidget
 from tests.station.monitor.views import VIEWS
 from tests.station.tui.monitor.session import LARGE, SMALL, MemorySession, Shown, shown
 
-LOOKS = [  # the usual ones are the pictures of docs/monitor.md, see test_page.py
+LOOKS = [  # the usual ones are the pictures of docs/how-to/monitor.md, see test_page.py
     ("waiting", SMALL, ""), ("alarming", SMALL, ""), ("blind", SMALL, ""), ("resting", SMALL, "question_mark"),
     ("located", LARGE, ""), ("side_by_side", LARGE, ""),
 ]  # fmt: skip
