@@ -2,12 +2,12 @@
 
 import json
 import re
+import runpy
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from docs.generate import INPUTS, PAGES, REFERENCE
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from station import cli
@@ -15,6 +15,8 @@ from station.results.result_formats import RESULTS
 from tests.paths import ROOT
 from tests.station.campaign_writing import write_campaign
 
+GENERATOR = runpy.run_path(str(ROOT / "docs/generate.py"))
+INPUTS, PAGES, REFERENCE = (GENERATOR[name] for name in ("INPUTS", "PAGES", "REFERENCE"))
 ELSEWHERE = {
     "attitude-log/1": "docs/explanation/attitude.md",
     "can-map/1": "docs/how-to/can.md",
