@@ -108,10 +108,10 @@ def test_a_dead_channel_is_named_and_the_rest_is_solved_and_diagnosed(case: str,
     kill, words, alive = CASES[case]
     campaign = every_step(recorded(counts), kill)
     solution = solve([campaign])
-    told = "\n".join(text for text in solution.warnings if "puts out a constant" in text)
+    told = "\n".join(text for text in solution.warnings if "outputs a constant" in text)
     assert all(word in told for word in words)
     diagnosed = diagnose([campaign], FEW).solution
-    assert [text for text in diagnosed.warnings if "puts out a constant" in text] == told.split("\n")
+    assert [text for text in diagnosed.warnings if "outputs a constant" in text] == told.split("\n")
     for triad, there in (("accelerometer", alive != "gyroscope"), ("gyroscope", alive != "accelerometer")):
         for each in (solution, diagnosed):
             found = getattr(each, triad)
@@ -150,7 +150,7 @@ def test_a_channel_that_stops_in_a_sequence_is_named_with_its_time(counts: bool)
     [record] = whole.sequences
     stopped_y = dead(GYRO, "y", everywhere, 0.0, 0.5)(record.name, record.series)
     [kept], [said] = without_dead([replace(whole, sequences=(replace(record, series=stopped_y),))])
-    assert "gyroscope y puts out a constant 0 in walk from" in said
+    assert "gyroscope y outputs a constant 0 in walk from" in said
     assert kept.sequences[0].series.gyro is None
     assert kept.sequences[0].series.accel is not None
 

@@ -43,7 +43,7 @@ def test_what_is_had_to_the_last_digit_is_met(factor: float, met: bool) -> None:
 
 @pytest.mark.usefixtures("few")
 def test_less_than_the_shortest_campaign_is_refused_with_what_is_expected() -> None:
-    with refused(ValueError, None, "2.8 min", "3 placings"):
+    with refused(ValueError, None, "2.8 min", "3 placements"):
         most_in_time(ENGINE, BIAS, 164.0 / 60)
 
 

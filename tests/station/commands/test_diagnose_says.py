@@ -60,7 +60,7 @@ def test_a_short_rest_is_not_enough_and_what_would_be_is_said(
 ) -> None:
     assert cli.run(["diagnose", written(tmp_path, at_rest(200 / RATE)), *OPTIONS]) == 0
     said = capsys.readouterr().out
-    assert said.startswith("NOT ENOUGH TO CALIBRATE.")
+    assert said.startswith("NOT ENOUGH DATA TO CALIBRATE.")
     assert "384 samples or 200 s" in said
 
 

@@ -123,7 +123,7 @@ def test_a_reference_that_counts_the_other_way_is_turned_round(ends: tuple[float
     sign = -1 if ends[1] > ends[0] else 1
     log = with_reference(saved(tmp_path, 366.76, 1.001), ends, sign)
     found = diagnosed(log, "--reference", "enc_deg")
-    assert any("counts the other way" in each for each in found["guessed"])
+    assert any("counts in the opposite direction" in each for each in found["guessed"])
     (turn,) = found["turns"]
     assert turn["axis"] == ("+z" if sign > 0 else "-z")
     assert abs(turn["angle_deg"]) == pytest.approx(366.76)

@@ -88,7 +88,7 @@ def test_history_lists_calibrations_with_their_drift(tmp_path: Path, capsys: pyt
     assert code == 0
     assert len([line for line in text.splitlines() if line.startswith("2026-")]) == 2
     assert "1000.000 +- 0.080 ug" in text
-    assert "-0.566 ug (5.0 sigma)" in text
+    assert "-0.566 ug (5.0 u)" in text
     assert "turn-ons: 1," in text  # one recording, solved twice
     code, _ = run(capsys, "history", "S1", "--json", str(tmp_path / "h.json"), *db)
     first, second = json.loads((tmp_path / "h.json").read_text())["calibrations"]

@@ -151,7 +151,7 @@ def test_what_is_not_carried_is_said_and_bounds_the_error(export: Export, tmp_pa
     assert found is not None
     assert error.accel < float(found[2]) * 1e-3 * STANDARD_GRAVITY + COUNT.accel
     assert error.accel > 0.3 * float(found[2]) * 1e-3 * STANDARD_GRAVITY
-    for what in ("gyroscope misalignment", "gyroscope scale factor", "the sigmas"):
+    for what in ("gyroscope misalignment", "gyroscope scale factor", "the uncertainties"):
         assert f"# NOT CARRIED: {what}" in text
 
 

@@ -148,7 +148,7 @@ def test_a_clean_seat_is_cleared_once_the_crumb_before_it_is_wiped_off(rig: Make
         guided.obey("redo", step="dwell_05")
     placed(guided, (5,), {})
     assert guided.context.badly_seated == set()
-    assert "position 6 sat well" in guided.texts[-1]
+    assert "position 6 was seated correctly" in guided.texts[-1]
     assert not doubt_of(tables_of(guided))
 
 

@@ -77,7 +77,7 @@ def test_a_turn_that_is_not_the_one_asked_for_is_told_why(rig: Make, command: st
     guided.hands(command)
     view = guided.run(rejected)
     assert view.events[-1].text.startswith(f"turn X+: {reason}")
-    assert view.events[-1].text.endswith("; once more")
+    assert view.events[-1].text.endswith("; repeat")
     guided.hands("place 1 8")
     guided.run(ready)
     guided.hands("turn x + 3 2")
@@ -96,7 +96,8 @@ def test_a_turn_from_the_other_position_of_its_face_is_refused(rig: Make) -> Non
     guided = rig([PLUS])
     guided.hands("place 2 8")
     view = guided.run(rejected)
-    assert view.events[-1].text == "the cube is in position 2; a turn X+ starts in position 1"
+    assert "position 2" in view.events[-1].text
+    assert view.events[-1].text.endswith("in position 1")
 
 
 @pytest.mark.parametrize("revolutions", [2, 4])
@@ -120,7 +121,7 @@ def test_a_turn_the_wrong_way_stops_at_once_where_nothing_else_is_to_be_done_tha
     view = guided.run(rejected)
     assert guided.source.device.imu.time < began + 15  # of about 35
     assert view.events[-1].text == (
-        "turn X+: wrong direction, expected counter-clockwise seen from above; once more"
+        "turn X+: wrong direction, expected counter-clockwise seen from above; repeat"
     )
     assert max((v.turn.revolutions for v in guided.seen if v.turn is not None), default=0.0) < 0.1
 
@@ -174,7 +175,7 @@ def test_a_pair_that_did_not_close_is_not_taken_and_a_third_turn_decides(rig: Ma
     turn(guided, "+")
     off_by(guided, "-", 0.5)
     text = guided.texts[-1]
-    assert re.match(r"rejected: turn X- and turn X\+ came back 0\.\d\d deg, limit 0\.05: one more turn X-", text)
+    assert re.match(r"rejected: turn X- and turn X\+ differ by 0\.\d\d deg, limit 0\.05: one more turn X-", text)
     assert not guided.guide.is_complete
     view = guided.run(lambda v: v.question is not None)
     assert [choice.key for choice in view.question.choices] == ["t", "w"]
@@ -191,7 +192,7 @@ def test_where_the_third_turn_confirms_the_second_the_first_is_done_again(rig: M
     off_by(guided, "+", 0.5)
     turn(guided, "-")
     turn(guided, "-")
-    assert "turn X- is confirmed, repeat turn X+ again" in guided.texts[-1]
+    assert guided.texts[-1].endswith("turn X- is confirmed, repeat turn X+")
     turn(guided, "+")
     assert guided.guide.is_complete
 

@@ -105,7 +105,7 @@ def test_what_was_done_otherwise_is_stored_with_the_calibration(tmp_path: Path) 
             document = json.loads(calibration(session, sha256).document)
     assert document["procedure"]["deviations"] == [
         "the serial number was typed in: the unit does not send one",
-        "warm-up was skipped: biases may drift by 0.2 deg/h and 30 ug (1 sigma)",
+        "warm-up was skipped: biases may drift by 0.2 deg/h and 30 ug (standard uncertainty)",
         "dwell_01 was recorded 2 times, the last one is used",
     ]
 

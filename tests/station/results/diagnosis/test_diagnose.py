@@ -54,7 +54,7 @@ def test_the_error_falls_on_what_was_held_out(warmed: Diagnosed) -> None:
     row = next(one for one in warmed.document["error"] if one["quantity"] == "accelerometer dwells")
     assert row["held_out_after"] < 0.1 * row["held_out_before"]
     assert row["after"] < 0.1 * row["before"]
-    assert "left out" in row["method"]
+    assert "held out" in row["method"]
 
 
 def test_with_a_temperature_effect_parameters_hold_at_25_degc(warmed: Diagnosed, uncertified: Diagnosed) -> None:

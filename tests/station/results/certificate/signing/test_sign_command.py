@@ -137,7 +137,7 @@ def test_a_signed_file_gives_way_to_a_signed_one_alone(station: Run, tmp_path: P
     again = ("certificate", "S0101", "--copy", "--dcc", "--pdf", "--out", "c.html")
     code, out, error = station(*again)
     assert (code, out) == (2, "")
-    assert "c.xml: cannot be written (a signed file is there" in error
+    assert "c.xml: cannot be written (a signed file exists" in error
     anew = ("--laboratory", str(EXAMPLE), *ORDER, "--amend", "name", "--dcc", "--out", "c.html")
     assert station("certificate", "S0101", *anew)[:2] == (2, "")  # and no number is given
     key = ("--sign", "lab.p12", "--password-env", "KEY_PASSWORD")
