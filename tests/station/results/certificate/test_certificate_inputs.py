@@ -208,9 +208,3 @@ def test_what_people_write_is_text_not_html(document: dict[str, Any]) -> None:
     html = rendered(made(document, laboratory=lab))
     assert "<script>" not in html
     assert "<script>alert(1)</script> & Sons" in seen(html)
-
-
-def test_the_example_of_the_page_is_a_laboratory(tmp_path: Path) -> None:
-    [block] = re.findall(r"(?s)```toml\n(.*?)```", (ROOT / "docs/how-to/certificate.md").read_text())
-    (tmp_path / "lab.toml").write_text(block)
-    assert read_laboratory(tmp_path / "lab.toml") == read_laboratory(EXAMPLE)
