@@ -16,7 +16,6 @@ from fixtures_db.calibration import utc_text
 from fixtures_db.database import Database
 from station.results.certificate.certificate_inputs import Certificate
 from station.results.certificate.issuing import issue
-from station.results.certificate.laboratory import read_laboratory
 from station.results.certificate.missing_statements import (
     FROM_CALIBRATION,
     FROM_LABORATORY,
@@ -25,9 +24,7 @@ from station.results.certificate.missing_statements import (
 )
 from station.results.parameters_by_name import applied, parameters
 from tests.empty_database import empty_db
-from tests.paths import ROOT
 from tests.station.results.certificate.factory import (
-    EXAMPLE,
     NOON,
     REFERENCES,
     accepted,
