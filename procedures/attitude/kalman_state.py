@@ -39,7 +39,7 @@ REMEMBERED_UPDATES = 64  # updates that are remembered: three seconds, for fixes
 
 
 class KalmanSettings(NamedTuple):
-    """What the Kalman filter assumes; SI and radians. Each is explained in ``docs/explanation/attitude.md``.
+    """What the Kalman filter assumes; SI and radians. The filter: ``docs/explanation/attitude.md``.
 
     Densities are 1 sigma per root of a second: of angle for gyros, of velocity for accelerometers; a measurement's
     times the root of the seconds that it is averaged over is its sigma.

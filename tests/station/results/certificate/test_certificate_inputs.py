@@ -16,7 +16,6 @@ from fixtures_db.calibration import utc_text
 from fixtures_db.database import Database
 from station.results.certificate.certificate_inputs import Certificate
 from station.results.certificate.issuing import issue
-from station.results.certificate.laboratory import read_laboratory
 from station.results.certificate.missing_statements import (
     FROM_CALIBRATION,
     FROM_LABORATORY,
@@ -25,9 +24,7 @@ from station.results.certificate.missing_statements import (
 )
 from station.results.parameters_by_name import applied, parameters
 from tests.empty_database import empty_db
-from tests.paths import ROOT
 from tests.station.results.certificate.factory import (
-    EXAMPLE,
     NOON,
     REFERENCES,
     accepted,
@@ -208,9 +205,3 @@ def test_what_people_write_is_text_not_html(document: dict[str, Any]) -> None:
     html = rendered(made(document, laboratory=lab))
     assert "<script>" not in html
     assert "<script>alert(1)</script> & Sons" in seen(html)
-
-
-def test_the_example_of_the_page_is_a_laboratory(tmp_path: Path) -> None:
-    [block] = re.findall(r"(?s)```toml\n(.*?)```", (ROOT / "docs/how-to/certificate.md").read_text())
-    (tmp_path / "lab.toml").write_text(block)
-    assert read_laboratory(tmp_path / "lab.toml") == read_laboratory(EXAMPLE)
