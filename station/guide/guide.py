@@ -309,7 +309,7 @@ class Guide:
 def trouble_of(error: DriverError) -> tuple[str, str]:
     """Return what an error of the stream is to the operator: in two words, and what to do."""
     word, remedy = next((word, remedy) for kind, word, remedy in TROUBLES if isinstance(error, kind))
-    return word, f"{remedy}; the campaign then continues by itself"
+    return word, f"{remedy}; it then continues by itself"
 
 
 def _warming(context: StageContext) -> Stage:

@@ -223,12 +223,12 @@ class TurnStage(Stage):
             context.event_log.say("still", "touched before the rotation: keep your hands off")
             return self._again("", must_move=False)
         if why := watch.fault() or self._wrong_count():
-            return self._again(f"{step_title(self._step)}: {why}; once more", must_move=False)
+            return self._again(f"{step_title(self._step)}: {why}; repeat", must_move=False)
         change = self._heading_moved()
         closure_deg = np.degrees(context.closings.closure_std)
         if change is not None and abs(change[0]) > GROSS_SIGMAS * np.hypot(change[1], closure_deg):
             why = f"closure error {abs(change[0]):.1f} deg (u = {change[1]:.1f} deg)"
-            return self._again(f"{step_title(self._step)}: {why}; once more", must_move=False)
+            return self._again(f"{step_title(self._step)}: {why}; repeat", must_move=False)
         before, after = (rest_rates(context, self._step.start_position, each) for each in self._rests)
         if why := lies_otherwise(before, after):
             return self._again(f"{step_title(self._step)}: {why}; lift, wipe, rotate again", must_move=True)

@@ -152,7 +152,7 @@ def laws_line(laws: Sequence[LawReading]) -> str:
 def settles_in_words(law: LawReading) -> str:
     """Return the bias of a law at this bank, where it will settle: You and Lee (8)."""
     if law.settles is None:
-        return f"bias of {law.law}: not known without a velocity"
+        return f"bias of {law.law}: needs a velocity"
     roll, pitch, roll_std, pitch_std = law.settles
     within = [f" +- {std:.3f}" if math.isfinite(std) else "" for std in (roll_std, pitch_std)]
     return f"bias of {law.law} at this bank: roll {roll:+.3f}{within[0]}, pitch {pitch:+.3f}{within[1]} deg"

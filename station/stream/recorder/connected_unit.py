@@ -31,7 +31,7 @@ class UnitChanged(DriverError):
 
     def __init__(self, port: str, found: str, expected: str, *, is_entered: bool = False) -> None:
         self.port, self.found, self.expected = port, found, expected
-        then = "as when the campaign began; connect that unit again or begin a new campaign"
+        then = "as at the start; connect that unit again, or begin a new campaign"
         if is_entered:
             then = "as was entered; connect that unit, or correct the serial number"
         super().__init__(f"{port}: serial number {found} is connected, expected {expected} {then}")

@@ -57,7 +57,7 @@ class Readings(ValueWidget[MonitorView]):
             return Content.styled("no attitude yet", "$muted")
         symbol, colour = MOTION_LOOKS[reading.mode]
         zero = [f"  from zero {value:+.3f}" for value in view.zero] if view.zero else ["", ""]
-        steep = "  undefined: X is vertical" if abs(reading.pitch) > STEEP_PITCH_DEG else ""
+        steep = "  undefined at ±90°" if abs(reading.pitch) > STEEP_PITCH_DEG else ""
         p, q, r = (_short(rate, 3) for rate in reading.rate)
         x, y, z = (_short(bias, 2) for bias in reading.bias)
         is_told = reading.heading is None or view.location is not None  # beside the place, as of the same moment
@@ -127,7 +127,7 @@ def _settles(law: LawReading, lines: int) -> list[Content]:
     if law.note:
         return [Content.styled(line, "$warning") for line in textwrap.wrap(law.note, LAW_COLUMNS)[:lines]]
     if law.settles is None:
-        return [Content.styled(f"bias of {law.law}: not known without a velocity", "$muted")]
+        return [Content.styled(f"bias of {law.law}: needs a velocity", "$muted")]
     roll, pitch, roll_std, pitch_std = law.settles
     if lines == 1:
         return [Content.assemble(f"bias of {law.law:13}", (f"{roll:+.3f} {pitch:+.3f}", "$warning"), " deg")]

@@ -12,7 +12,7 @@ from tests.drivers.simulated.flight import paper_bench
 from tests.drivers.simulated.vehicles import FOG, MEMS, VEHICLES, vehicle_log
 from tests.procedures.attitude.driving import G, driving
 
-SAID = "moves as a vehicle does"
+SAID = "moves like a vehicle"
 
 
 def error_and_ratio(log: AttitudeLog, settings: KalmanSettings | None = None) -> tuple[float, float]:

@@ -170,12 +170,16 @@ def test_of_one_face_alone_nothing_is_said_and_of_few_no_wrong_one_is_named_alon
 def solved(seed: int, **effect: dict[str, float]) -> list[str]:
     effects = {name.replace("_", "."): sizes for name, sizes in effect.items()}
     truth = replace(Truth.example(seed), effects=effects)
-    return [text for text in solve([simulate_campaign(truth, seed, dwell_s=30.0)]).warnings if "stood" in text]
+    return [
+        text for text in solve([simulate_campaign(truth, seed, dwell_s=30.0)]).warnings if "heading error" in text
+    ]
 
 
 def test_a_solution_names_the_dwell_that_stood_4_deg_off() -> None:
     [text] = solved(1, placement_dwell={"position": 7.0, "y": float(np.radians(4))})
-    told = re.match(r"position 7 \(dwell_07\) stood (\d\.\d) deg off, counter-clockwise from above, by", text)
+    told = re.match(
+        r"position 7 \(dwell_07\) has a heading error of (\d\.\d) deg, counter-clockwise from above, by", text
+    )
     assert told
     assert float(told[1]) == pytest.approx(4.0, abs=0.6)
     assert text.endswith("record it again")

@@ -172,5 +172,5 @@ def test_a_fit_without_redundancy_is_said(attitudes: int, is_said: bool) -> None
         rests.append(RestRecord(f"rest {i}", None, RateSeries(t, None, accel, np.full(300, np.nan), 0.01)))
     found = solve([Campaign("M", "S", False, Site(0.8, 9.80665, 1e-3), (), (), rests=tuple(rests))])
     assert found.accelerometer is not None
-    warned = [text for text in found.warnings if f"{attitudes} rests determine 9 numbers" in text]
+    warned = [text for text in found.warnings if f"{attitudes} rests determine 9 parameters" in text]
     assert bool(warned) == is_said

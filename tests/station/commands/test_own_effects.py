@@ -188,6 +188,7 @@ def test_try_says_whether_a_campaign_shows_it(
     fading = tmp_path / "fading.toml"
     term = WARMING.replace("T * T_rate", "T * T_rate * exp(-t / tau)")
     fading.write_text(f'{term}shape.tau = {{unit = "s", low = 100, high = 300}}\n')
-    for file, shown in ((recorded.effect, "it is present, established"), (fading, "not kept: gyroscope.bias_settling")):
+    shown = {recorded.effect: "it is present, established", fading: "not accepted: gyroscope.bias_settling"}
+    for file, words in shown.items():
         assert cli.run(["effects", "try", str(file), str(recorded.folder)]) == 0
-        assert shown in capsys.readouterr().out
+        assert words in capsys.readouterr().out

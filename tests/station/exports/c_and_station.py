@@ -60,7 +60,7 @@ def by_library(document: dict[str, Any], samples: Samples) -> tuple[FloatArray, 
     found = calibration_of(document).apply(
         samples.counts, samples.t, samples.T, magnetic=samples.field, period=samples.interval
     )
-    assert all("of the campaign" in each for each in found.warnings)
+    assert all("to the campaign" in each for each in found.warnings)
     return found.specific_force, found.angular_rate
 
 

@@ -120,9 +120,7 @@ def test_a_turn_the_wrong_way_stops_at_once_where_nothing_else_is_to_be_done_tha
     began = guided.source.device.imu.time
     view = guided.run(rejected)
     assert guided.source.device.imu.time < began + 15  # of about 35
-    assert view.events[-1].text == (
-        "turn X+: wrong direction, expected counter-clockwise seen from above; repeat"
-    )
+    assert view.events[-1].text == ("turn X+: wrong direction, expected counter-clockwise seen from above; repeat")
     assert max((v.turn.revolutions for v in guided.seen if v.turn is not None), default=0.0) < 0.1
 
 
@@ -141,7 +139,7 @@ def test_a_turn_the_wrong_way_is_taken_as_the_other_one_if_the_operator_says_so(
     guided.hands("turn x - 3 2")
     view = guided.run(lambda v: v.question is not None)
     assert view.hint.startswith("wrong direction")
-    assert "that is turn X-, requested is turn X+" in view.question.text
+    assert "that is turn X-; requested is turn X+" in view.question.text
     if when == "after it":
         guided.rest(90)
         assert guided.view.done == 0

@@ -162,9 +162,7 @@ def test_an_offset_that_is_told_is_added(log: FusionLog) -> None:
 
 def test_a_clock_that_nothing_was_said_of_is_suspected(tmp_path: Path) -> None:
     silent = read_fusion(write_late(tmp_path / "log", 14.0))
-    assert re.search(
-        r"wrong by -(7|8)\d\.\d \+- [345]\.\d ms: state time_offset_s", suspected_offset(silent)
-    )
+    assert re.search(r"wrong by -(7|8)\d\.\d \+- [345]\.\d ms: state time_offset_s", suspected_offset(silent))
     assert suspected_offset(said_of(silent, time_offset_s=0.0)) == ""  # told: as good as known
 
 

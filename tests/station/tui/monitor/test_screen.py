@@ -65,7 +65,7 @@ SAID = [
     ("alarming", ("✗ ALARM", "roll 12.3, limit 10 deg")),
     ("silent", ("✗ NO DATA", "check cable and power", "age 3.1 s")),
     ("aided", ("aid gnss 12.3 m/s", "2 lost")),
-    ("steep", ("undefined: X is vertical",)),
+    ("steep", ("undefined at ±90°",)),
     ("uncalibrated", ("NONE: nominal", "NOT RECORDED")),
     ("not_located", ("NOT LOCATED 98 fixes", "better gyros")),
     (
@@ -93,7 +93,7 @@ SAID = [
         ),
     ),
     ("failing", ("paper: pitch beyond 80 deg", "use joint or mixer")),
-    ("by_mixers", ("by paper-filter", "bias of paper-whole: not known without a velocity")),
+    ("by_mixers", ("by paper-filter", "bias of paper-whole: needs a velocity")),
     ("behind", ("3 outliers 12 s behind",)),
     ("waiting", ("waiting for the first samples", "no attitude yet")),
 ]
