@@ -39,5 +39,5 @@ def test_ctrl_c_is_130_and_one_line(monkeypatch: pytest.MonkeyPatch, capsys: pyt
 def test_the_version_is_said() -> None:
     command = [sys.executable, "-P", "-c", "from station.cli import main; main()", "--version"]
     said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
-    assert said.startswith("station 0.")
+    assert said.startswith("station 1.")
     assert said.count("\n") == 1

@@ -143,7 +143,7 @@ def _run(arguments: list[str]) -> None:
     with redirect_stdout(StringIO()), redirect_stderr(StringIO()) as said:
         code = cli.run(arguments)
     if code:
-        raise Refused(code, "\n".join(x for x in said.getvalue().splitlines() if not x.startswith("guessed")))
+        raise Refused(code, "\n".join(x for x in said.getvalue().splitlines() if not x.startswith("inferred")))
 
 
 def _with(error: Exception, wrong: Wrong) -> Exception:

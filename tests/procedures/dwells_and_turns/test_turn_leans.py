@@ -67,7 +67,7 @@ def test_a_crumb_under_turns_is_measured_and_said_and_in_the_sigma() -> None:
         assert np.all(np.abs(lean.mean - LEAN) < 4 * lean.std)
         assert np.all(lean.std < 20 * RAD_PER_ARCSEC)
     assert np.abs(errors(fits, true)).max() < 4
-    said = [each for each in report(fits).warnings if "leant by 4" in each]
+    said = [each for each in report(fits).warnings if "tilted by 4" in each]
     assert [each.split(":")[0] for each in said] == ["turn_z_+", "turn_z_-"]
     assert fits.gyroscope is not None
     shares = gyroscope_shares(fits.gyroscope, tilts=True)

@@ -10,8 +10,8 @@ from tests.procedures.campaign.test_dead_channels import ACCEL, GYRO, Kill, dead
 from tests.station.campaign_writing import write_campaign
 
 CASES: dict[str, tuple[Kill, str, int]] = {  # what is dead, what is said, exit code of measuring the cube
-    "one gyroscope": (dead(GYRO, "yz", everywhere, 17.0), "gyroscope y puts out a constant 17", 0),
-    "an accelerometer": (dead(ACCEL, "y", everywhere), "accelerometer y puts out a constant 0", 5),
+    "one gyroscope": (dead(GYRO, "yz", everywhere, 17.0), "gyroscope y outputs a constant 17", 0),
+    "an accelerometer": (dead(ACCEL, "y", everywhere), "accelerometer y outputs a constant 0", 5),
 }
 
 
