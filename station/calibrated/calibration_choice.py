@@ -36,10 +36,13 @@ def find_calibration(file: Path | None, database: str | None, unit: Unit, wire: 
     Raises
     ------
     DataRefused
-        If the file is no calibration/1 with both triads, or there is neither a calibration nor a nominal scale.
+        If the file is no calibration/1 with both triads or is of another model, or there is neither a
+        calibration nor a nominal scale.
     """
     if file is not None:
-        return _applied(_with_both(read_calibration(file), str(file)), file.name, unit, datetime.now(UTC))
+        document = _with_both(read_calibration(file), str(file))
+        _refuse_another_model(document, file, unit)
+        return _applied(document, file.name, unit, datetime.now(UTC))
     with open_db(database) as opened, opened.read() as session:
         row = last_calibration(session, unit.model, unit.serial)
         if row is not None:
@@ -82,6 +85,15 @@ def _applied(document: Mapping[str, Any], name: str, unit: Unit, now: datetime) 
     age = (now - accepted).total_seconds() / DAY_S
     text = f"{name} of {accepted:%Y-%m-%d}, {document['status']}, {age:.0f} days old"
     return AppliedCalibration(document, None, InUse(text, _note(document, unit, now)))
+
+
+def _refuse_another_model(document: Mapping[str, Any], file: Path, unit: Unit) -> None:
+    """Refuse scale factors of another kind of unit; those of a sister unit are used with a note."""
+    if unit.model not in {UNKNOWN, document.get("model")}:
+        raise DataRefused(
+            str(file), None, f"a calibration of {document.get('model')} {document.get('serial')}",
+            f"one of {unit.model} {unit.serial}, which is connected", "name that unit's", ErrorCode.CALIBRATION,
+        )  # fmt: skip
 
 
 def _note(document: Mapping[str, Any], unit: Unit, now: datetime) -> str:

@@ -98,7 +98,8 @@ class PlainMonitor:
 
     def show(self, view: MonitorView) -> None:
         """Write what is new."""
-        head = f"{view.unit}, calibration {view.in_use.text}"
+        note = f"; warning: {view.in_use.note}" if view.in_use.note else ""
+        head = f"{view.unit}, calibration {view.in_use.text}{note}"
         if view.unit and head != self._told:
             self._told = head
             self._say(head)

@@ -26,6 +26,7 @@ from station.monitor.text_lines import json_line, reading_line
 from station.monitor.view import MonitorView
 from station.stream.recorder.connected_unit import Unit
 from station.stream.recorder.raw_check import check_raw_bytes
+from tests.paths import ROOT
 from tests.refusals import refused
 from tests.station.monitor.rig import MonitorRig
 from tests.station.monitor.views import BEHIND, LOCATED, RESTING
@@ -184,6 +185,14 @@ def test_without_calibration_and_scale_it_says_what_to_do(unit: Unit, said: str,
         find_calibration(None, database, unit, FORMATS["counts"])
     with refused(DataRefused, None, "c.json"):
         find_calibration(tmp_path / "c.json", database, unit, FORMATS["counts"])
+
+
+def test_a_calibration_of_another_model_is_refused() -> None:
+    file = ROOT / "docs/examples/calibration.json"
+    sister = find_calibration(file, None, Unit("EXAMPLE", "S124", 0.02), FORMATS["counts"])
+    assert "S123" in sister.in_use.note
+    with refused(DataRefused, ErrorCode.CALIBRATION, "EXAMPLE S123", "FOG3 7"):
+        find_calibration(file, None, Unit("FOG3", "7", 0.02), FORMATS["counts"])
 
 
 def test_a_location_that_lags_behind_is_said_to() -> None:
