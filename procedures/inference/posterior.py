@@ -1,0 +1,150 @@
+"""What follows from the models that were kept: probabilities of names, groups, nameless mass, averaged coefficients."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from procedures.arrays import FloatArray
+from procedures.diagnosis.candidates import Candidate
+from procedures.inference import priors
+from procedures.inference.hypotheses import Board, Hypothesis
+from procedures.inference.marginal import Held, Member, board_options, log_sum
+from procedures.inference.search import Model, Search
+
+SHOWN = 0.02  # share of a cause from which a name is listed beside others
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Coefficients:
+    """Coefficients of one name averaged over its options: ``value`` (k,), ``covariance`` (k, k), in its unit.
+
+    ``nonlinear`` (value, 1 sigma of its logarithm) by the name of a time constant and the like.
+    """
+
+    candidate: Candidate
+    names: tuple[str, ...]
+    value: FloatArray
+    covariance: FloatArray
+    nonlinear: dict[str, tuple[float, float]]
+
+    @property
+    def std(self) -> FloatArray:
+        """1 sigma (k,)."""
+        found: FloatArray = np.sqrt(np.diag(self.covariance))
+        return found
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cause:
+    """Something that acts: its likeliest name and that name's ``probability``, and the names it may have.
+
+    ``shares`` holds by name the probability that this cause is it, of named and nameless hypotheses; ``joint`` is
+    the probability that one of them acts, ``nameless`` the share without a name. ``coefficients`` are those of the
+    likeliest name, None of a nameless function, whose ``note`` says where it is.
+    """
+
+    hypothesis: Hypothesis
+    probability: float
+    joint: float
+    shares: dict[str, float]
+    nameless: float
+    coefficients: Coefficients | None
+    note: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Posterior:
+    """All that the models say: causes by probability, every name's probability, the best model."""
+
+    causes: tuple[Cause, ...]
+    probabilities: dict[str, float]
+    best: Model
+
+    @property
+    def nameless(self) -> float:
+        """Probability that at least one of the causes has no name."""
+        return 1 - float(np.prod([1 - each.nameless for each in self.causes]))
+
+
+def posterior(search: Search) -> Posterior:
+    """Return what the models of a search say together."""
+    board, models = search.board, list(search.models.values())
+    weights = np.exp(np.array([m.log_odds for m in models]) - log_sum(np.array([m.log_odds for m in models])))
+    held = np.zeros((len(models), len(board.hypotheses)), dtype=bool)
+    for i, model in enumerate(models):
+        held[i, list(model.names)] = True
+    probabilities = weights @ held
+    best, causes = search.best, list[Cause]()
+    for i in range(len(best.members)):
+        rest = [each for k, each in enumerate(best.members) if k != i]
+        beside = search.beside(rest)
+        everything = log_sum(np.append(beside.total, 0.0))
+        shares = np.exp(beside.total - everything)
+        order = [int(j) for j in np.argsort(-shares) if shares[j] >= SHOWN]
+        first = order[0] if order else int(np.argmax(shares))
+        named = [j for j in order if board.hypotheses[j].is_named]
+        nameless = float(sum(s for s, h in zip(shares, board.hypotheses, strict=True) if not h.is_named))
+        top = named[0] if named else first
+        member = beside.member(board, top)
+        found = averaged(board, rest, top, member) if board.hypotheses[top].is_named else None
+        causes.append(
+            Cause(
+                board.hypotheses[top], min(float(probabilities[top]), float(sum(shares[j] for j in [top]))) if len(order) > 1 else float(probabilities[top]),
+                float(weights @ held[:, order or [first]].any(axis=1)),
+                {board.hypotheses[j].name: float(shares[j]) for j in order}, nameless, found,
+                board.options[member.option].note,
+            )
+        )  # fmt: skip
+    every = {h.name: float(p) for h, p in zip(board.hypotheses, probabilities, strict=True)}
+    return Posterior(tuple(sorted(causes, key=lambda each: -each.joint)), every, best)
+
+
+def averaged(board: Board, rest: Sequence[Member], hypothesis: int, member: Member) -> Coefficients:
+    """Return a name's coefficients averaged over its amplitudes, masks and time constants, beside other members."""
+    held, best = Held.of(board, rest), board.options[member.option]
+    candidate = best.candidate
+    assert candidate is not None
+    columns = candidate.columns
+    k = len(columns.coefficients) - len(columns.nonlinear)
+    weights, means, spreads, constants = list[float](), list[FloatArray](), list[FloatArray](), list[FloatArray]()
+    for number in board_options(board)[hypothesis]:
+        option = board.options[int(number)]
+        way = option.candidate
+        assert way is not None
+        assert option.mask is not None
+        assert option.scale is not None
+        if way.columns.where != columns.where or way.columns.shape != columns.shape or len(way.columns.coefficients) != len(columns.coefficients):
+            continue
+        W = board.W[:, option.columns]
+        of = W.T @ held.S
+        G, g = W.T @ W - of @ held.inverse @ of.T, W.T @ board.y - of @ held.c
+        size, V = np.linalg.eigh(G)
+        size, along = np.maximum(size, 0.0), V.T @ g
+        for s in board.hypotheses[hypothesis].amplitudes.tolist():
+            spread = 1 + s**2 * size
+            weights.append(option.log_share + 0.5 * float(np.sum(s**2 * along**2 / spread - np.log(spread))))
+            mean, C = np.zeros(k), np.zeros((k, k))
+            mean[option.mask] = option.scale * (V @ (s**2 * along / spread))
+            C[np.ix_(option.mask, option.mask)] = option.scale[:, None] * (V * (s**2 / spread)) @ V.T * option.scale
+            means.append(mean)
+            spreads.append(C)
+            constants.append(np.log(np.array(list(way.columns.nonlinear.values()))))
+    p = np.exp(np.array(weights) - log_sum(np.array(weights)))
+    every = np.array(means)
+    value = p @ every
+    off = every - value
+    covariance = np.einsum("i,ijk->jk", p, np.array(spreads)) + (off * p[:, None]).T @ off
+    nonlinear = dict[str, tuple[float, float]]()
+    for i, name in enumerate(columns.nonlinear):
+        logs = np.array([each[i] for each in constants])
+        middle = float(p @ logs)
+        nonlinear[name] = float(np.exp(middle)), float(np.sqrt(p @ (logs - middle) ** 2))
+    return Coefficients(candidate, columns.coefficients[:k], value, covariance, nonlinear)
+
+
+def word(probability: float) -> str:
+    """Return the word for a probability."""
+    return (
+        "established" if probability >= priors.ESTABLISHED else "likely" if probability >= priors.LIKELY else "possible"
+    )

@@ -1,0 +1,133 @@
+"""The search among sets of hypotheses: models are grown, thinned and exchanged, and all that weigh are kept.
+
+From several models of one size all of the next are grown, so that no name depends on what was adopted first. Around
+the best model each member, and each pair, is taken out and everything is tried in its place. What is within Occam's
+window (Raftery, Madigan and Hoeting 1997) of the best stays.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from procedures.inference import priors
+from procedures.inference.hypotheses import Board
+from procedures.inference.marginal import Held, Member, Ranked, log_sum, ranked
+
+Names = tuple[int, ...]  # numbers of hypotheses, sorted
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Model:
+    """Members at their best amplitudes, and ln of the posterior odds against the model without any."""
+
+    members: tuple[Member, ...]
+    log_odds: float
+    names: Names
+
+
+@dataclass(eq=False)
+class Search:
+    """All models that were looked at on one board."""
+
+    board: Board
+    models: dict[Names, Model] = field(default_factory=dict)
+    _ranked: dict[tuple[Member, ...], Ranked] = field(default_factory=dict)
+
+    def beside(self, members: Sequence[Member]) -> Ranked:
+        """Return what every hypothesis is worth beside members."""
+        key = tuple(sorted(members, key=lambda each: each.option))
+        if key not in self._ranked:
+            self._ranked[key] = ranked(self.board, key)
+        return self._ranked[key]
+
+    def run(self, begin: Sequence[Member] = ()) -> Model:
+        """Return the best model; `models` holds all others."""
+        self._keep(Model((), 0.0, ()))
+        if begin:
+            self._keep(self.polished(begin))
+        parents = [self.models[()]]
+        for _ in range(priors.LARGEST):
+            children = self._grown(parents)
+            best = max(each.log_odds for each in self.models.values())
+            parents = children[: priors.PARENTS]
+            if not parents or parents[0].log_odds < best - priors.WINDOW:
+                break
+        best_model = self.best
+        for _ in range(priors.LARGEST):
+            self._around(best_model)
+            if self.best.names == best_model.names:
+                break
+            best_model = self.best
+        return self.best
+
+    @property
+    def best(self) -> Model:
+        """The likeliest model."""
+        return max(self.models.values(), key=lambda each: each.log_odds)
+
+    @property
+    def window(self) -> list[Model]:
+        """The models within Occam's window, the likeliest first."""
+        least = self.best.log_odds - priors.WINDOW
+        return sorted((m for m in self.models.values() if m.log_odds >= least), key=lambda m: -m.log_odds)
+
+    def _keep(self, model: Model) -> None:
+        known = self.models.get(model.names)
+        if known is None or known.log_odds < model.log_odds:
+            self.models[model.names] = model
+
+    def _grown(self, parents: Iterable[Model]) -> list[Model]:
+        found = dict[Names, Model]()
+        for parent in parents:
+            for child in self._children(parent):
+                self._keep(child)
+                if child.names not in found or found[child.names].log_odds < child.log_odds:
+                    found[child.names] = child
+        likeliest = sorted(found.values(), key=lambda each: -each.log_odds)[: priors.PARENTS]
+        polished = [self.polished(each.members) for each in likeliest]
+        for each in polished:
+            self._keep(each)
+        return sorted(polished, key=lambda each: -each.log_odds)
+
+    def _children(self, parent: Model) -> Iterable[Model]:
+        """Yield a model with each hypothesis more."""
+        beside, hypotheses = self.beside(parent.members), self.board.hypotheses
+        for i, total in enumerate(beside.total.tolist()):
+            if np.isfinite(total) and (i not in parent.names or hypotheses[i].repeats):
+                member = beside.member(self.board, i)
+                names = tuple(sorted((*parent.names, i)))
+                yield Model((*parent.members, member), parent.log_odds + total, names)
+
+    def polished(self, members: Sequence[Member]) -> Model:
+        """Return a model with every member's option and amplitude the best beside the others."""
+        now, of = list(members), [self.board.options[each.option].hypothesis for each in members]
+        for _ in range(2 if len(now) > 1 else 1):
+            for i, hypothesis in enumerate(of):
+                now[i] = self.beside(now[:i] + now[i + 1 :]).member(self.board, hypothesis)
+        log_odds = Held.of(self.board, now).gain
+        for i, hypothesis in enumerate(of):
+            beside = self.beside(now[:i] + now[i + 1 :])
+            at = beside.best[now[i].option]
+            volume = beside.total[hypothesis] - at + self.board.options[now[i].option].log_share
+            log_odds += float(volume)
+        return Model(tuple(now), log_odds, tuple(sorted(of)))
+
+    def _around(self, model: Model) -> None:
+        """Take each member, and each pair, out of a model, and try everything in its place."""
+        n = len(model.members)
+        out = [(), *((i,) for i in range(n)), *((i, j) for i in range(n) for j in range(i))]
+        for gone in out:
+            rest = [each for k, each in enumerate(model.members) if k not in gone]
+            smaller = self.polished(rest) if rest else self.models[()]
+            self._keep(smaller)
+            close = [c for c in self._children(smaller) if c.log_odds > self.best.log_odds - priors.WINDOW]
+            for child in close:
+                self._keep(child)
+            for child in sorted(close, key=lambda each: -each.log_odds)[:2]:
+                self._keep(self.polished(child.members))
+
+
+def log_total(models: Iterable[Model]) -> float:
+    """Return ln of all models' posterior odds together."""
+    return log_sum(np.array([each.log_odds for each in models]))
