@@ -16,9 +16,12 @@ from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.linear_model import Term, variance_classes
 from procedures.diagnosis.residual_rows import KINDS, Evidence
 from procedures.effects.effect import Effect
+from procedures.effects.time_constant import LONGEST
 from procedures.frames import AXES, TRIADS
 from procedures.inference import priors
 from procedures.inference.smooth_functions import functions, walk
+
+CUBIC = 4  # neighbours that a cubic goes through
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -26,7 +29,8 @@ class Hypothesis:
     """A name, ln of its prior odds, the amplitudes (m,) it may have, and what it is.
 
     ``kind`` is that of its effect, ``nameless`` for a function that no catalogue holds, ``noise`` for a class of
-    rows. ``repeats``: it may act more than once, each time elsewhere.
+    rows. ``log_again`` is ln of the odds that it acts once more, in another place or by another coefficient; None
+    where it acts once.
     """
 
     name: str
@@ -34,7 +38,7 @@ class Hypothesis:
     log_odds: float
     amplitudes: FloatArray
     effect: Effect | None = None
-    repeats: bool = False
+    log_again: float | None = None
 
     @property
     def is_named(self) -> bool:
@@ -59,13 +63,27 @@ class Option:
     note: str = ""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Way:
+    """Columns H (n, k) of a hypothesis, in sigmas of the rows, each times 1 sigma of its coefficient ``scale`` (k,).
+
+    ``masks`` are which of them act together, with ln of the share; where there is no ``candidate``, only all do.
+    """
+
+    hypothesis: int
+    H: FloatArray
+    masks: Sequence[tuple[float, IntArray]] = ()
+    candidate: Candidate | None = None
+    scale: FloatArray | None = None
+    note: str = ""
+
+
 @dataclass(frozen=True, eq=False)
 class Board:
     """The evidence with the model's own parameters integrated out, and every hypothesis beside it.
 
     ``y`` (m,) is the whitened residual in the complement of the model's columns, ``W`` (m, N) all columns there,
-    the last of which is zero.
-    ``basis`` (n, m) takes rows to it.
+    the last of which is zero. ``basis`` (n, m) takes rows to it.
     """
 
     evidence: Evidence
@@ -74,11 +92,6 @@ class Board:
     W: FloatArray
     hypotheses: tuple[Hypothesis, ...]
     options: tuple[Option, ...]
-
-    @cached_property
-    def number(self) -> Mapping[str, int]:
-        """Number of every hypothesis by its name."""
-        return {each.name: i for i, each in enumerate(self.hypotheses)}
 
     @cached_property
     def separable(self) -> Mapping[str, bool]:
@@ -91,115 +104,131 @@ class Board:
         return found
 
 
-class _Collected:
-    """Collects hypotheses, their options and columns."""
+@dataclass(frozen=True, slots=True, eq=False)
+class Library:
+    """Every hypothesis and the ways in which it may hold, as columns of the rows."""
 
-    def __init__(self, evidence: Evidence) -> None:
+    hypotheses: tuple[Hypothesis, ...]
+    ways: tuple[Way, ...]
+
+    def with_adopted(self, evidence: Evidence, adopted: Sequence[Candidate]) -> "Library":
+        """Return the library with the columns of some candidates where the model stands with them in it."""
+        ways, number = list(self.ways), {each.name: i for i, each in enumerate(self.hypotheses)}
+        for one in adopted:
+            exact = _way(evidence, number[one.effect.name], one, 0.0)
+            same = [i for i, way in enumerate(ways) if way.candidate is not None and _is_same(way.candidate, one)]
+            if one.columns.nonlinear and same:
+                shares = [(share, mask) for share, mask in ways[same[0]].masks]
+                ways.append(replace(exact, masks=shares))
+            for i in [] if one.columns.nonlinear else same:
+                ways[i] = replace(exact, masks=ways[i].masks)
+        return Library(self.hypotheses, tuple(ways))
+
+    def on(self, evidence: Evidence) -> Board:
+        """Return every hypothesis beside an evidence of the same rows."""
         white = evidence.A / evidence.sigma[:, None]
         Q, _ = np.linalg.qr(white, mode="complete")
-        self.evidence, self.basis = evidence, Q[:, white.shape[1] :]
-        self.y = self.basis.T @ (evidence.residual / evidence.sigma)
-        self.parts, self.width = list[FloatArray](), 0
-        self.hypotheses, self.options = list[Hypothesis](), list[Option]()
-
-    def add(self, H: FloatArray) -> IntArray:
-        """Take in whitened columns H (n, k); return their numbers."""
-        return self.take(self.basis.T @ H)
-
-    def take(self, W: FloatArray) -> IntArray:
-        self.parts.append(W)
-        self.width += W.shape[1]
-        return np.arange(self.width - W.shape[1], self.width)
-
-    def board(self) -> Board:
-        W = np.hstack([*self.parts, np.zeros((len(self.y), 1))])
-        return Board(
-            self.evidence, self.basis, self.y, W, tuple(self.hypotheses), tuple(self.options)
-        )  # fmt: skip
+        basis = Q[:, white.shape[1] :]
+        sizes = np.cumsum([0, *(way.H.shape[1] for way in self.ways)])
+        every = basis.T @ np.hstack([np.zeros((len(white), 0)), *(way.H for way in self.ways)])
+        parts, options, width = list[FloatArray](), list[Option](), 0
+        for way, first, end in zip(self.ways, sizes, sizes[1:], strict=False):
+            W = every[:, first:end] if way.candidate is not None else compressed(every[:, first:end])
+            columns = width + np.arange(W.shape[1])
+            parts, width = [*parts, W], width + W.shape[1]
+            for share, mask in way.masks:
+                scale = None if way.scale is None else way.scale[mask]
+                at = columns if way.candidate is None else columns[mask]
+                options.append(Option(way.hypothesis, share, at, way.candidate, mask, scale, way.note))
+        W = np.hstack([*parts, np.zeros((basis.shape[1], 1))])
+        y = basis.T @ (evidence.residual / evidence.sigma)
+        return Board(evidence, basis, y, W, self.hypotheses, tuple(options))
 
 
-def board_of(evidence: Evidence, pool: Mapping[str, Sequence[Candidate]], adopted: Sequence[Candidate] = ()) -> Board:
-    """Return every hypothesis beside an evidence.
+def _is_same(one: Candidate, other: Candidate) -> bool:
+    a, b = one.columns, other.columns
+    return one.effect.name == other.effect.name and (a.where, a.shape, a.orders) == (b.where, b.shape, b.orders)
 
-    Parameters
-    ----------
-    evidence : rows where the model stands
-    pool : by name, the ways in which effects may act
-    adopted : ways at the time constants that were fitted, which the pool need not hold
-    """
-    found = _Collected(evidence)
-    for name, ways in pool.items():
-        tried = [way for way in ways if way.is_tried and not way.is_of_model]
+
+def library_of(evidence: Evidence, pool: Mapping[str, Sequence[Candidate]]) -> Library:
+    """Return every hypothesis beside an evidence; ``pool`` are by name the ways in which effects may act."""
+    hypotheses, ways = list[Hypothesis](), list[Way]()
+    for name, candidates in pool.items():
+        tried = [each for each in candidates if each.is_tried and not each.is_of_model]
         if tried:
-            _named(found, name, tried, [each for each in adopted if each.effect.name == name])
-    for name, options in functions(evidence).items():
-        _nameless(found, name, options)
-    for triad in TRIADS:
-        if (options := walk(evidence, triad)):
-            _nameless(found, f"random walk of the bias, {triad}", options)
-    _noise(found)
-    return found.board()
+            hypotheses.append(_named(name, tried))
+            ways += _named_ways(evidence, len(hypotheses) - 1, tried)
+    nameless = functions(evidence)
+    nameless |= {f"a random walk of the bias, {triad}": walk(evidence, triad) for triad in TRIADS}
+    for name, options in nameless.items():
+        total = sum(share for share, _, _ in options)
+        ways += [
+            Way(len(hypotheses), H, [(float(np.log(share / total)), np.arange(H.shape[1]))], note=note)
+            for share, H, note in options
+        ]
+        if options:
+            hypotheses.append(_without_name(name, "nameless", priors.ODDS_NAMELESS, priors.AMPLITUDE_NAMELESS))
+    for name, E in _noise(evidence):
+        ways.append(Way(len(hypotheses), E, [(0.0, np.arange(E.shape[1]))]))
+        hypotheses.append(_without_name(name, "noise", priors.ODDS_NOISE, priors.AMPLITUDE_NOISE))
+    return Library(tuple(hypotheses), tuple(ways))
 
 
-def _named(found: _Collected, name: str, ways: Sequence[Candidate], adopted: Sequence[Candidate]) -> None:
-    effect, number = ways[0].effect, len(found.hypotheses)
+def _without_name(name: str, kind: str, odds: float, amplitudes: tuple[float, float]) -> Hypothesis:
+    return Hypothesis(name, kind, float(np.log(odds)), priors.grid(amplitudes))
+
+
+def _named(name: str, ways: Sequence[Candidate]) -> Hypothesis:
+    effect = ways[0].effect
     bounds = priors.AMPLITUDE_SCATTER if effect.is_scatter else priors.AMPLITUDE_NAMED
-    places = any(way.columns.where for way in ways)
-    found.hypotheses.append(
-        Hypothesis(name, effect.kind, float(np.log(priors.ODDS_NAMED)), priors.grid(bounds), effect, places)
-    )
-    finer = [(way, W, scale) for way, W, scale in _finer(found, ways)]
-    finer += [(way, *_whitened(found, way)) for way in adopted if way.columns.nonlinear]
-    for way, W, scale in finer:
-        columns = found.take(W)
-        for log_share, mask in masks(way):
-            found.options.append(
-                Option(number, log_share - float(np.log(len(finer))), columns[mask], way, mask, scale[mask])
-            )
+    log_odds, has_places = float(np.log(priors.ODDS_NAMED)), any(way.columns.where for way in ways)
+    again = log_odds if has_places else float(np.log(priors.ODDS_ANOTHER))
+    is_single = effect.is_scatter or len(ways[0].columns.coefficients) == 1
+    return Hypothesis(name, effect.kind, log_odds, priors.grid(bounds), effect, None if is_single else again)
 
 
-def _whitened(found: _Collected, way: Candidate) -> tuple[FloatArray, FloatArray]:
-    """Return a way's columns beside the model, times 1 sigma of its coefficients, and that (k,)."""
-    k = len(way.columns.coefficients) - len(way.columns.nonlinear)
-    plausible = way.effect.plausible_of(way.columns) if way.effect.is_scatter else way.term.plausible
-    H = way.term.H[:, :k] * plausible[:k]
-    return found.basis.T @ (H / found.evidence.sigma[:, None]), plausible[:k]
+def _named_ways(evidence: Evidence, number: int, candidates: Sequence[Candidate]) -> list[Way]:
+    longest = max(each.columns.tau_s for each in candidates) / LONGEST  # beyond it an exponential is a straight line
+    kept = [each for each in candidates if each.columns.tau_s <= longest or not each.columns.tau_s]
+    finer = [*kept, *_between(kept)]
+    return [_way(evidence, number, each, -float(np.log(len(finer)))) for each in finer]
 
 
-def _finer(found: _Collected, ways: Sequence[Candidate]) -> Iterator[tuple[Candidate, FloatArray, FloatArray]]:
-    """Yield ways with their columns, and between neighbours on a grid of a time constant more of them.
+def _way(evidence: Evidence, number: int, candidate: Candidate, log_share: float) -> Way:
+    """Return a candidate's columns times 1 sigma of its coefficients."""
+    k = len(candidate.columns.coefficients) - len(candidate.columns.nonlinear)
+    is_scatter = candidate.effect.is_scatter
+    scale = (candidate.effect.plausible_of(candidate.columns) if is_scatter else candidate.term.plausible)[:k]
+    H = candidate.term.H[:, :k] * scale / evidence.sigma[:, None]
+    shares = [(share + log_share, mask) for share, mask in masks(candidate)]
+    return Way(number, H, shares, candidate, scale)
+
+
+def _between(candidates: Sequence[Candidate]) -> Iterator[Candidate]:
+    """Yield more candidates between neighbours on a grid of a time constant.
 
     A column is smooth in the constant's logarithm: it is interpolated by a cubic through four neighbours.
     """
-    made = [(way, *_whitened(found, way)) for way in ways]
-    yield from made
-    lines = dict[tuple[object, ...], list[tuple[Candidate, FloatArray, FloatArray]]]()
-    for each in made:
-        if len(each[0].columns.nonlinear) == 1:
-            columns = each[0].columns
-            lines.setdefault((columns.shape, columns.orders, str(columns.where)), []).append(each)
+    lines = dict[tuple[object, ...], list[Candidate]]()
+    for each in candidates:
+        if len(each.columns.nonlinear) == 1:
+            key = (each.columns.shape, each.columns.orders, str(each.columns.where))
+            lines.setdefault(key, []).append(each)
     for line in lines.values():
-        line.sort(key=lambda each: next(iter(each[0].columns.nonlinear.values())))
-        if len(line) >= 4:
-            yield from _between(line)
-
-
-def _between(
-    line: Sequence[tuple[Candidate, FloatArray, FloatArray]],
-) -> Iterator[tuple[Candidate, FloatArray, FloatArray]]:
-    (name,) = line[0][0].columns.nonlinear
-    x = np.log([way.columns.nonlinear[name] for way, _, _ in line])
-    for i in range(len(line) - 1):
-        first = min(max(i - 1, 0), len(line) - 4)
-        near = range(first, first + 4)
-        for part in range(1, priors.FINER):
-            at = x[i] + (x[i + 1] - x[i]) * part / priors.FINER
-            weights = [np.prod([(at - x[k]) / (x[j] - x[k]) for k in near if k != j]) for j in near]
-            W = sum((w * line[j][1] for w, j in zip(weights, near, strict=True)), np.zeros_like(line[i][1]))
-            H = sum((w * line[j][0].term.H for w, j in zip(weights, near, strict=True)), 0 * line[i][0].term.H)
-            way = line[i][0]
-            columns = replace(way.columns, nonlinear={name: float(np.exp(at))})
-            yield replace(way, columns=columns, term=Term(H, way.term.plausible)), W, line[i][2]
+        if len(line) < CUBIC:
+            continue
+        line.sort(key=lambda each: next(iter(each.columns.nonlinear.values())))
+        (name,) = line[0].columns.nonlinear
+        x = np.log([each.columns.nonlinear[name] for each in line])
+        for i in range(len(line) - 1):
+            first = min(max(i - 1, 0), len(line) - CUBIC)
+            near = range(first, first + CUBIC)
+            for part in range(1, priors.FINER):
+                at = x[i] + (x[i + 1] - x[i]) * part / priors.FINER
+                weights = [np.prod([(at - x[k]) / (x[j] - x[k]) for k in near if k != j]) for j in near]
+                H = np.tensordot(weights, np.stack([line[j].term.H for j in near]), 1)
+                columns = replace(line[i].columns, nonlinear={name: float(np.exp(at))})
+                yield replace(line[i], columns=columns, term=Term(H, line[i].term.plausible))
 
 
 def masks(way: Candidate) -> Iterator[tuple[float, IntArray]]:
@@ -220,17 +249,6 @@ def masks(way: Candidate) -> Iterator[tuple[float, IntArray]]:
             yield -float(np.log(len(levels) * len(level))), mask
 
 
-def _nameless(found: _Collected, name: str, options: Sequence[tuple[float, FloatArray, str]]) -> None:
-    number = len(found.hypotheses)
-    found.hypotheses.append(
-        Hypothesis(name, "nameless", float(np.log(priors.ODDS_NAMELESS)), priors.grid(priors.AMPLITUDE_NAMELESS))
-    )
-    total = sum(share for share, _, _ in options)
-    for share, H, note in options:
-        columns = found.take(compressed(found.basis.T @ H))
-        found.options.append(Option(number, float(np.log(share / total)), columns, note=note))
-
-
 def compressed(W: FloatArray) -> FloatArray:
     """Return the fewest columns of the same covariance W W', but for what is `priors.KEPT` of the largest."""
     if not W.shape[1]:
@@ -240,16 +258,11 @@ def compressed(W: FloatArray) -> FloatArray:
     return found
 
 
-def _noise(found: _Collected) -> None:
-    """Take in that a class of rows is noisier than its samples say."""
-    shared = variance_classes(found.evidence)
+def _noise(evidence: Evidence) -> Iterator[tuple[str, FloatArray]]:
+    """Yield by name that a class of rows is noisier than its samples say: a column for each of its rows."""
+    shared = variance_classes(evidence)
     for number in np.unique(shared[shared > 0]).tolist():
         rows = np.flatnonzero(shared == number)
         triad, kind = divmod(number - 1, len(KINDS))
         if len(rows) > len(AXES):
-            name = f"wider noise of {KINDS[kind]} rows, {TRIADS[triad]}"
-            columns = found.take(compressed(found.basis[rows].T))
-            found.hypotheses.append(
-                Hypothesis(name, "noise", float(np.log(priors.ODDS_NOISE)), priors.grid(priors.AMPLITUDE_NOISE))
-            )
-            found.options.append(Option(len(found.hypotheses) - 1, 0.0, columns))
+            yield f"wider noise of {KINDS[kind]} rows, {TRIADS[triad]}", np.eye(len(shared))[:, rows]

@@ -14,7 +14,7 @@ from procedures.diagnosis.refit import Refit, terms_at
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
 from procedures.errors import DoesNotFit
-from procedures.inference.hypotheses import Board, board_of
+from procedures.inference.hypotheses import Board, library_of
 from procedures.inference.marginal import Member
 from procedures.inference.posterior import Posterior, posterior
 from procedures.inference.search import Model, Search
@@ -47,39 +47,24 @@ def infer(campaigns: Sequence[Campaign], effects: Sequence[Effect] = EFFECTS) ->
 
 def inferred(subject: BaseModel, effects: Sequence[Effect], checked: CheckedCampaigns) -> Inferred:
     """Search, linearise where the best model stands, and search again until its names stay."""
-    now, adopted = subject.refit(()), list[Candidate]()
-    search, best = _searched(now, adopted, effects)
+    now = subject.refit(())
+    library = library_of(now.evidence, Candidates(now.evidence, now.fits, effects))
+    search = Search(library.on(now.evidence))
+    best = search.run()
     for _ in range(LINEARISATIONS):
         wanted = _candidates(search.board, best)
         if not wanted:
             break
         try:
             again = subject.refit(wanted)
-            found, better = _searched(again, _bent(again), effects)
         except DoesNotFit:
             break
-        before, now, search = _names(search.board, best), again, found
-        best = better
+        before, now = _names(search.board, best), again
+        search = Search(library.with_adopted(now.evidence, _bent(now)).on(now.evidence))
+        best = search.run()
         if _names(search.board, best) == before:
             break
     return Inferred(posterior(search), search.board, now, subject, checked)
-
-
-def _searched(now: Refit, adopted: Sequence[Candidate], effects: Sequence[Effect]) -> tuple[Search, Model]:
-    pool = {name: list(ways) for name, ways in Candidates(now.evidence, now.fits, effects).items()}
-    for each in adopted:
-        name = each.effect.name
-        if each.columns.nonlinear or name not in pool:
-            pool.setdefault(name, []).append(each)
-        else:
-            pool[name] = [each if _is_same(way, each) else way for way in pool[name]]
-    search = Search(board_of(now.evidence, pool))
-    return search, search.run()
-
-
-def _is_same(one: Candidate, other: Candidate) -> bool:
-    a, b = one.columns, other.columns
-    return a.where == b.where and a.shape == b.shape and a.orders == b.orders
 
 
 def _bent(now: Refit) -> list[Candidate]:

@@ -88,14 +88,12 @@ def posterior(search: Search) -> Posterior:
         top = named[0] if named else first
         member = beside.member(board, top)
         found = averaged(board, rest, top, member) if board.hypotheses[top].is_named else None
-        causes.append(
-            Cause(
-                board.hypotheses[top], min(float(probabilities[top]), float(sum(shares[j] for j in [top]))) if len(order) > 1 else float(probabilities[top]),
-                float(weights @ held[:, order or [first]].any(axis=1)),
-                {board.hypotheses[j].name: float(shares[j]) for j in order}, nameless, found,
-                board.options[member.option].note,
-            )
-        )  # fmt: skip
+        of_group = float(weights @ held[:, order or [first]].any(axis=1))
+        causes.append(Cause(
+            board.hypotheses[top], float(min(probabilities[top], shares[top])), of_group,
+            {board.hypotheses[j].name: float(shares[j]) for j in order}, nameless, found,
+            board.options[member.option].note,
+        ))  # fmt: skip
     every = {h.name: float(p) for h, p in zip(board.hypotheses, probabilities, strict=True)}
     return Posterior(tuple(sorted(causes, key=lambda each: -each.joint)), every, best)
 
@@ -107,7 +105,8 @@ def averaged(board: Board, rest: Sequence[Member], hypothesis: int, member: Memb
     assert candidate is not None
     columns = candidate.columns
     k = len(columns.coefficients) - len(columns.nonlinear)
-    weights, means, spreads, constants = list[float](), list[FloatArray](), list[FloatArray](), list[FloatArray]()
+    amplitudes, weights = list[float](), list[float]()
+    means, spreads, constants = list[FloatArray](), list[FloatArray](), list[FloatArray]()
     for number in board_options(board)[hypothesis]:
         option = board.options[int(number)]
         way = option.candidate
@@ -128,9 +127,15 @@ def averaged(board: Board, rest: Sequence[Member], hypothesis: int, member: Memb
             mean[option.mask] = option.scale * (V @ (s**2 * along / spread))
             C[np.ix_(option.mask, option.mask)] = option.scale[:, None] * (V * (s**2 / spread)) @ V.T * option.scale
             means.append(mean)
+            amplitudes.append(s)
             spreads.append(C)
             constants.append(np.log(np.array(list(way.columns.nonlinear.values()))))
     p = np.exp(np.array(weights) - log_sum(np.array(weights)))
+    if candidate.effect.is_scatter:
+        logs = np.log(amplitudes)
+        size, own = float(np.exp(p @ logs)), float(candidate.effect.plausible_of(columns)[0])
+        spread = size * own * np.sqrt(p @ (logs - p @ logs) ** 2)
+        return Coefficients(candidate, ("value",), np.array([size * own]), np.array([[spread**2]]), {})
     every = np.array(means)
     value = p @ every
     off = every - value

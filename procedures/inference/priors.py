@@ -5,14 +5,16 @@ import numpy as np
 # Expected number of a campaign's error terms by name: about forty names, of which a unit on its bench shows
 # between none and two. A term of the bench or the procedure is as likely as one of the instrument.
 ODDS_NAMED = 0.01
-# A cause that no catalogue holds is a third as frequent as one that it holds, over about sixteen families.
-ODDS_NAMELESS = 0.01
+# A cause that no catalogue holds is a tenth as frequent as one that it holds, over about twenty families: a name that does the same is preferred.
+ODDS_NAMELESS = 0.002
+# Where one coefficient of an effect acts another of it often does.
+ODDS_ANOTHER = 0.3
 # A row class is noisier than its samples say as rarely as a single name acts: counting noise is well known.
 ODDS_NOISE = 0.01
 
-# Amplitude of a named effect over the standard deviation that its table states: that number is known to an order of
-# magnitude or two, and effects come smaller than what a data sheet allows.
-AMPLITUDE_NAMED = (0.01, 3.0)
+# Amplitude of a named effect over the standard deviation that its table states: that number is of the largest units,
+# of which good ones show a thousandth.
+AMPLITUDE_NAMED = (0.001, 3.0)
 # A scatter is stated by the procedure within a factor of ten.
 AMPLITUDE_SCATTER = (0.1, 10.0)
 # A nameless function, in sigmas of all rows together: from what nothing could see to a thousand.
@@ -22,7 +24,8 @@ AMPLITUDE_NOISE = (0.1, 10.0)
 AMPLITUDES = 25  # points of a logarithmic grid: neighbours differ by a third of a standard deviation at most
 
 # Half periods over the range of its coordinate beyond which a smooth function's spectrum falls off as k^-4.
-BENDS = (1.0, 4.0, 12.0)
+# None is so few that the function would be a straight line, which has a name.
+BENDS = (3.0, 10.0)
 HALF_PERIODS = 24  # columns of a smooth function: twice the largest of `BENDS`
 FINER = 3  # points in each interval of a time constant's grid: a third of 0.5 in its logarithm moves nothing
 KEPT = 1e-4  # of a family's largest variance, below which a direction is a hundredth of its size

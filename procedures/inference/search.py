@@ -48,10 +48,8 @@ class Search:
             self._keep(self.polished(begin))
         parents = [self.models[()]]
         for _ in range(priors.LARGEST):
-            children = self._grown(parents)
-            best = max(each.log_odds for each in self.models.values())
-            parents = children[: priors.PARENTS]
-            if not parents or parents[0].log_odds < best - priors.WINDOW:
+            parents = self._grown(parents)
+            if not parents:
                 break
         best_model = self.best
         for _ in range(priors.LARGEST):
@@ -78,26 +76,34 @@ class Search:
             self.models[model.names] = model
 
     def _grown(self, parents: Iterable[Model]) -> list[Model]:
+        """Return the likeliest models of one member more than ``parents`` that are likelier than these."""
         found = dict[Names, Model]()
         for parent in parents:
             for child in self._children(parent):
                 self._keep(child)
-                if child.names not in found or found[child.names].log_odds < child.log_odds:
+                known = found.get(child.names)
+                if child.log_odds > max(parent.log_odds, -np.inf if known is None else known.log_odds):
                     found[child.names] = child
         likeliest = sorted(found.values(), key=lambda each: -each.log_odds)[: priors.PARENTS]
         polished = [self.polished(each.members) for each in likeliest]
         for each in polished:
             self._keep(each)
-        return sorted(polished, key=lambda each: -each.log_odds)
+        return polished
 
     def _children(self, parent: Model) -> Iterable[Model]:
         """Yield a model with each hypothesis more."""
         beside, hypotheses = self.beside(parent.members), self.board.hypotheses
         for i, total in enumerate(beside.total.tolist()):
-            if np.isfinite(total) and (i not in parent.names or hypotheses[i].repeats):
+            again = self._again(i) if i in parent.names else 0.0
+            if np.isfinite(total + again):
                 member = beside.member(self.board, i)
                 names = tuple(sorted((*parent.names, i)))
-                yield Model((*parent.members, member), parent.log_odds + total, names)
+                yield Model((*parent.members, member), parent.log_odds + total + again, names)
+
+    def _again(self, hypothesis: int) -> float:
+        """Return by how much likelier it is that a hypothesis acts once more than that it acts."""
+        one = self.board.hypotheses[hypothesis]
+        return -np.inf if one.log_again is None else one.log_again - one.log_odds
 
     def polished(self, members: Sequence[Member]) -> Model:
         """Return a model with every member's option and amplitude the best beside the others."""
@@ -110,7 +116,7 @@ class Search:
             beside = self.beside(now[:i] + now[i + 1 :])
             at = beside.best[now[i].option]
             volume = beside.total[hypothesis] - at + self.board.options[now[i].option].log_share
-            log_odds += float(volume)
+            log_odds += float(volume) + (self._again(hypothesis) if hypothesis in of[:i] else 0.0)
         return Model(tuple(now), log_odds, tuple(sorted(of)))
 
     def _around(self, model: Model) -> None:

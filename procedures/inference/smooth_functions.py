@@ -6,6 +6,7 @@ triad's three sensors or on one, on the bias or on the scale factor.
 """
 
 from functools import lru_cache
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -119,36 +120,40 @@ def _coordinates(seen: Excitation, output: FloatArray, triad: str) -> dict[str, 
         spread, x = max(float(np.nanstd(T)), 1e-9), np.nan_to_num(_unit(T))
         at = (T - np.nanmean(T)) / spread
         rate = seen.temperature_rate / max(float(np.nanstd(seen.temperature_rate)), 1e-12)
-        past = [(lag - np.nanmean(lag)) / spread for lag in (sensor_temperature(seen, tau) for tau in LAGS_S)]
-        history = [each[:, None] for each in (at, rate, *past)]
+        past = [T, *(sensor_temperature(seen, tau) for tau in LAGS_S)]
+        steps = [a - b for a, b in pairwise(past)] + [past[-1] - np.nanmean(past[-1])]
+        history = [each[:, None] / max(float(np.nanstd(each)), 1e-12) for each in steps]
         B = seen.magnetic / max(float(np.nanstd(seen.magnetic)), 1e-12) if np.isfinite(seen.magnetic).any() else f[:, :0]
         vectors = [each[:, [i]] for each in (f, B) for i in range(each.shape[1])]
-        found["temperature"] = _waves(x)
-        found["temperature times the output"] = _waves(x[:, None], output)
-        found["the temperature before"] = [_equal("lags", history)]
-        found["the temperature before, times the output"] = [_equal("lags", [each * output for each in history])]
-        found["temperature and its rate"] = [_equal("products", [at, rate, at * rate, at**2, rate**2])]
+        products = [at, rate, at * rate, at**2, rate**2]
+        found["temperature"] = [*_waves(x), _equal("lags", history), _equal("products", products)]
+        found["temperature times the output"] = [
+            *_waves(x[:, None], output), _equal("lags", [each * output for each in history])
+        ]  # fmt: skip
         found["temperature and attitude"] = [
             _equal("products", [by[:, None] * each for by in (at, rate) for each in vectors])
         ]
-    linear = [f[:, i] for i in range(3)]
     square = [f[:, i] * f[:, j] for i in range(3) for j in range(i, 3)]
     cubic = [f[:, i] * f[:, j] * f[:, k] for i in range(3) for j in range(i, 3) for k in range(j, 3)]
-    found["specific force"] = [_equal("squares", square), _equal("cubes", [*linear, *square, *cubic])]
+    around = [np.roll(f, shift, axis=1) for shift in (1, 2)]
+    others = square if triad == "gyroscope" else [each**2 for each in around]  # a sensor's own are named
+    found["specific force"] = [_equal("squares", others), _equal("cubes", [*others, *cubic])]
     histories = seen.histories[seen.step]
     first = [resting & np.isnan(seen.change[:, 0]) & (histories == one) for one in np.unique(histories)]
     before = [np.nan_to_num(seen.f_before[:, i]) * resting for i in range(3)] + [1.0 * each for each in first]
-    found["the position before"] = [_equal("linear", before)]
     fading = [np.where(resting, np.exp(-seen.rest_s / tau), 0.0)[:, None] for tau in FADES_S]
     by = {"alone": np.ones_like(f[:, :1]), "by the change": np.nan_to_num(seen.change), "by f": f, "by f^2": f**2}
-    found["the time at rest"] = [_equal(note, [each * value for each in fading]) for note, value in by.items()]
+    found["the time at rest and before"] = [
+        _equal("the position before", before),
+        *(_equal(note, [each * value for each in fading]) for note, value in by.items()),
+    ]
     if resting.any():
         found["the input at rest"] = _of_input(np.where(resting[:, None], output, np.nan))
     if seen.C_sn is not None and np.isfinite(seen.C_sn).any():
         east, north = (np.nan_to_num(seen.C_sn[:, :, i]) for i in range(2))
         second = [east, north, east * north, north**2, east**2]
         found["the heading"] = [_equal("first", [east, north]), _equal("second", second)]
-    if np.isfinite(seen.magnetic).any():
+    if triad == "accelerometer" and np.isfinite(seen.magnetic).any():  # of a gyroscope it is named
         found["the magnetic field"] = [_equal("linear", [seen.magnetic[:, i] for i in range(3)])]
     if triad == "gyroscope" and turning.any():
         u = output / max(float(np.abs(output[turning]).max()), 1e-12)

@@ -89,6 +89,8 @@ def of_diagnose(campaigns: Sequence[Campaign]) -> Answer:
     """Return what `diagnose` says, its words as probabilities."""
     found, terms = diagnose(campaigns), dict[str, list[Term]]()
     for each in found.added:
+        if each.effect.is_scatter:  # whose columns can do whatever a cause does
+            continue
         terms.setdefault(each.effect.name, []).append(each.term)
     causes = [
         Cause(f.effect, WORDS.get(f.confidence, 1 / (1 + max(len(f.aliases), 1))), (f.effect, *f.aliases), 1.0,
@@ -109,9 +111,9 @@ def of_inference(campaigns: Sequence[Campaign]) -> Answer:
     for each in found.posterior.causes:
         if (of := each.coefficients) is not None:
             way = of.candidate
-            unit = way.columns.unit or way.effect.unit
+            unit, terms = way.columns.unit or way.effect.unit, () if way.effect.is_scatter else (way.term,)
             causes.append(Cause(
-                each.hypothesis.name, each.probability, tuple(each.shares), each.joint, (way.term,), of.names,
+                each.hypothesis.name, each.probability, tuple(each.shares), each.joint, terms, of.names,
                 of.value, of.std, unit, way.columns.where, way.columns.shape,
             ))  # fmt: skip
     solution = found.subject.report(found.refit)
