@@ -16,7 +16,6 @@ from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.linear_model import Term, variance_classes
 from procedures.diagnosis.residual_rows import KINDS, Evidence
 from procedures.effects.effect import Effect
-from procedures.effects.time_constant import LONGEST
 from procedures.frames import AXES, TRIADS
 from procedures.inference import priors
 from procedures.inference.smooth_functions import functions, walk
@@ -62,6 +61,17 @@ class Option:
     scale: FloatArray | None = None
     note: str = ""
 
+    @property
+    def is_bent(self) -> bool:
+        """Say whether it has a time constant, or what else is not linear."""
+        return self.candidate is not None and bool(self.candidate.columns.nonlinear)
+
+    @property
+    def is_plain(self) -> bool:
+        """Say whether an effect is linear and acts at one place only: throughout."""
+        one = self.candidate
+        return one is not None and not (one.columns.nonlinear or one.columns.where or one.effect.is_scatter)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Way:
@@ -83,11 +93,11 @@ class Board:
     """The evidence with the model's own parameters integrated out, and every hypothesis beside it.
 
     ``y`` (m,) is the whitened residual in the complement of the model's columns, ``W`` (m, N) all columns there,
-    the last of which is zero. ``basis`` (n, m) takes rows to it.
+    the last of which is zero, ``H`` (n, N) the same on all rows.
     """
 
     evidence: Evidence
-    basis: FloatArray
+    H: FloatArray
     y: FloatArray
     W: FloatArray
     hypotheses: tuple[Hypothesis, ...]
@@ -131,18 +141,42 @@ class Library:
         basis = Q[:, white.shape[1] :]
         sizes = np.cumsum([0, *(way.H.shape[1] for way in self.ways)])
         every = basis.T @ np.hstack([np.zeros((len(white), 0)), *(way.H for way in self.ways)])
-        parts, options, width = list[FloatArray](), list[Option](), 0
+        rows, parts, options, width = list[FloatArray](), list[FloatArray](), list[Option](), 0
         for way, first, end in zip(self.ways, sizes, sizes[1:], strict=False):
-            W = every[:, first:end] if way.candidate is not None else compressed(every[:, first:end])
-            columns = width + np.arange(W.shape[1])
-            parts, width = [*parts, W], width + W.shape[1]
-            for share, mask in way.masks:
+            H, W, masks = way.H, every[:, first:end], way.masks
+            if way.candidate is None:
+                V = principal(W)
+                H, W, masks = H @ V, W @ V, [(way.masks[0][0], np.arange(V.shape[1]))]
+            rows.append(H)
+            parts.append(W)
+            for share, mask in masks:
                 scale = None if way.scale is None else way.scale[mask]
-                at = columns if way.candidate is None else columns[mask]
-                options.append(Option(way.hypothesis, share, at, way.candidate, mask, scale, way.note))
+                options.append(Option(way.hypothesis, share, width + mask, way.candidate, mask, scale, way.note))
+            width += W.shape[1]
         W = np.hstack([*parts, np.zeros((basis.shape[1], 1))])
+        H = np.hstack([*rows, np.zeros((len(white), 1))])
         y = basis.T @ (evidence.residual / evidence.sigma)
-        return Board(evidence, basis, y, W, self.hypotheses, tuple(options))
+        return Board(evidence, H, y, W, self.hypotheses, _plainest(W, options))
+
+
+def _plainest(W: FloatArray, options: Sequence[Option]) -> tuple[Option, ...]:
+    """Return the options without those that do what a plainer effect does.
+
+    A lag of a second, a settling of a week and a function of two temperatures do what a coefficient of temperature
+    or a drift does: that is the name they then have.
+    """
+    spans = {id(each.candidate): each.columns for each in sorted(options, key=lambda o: len(o.columns)) if each.is_plain}
+    size, most = np.sum(W**2, axis=0), np.zeros(len(options))
+    whole = np.array([np.sum(size[each.columns]) for each in options])
+    for columns in spans.values():
+        Q, r = np.linalg.qr(W[:, columns])
+        taken = np.sum((Q[:, np.abs(np.diag(r)) > 0].T @ W) ** 2, axis=0)
+        within = np.array([np.sum(taken[each.columns]) for each in options])
+        most = np.maximum(most, within / np.maximum(whole, 1e-300))
+    return tuple(
+        each for each, share in zip(options, most, strict=True)
+        if share < priors.THE_SAME**2 or each.is_plain or not (each.is_bent or each.candidate is None)
+    )  # fmt: skip
 
 
 def _is_same(one: Candidate, other: Candidate) -> bool:
@@ -154,7 +188,7 @@ def library_of(evidence: Evidence, pool: Mapping[str, Sequence[Candidate]]) -> L
     """Return every hypothesis beside an evidence; ``pool`` are by name the ways in which effects may act."""
     hypotheses, ways = list[Hypothesis](), list[Way]()
     for name, candidates in pool.items():
-        tried = [each for each in candidates if each.is_tried and not each.is_of_model]
+        tried = [each for each in candidates if each.is_tried and not each.effect.is_bench_parameter]
         if tried:
             hypotheses.append(_named(name, tried))
             ways += _named_ways(evidence, len(hypotheses) - 1, tried)
@@ -188,9 +222,7 @@ def _named(name: str, ways: Sequence[Candidate]) -> Hypothesis:
 
 
 def _named_ways(evidence: Evidence, number: int, candidates: Sequence[Candidate]) -> list[Way]:
-    longest = max(each.columns.tau_s for each in candidates) / LONGEST  # beyond it an exponential is a straight line
-    kept = [each for each in candidates if each.columns.tau_s <= longest or not each.columns.tau_s]
-    finer = [*kept, *_between(kept)]
+    finer = [*candidates, *_between(candidates)]
     return [_way(evidence, number, each, -float(np.log(len(finer)))) for each in finer]
 
 
@@ -249,12 +281,12 @@ def masks(way: Candidate) -> Iterator[tuple[float, IntArray]]:
             yield -float(np.log(len(levels) * len(level))), mask
 
 
-def compressed(W: FloatArray) -> FloatArray:
-    """Return the fewest columns of the same covariance W W', but for what is `priors.KEPT` of the largest."""
+def principal(W: FloatArray) -> FloatArray:
+    """Return what takes columns W (m, k) to the fewest of the same W W', but for `priors.KEPT` of the largest."""
     if not W.shape[1]:
-        return W
+        return np.zeros((0, 0))
     variances, V = np.linalg.eigh(W.T @ W)
-    found: FloatArray = W @ V[:, variances > priors.KEPT * max(float(variances[-1]), 1e-300)]
+    found: FloatArray = V[:, variances > priors.KEPT * max(float(variances[-1]), 1e-300)]
     return found
 
 

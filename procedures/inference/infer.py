@@ -16,7 +16,7 @@ from procedures.effects.effect import Effect
 from procedures.errors import DoesNotFit
 from procedures.inference.hypotheses import Board, library_of
 from procedures.inference.marginal import Member
-from procedures.inference.posterior import Posterior, posterior
+from procedures.inference.posterior import Posterior, averaged_fits, posterior
 from procedures.inference.search import Model, Search
 
 HELD_OUT_OF_COLUMNS = 1e-9  # times 1 sigma of a coefficient that acts: of one that does not
@@ -64,7 +64,9 @@ def inferred(subject: BaseModel, effects: Sequence[Effect], checked: CheckedCamp
         best = search.run()
         if _names(search.board, best) == before:
             break
-    return Inferred(posterior(search), search.board, now, subject, checked)
+    found = posterior(search)
+    fits = now.fits if now.bare is None else averaged_fits(search, now.bare, found.causes)
+    return Inferred(found, search.board, replace(now, fits=fits), subject, checked)
 
 
 def _bent(now: Refit) -> list[Candidate]:

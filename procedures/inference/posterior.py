@@ -1,12 +1,14 @@
 """What follows from the models that were kept: probabilities of names, groups, nameless mass, averaged coefficients."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from procedures.arrays import FloatArray
+from procedures.arrays import FloatArray, IntArray
+from procedures.calibration.joint_calibration import CampaignFits
 from procedures.diagnosis.candidates import Candidate
+from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.inference import priors
 from procedures.inference.hypotheses import Board, Hypothesis
 from procedures.inference.marginal import Held, Member, board_options, log_sum
@@ -140,12 +142,59 @@ def averaged(board: Board, rest: Sequence[Member], hypothesis: int, member: Memb
     value = p @ every
     off = every - value
     covariance = np.einsum("i,ijk->jk", p, np.array(spreads)) + (off * p[:, None]).T @ off
+    if candidate.effect.shown is not None:
+        shown, std = candidate.effect.shown(value, np.sqrt(np.diag(covariance)))
+        return Coefficients(candidate, columns.coefficients[:k], shown, np.diag(std**2), {})
     nonlinear = dict[str, tuple[float, float]]()
     for i, name in enumerate(columns.nonlinear):
         logs = np.array([each[i] for each in constants])
         middle = float(p @ logs)
         nonlinear[name] = float(np.exp(middle)), float(np.sqrt(p @ (logs - middle) ** 2))
     return Coefficients(candidate, columns.coefficients[:k], value, covariance, nonlinear)
+
+
+def averaged_fits(search: Search, fits: CampaignFits, causes: Sequence[Cause]) -> CampaignFits:
+    """Return fits with parameters and covariance averaged over the models of what the causes may be.
+
+    What may act beside them unseen, as likely as before the data, is no part of the average.
+
+    With A the model's own columns and S those of members, on all rows, and c the members' coefficients in units of
+    their prior, the parameters are ``dx = A^+ (S c - y)``; their covariance is that of noise, A^+ S cov(c) S' A^+',
+    and that of dx from model to model.
+
+    Parameters
+    ----------
+    fits : where the board was linearised, with the covariance of noise alone
+    """
+    board, shown = search.board, {name for each in causes for name in each.shares}
+    models = [m for m in search.window if {board.hypotheses[i].name for i in m.names} <= shown] or [search.best]
+    evidence = board.evidence
+    Q, R = np.linalg.qr(evidence.A / evidence.sigma[:, None])
+    y = evidence.residual / evidence.sigma
+    log_odds = np.array([each.log_odds for each in models])
+    p = np.exp(log_odds - log_sum(log_odds))
+    changes, added = np.zeros((len(models), R.shape[1])), np.zeros((R.shape[1], R.shape[1]))
+    for i, model in enumerate(models):
+        held = Held.of(board, model.members)
+        parts = [board.H[:, board.options[each.option].columns] * each.amplitude for each in model.members]
+        S = np.hstack([np.zeros((len(y), 0)), *parts])
+        taken = np.linalg.solve(R, Q.T @ S)
+        changes[i] = taken @ held.c - np.linalg.solve(R, Q.T @ y)
+        added += p[i] * taken @ held.inverse @ taken.T
+    mean = p @ changes
+    added += ((changes - mean) * p[:, None]).T @ (changes - mean)
+
+    def moved(joint: TriadFit, columns: IntArray) -> TriadFit:
+        one = joint.fit
+        covariance = one.covariance + added[np.ix_(columns, columns)]
+        return replace(joint, fit=replace(one, x=one.x + mean[columns], covariance=covariance))
+
+    accel, gyro = fits.accelerometer, fits.gyroscope
+    first, second = evidence.columns_of
+    return replace(
+        fits, accelerometer=accel and moved(accel, first),
+        gyroscope=gyro and replace(gyro, joint=moved(gyro.joint, second)),
+    )  # fmt: skip
 
 
 def word(probability: float) -> str:

@@ -28,6 +28,7 @@ AMPLITUDES = 25  # points of a logarithmic grid: neighbours differ by a third of
 BENDS = (3.0, 10.0)
 HALF_PERIODS = 24  # columns of a smooth function: twice the largest of `BENDS`
 FINER = 3  # points in each interval of a time constant's grid: a third of 0.5 in its logarithm moves nothing
+THE_SAME = 0.995  # correlation from which columns of 10 sigmas differ by less than one
 KEPT = 1e-4  # of a family's largest variance, below which a direction is a hundredth of its size
 
 WINDOW = 7.0  # nats below the best model, beyond which all models together weigh less than one in a hundred
