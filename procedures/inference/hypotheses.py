@@ -165,7 +165,9 @@ def _plainest(W: FloatArray, options: Sequence[Option]) -> tuple[Option, ...]:
     A lag of a second, a settling of a week and a function of two temperatures do what a coefficient of temperature
     or a drift does: that is the name they then have.
     """
-    spans = {id(each.candidate): each.columns for each in sorted(options, key=lambda o: len(o.columns)) if each.is_plain}
+    spans = {
+        id(each.candidate): each.columns for each in sorted(options, key=lambda o: len(o.columns)) if each.is_plain
+    }
     size, most = np.sum(W**2, axis=0), np.zeros(len(options))
     whole = np.array([np.sum(size[each.columns]) for each in options])
     for columns in spans.values():

@@ -22,7 +22,18 @@ from scipy.special import log_ndtr
 from procedures.arrays import FloatArray, IntArray
 from procedures.inference.hypotheses import Board
 
-SIZES = (1, 3, 6, 9, 12, 18, 24, 32, 48, 64)  # numbers of columns to which options are filled with zeros, all at once
+SIZES = (
+    1,
+    3,
+    6,
+    9,
+    12,
+    18,
+    24,
+    32,
+    48,
+    64,
+)  # numbers of columns to which options are filled with zeros, all at once
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,7 +135,7 @@ class Held:
         """Hold members."""
         S = stacked(board, members)
         M, b, yy = np.eye(S.shape[1]) + S.T @ S, S.T @ board.y, float(board.y @ board.y)
-        inverse = np.linalg.inv(M)
+        inverse = np.asarray(np.linalg.inv(M), np.float64)
         c = inverse @ b
         squares = yy - float(b @ c)
         logdet = float(np.linalg.slogdet(M)[1])
@@ -175,7 +186,8 @@ def _gains(board: Board, squares: float, G: FloatArray, g: FloatArray, block: _B
     explained = np.sum(s2 * along[:, None, :] ** 2 / spread, axis=2)
     found = -0.5 * np.sum(np.log(spread), axis=2)
     found += tail(board, squares - explained) - tail(board, np.array(squares))
-    return found + _log_positive(G, g, block.amplitudes) if block.is_loss else found
+    gains: FloatArray = found + _log_positive(G, g, block.amplitudes) if block.is_loss else found
+    return gains
 
 
 def _log_positive(G: FloatArray, g: FloatArray, amplitudes: FloatArray) -> FloatArray:

@@ -115,7 +115,11 @@ def averaged(board: Board, rest: Sequence[Member], hypothesis: int, member: Memb
         assert way is not None
         assert option.mask is not None
         assert option.scale is not None
-        if way.columns.where != columns.where or way.columns.shape != columns.shape or len(way.columns.coefficients) != len(columns.coefficients):
+        if (
+            way.columns.where != columns.where
+            or way.columns.shape != columns.shape
+            or len(way.columns.coefficients) != len(columns.coefficients)
+        ):
             continue
         W = board.W[:, option.columns]
         of = W.T @ held.S
@@ -127,7 +131,9 @@ def averaged(board: Board, rest: Sequence[Member], hypothesis: int, member: Memb
             weights.append(option.log_share + 0.5 * float(np.sum(s**2 * along**2 / spread - np.log(spread))))
             mean, C = np.zeros(k), np.zeros((k, k))
             mean[option.mask] = option.scale * (V @ (s**2 * along / spread))
-            C[np.ix_(option.mask, option.mask)] = option.scale[:, None] * (V * (s**2 / spread)) @ V.T * option.scale
+            C[np.ix_(option.mask, option.mask)] = (
+                option.scale[:, None] * (V * (s**2 / spread)) @ V.T * option.scale
+            )
             means.append(mean)
             amplitudes.append(s)
             spreads.append(C)
@@ -136,8 +142,8 @@ def averaged(board: Board, rest: Sequence[Member], hypothesis: int, member: Memb
     if candidate.effect.is_scatter:
         logs = np.log(amplitudes)
         size, own = float(np.exp(p @ logs)), float(candidate.effect.plausible_of(columns)[0])
-        spread = size * own * np.sqrt(p @ (logs - p @ logs) ** 2)
-        return Coefficients(candidate, ("value",), np.array([size * own]), np.array([[spread**2]]), {})
+        std = size * own * float(np.sqrt(p @ (logs - p @ logs) ** 2))
+        return Coefficients(candidate, ("value",), np.array([size * own]), np.array([[std**2]]), {})
     every = np.array(means)
     value = p @ every
     off = every - value
@@ -200,5 +206,9 @@ def averaged_fits(search: Search, fits: CampaignFits, causes: Sequence[Cause]) -
 def word(probability: float) -> str:
     """Return the word for a probability."""
     return (
-        "established" if probability >= priors.ESTABLISHED else "likely" if probability >= priors.LIKELY else "possible"
+        "established"
+        if probability >= priors.ESTABLISHED
+        else "likely"
+        if probability >= priors.LIKELY
+        else "possible"
     )

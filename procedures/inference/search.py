@@ -92,7 +92,7 @@ class Search:
 
     def _children(self, parent: Model) -> Iterable[Model]:
         """Yield a model with each hypothesis more."""
-        beside, hypotheses = self.beside(parent.members), self.board.hypotheses
+        beside = self.beside(parent.members)
         for i, total in enumerate(beside.total.tolist()):
             again = self._again(i) if i in parent.names else 0.0
             if np.isfinite(total + again):

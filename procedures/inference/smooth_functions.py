@@ -15,7 +15,7 @@ from procedures.arrays import BoolArray, FloatArray
 from procedures.diagnosis.random_walk import walk_columns
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.diagnosis.row_sums import row_sums
-from procedures.effects.effect import Excitation
+from procedures.effects.effect import REFERENCE_C, Excitation
 from procedures.effects.temperature_history import lagged, sensor_temperature
 from procedures.frames import AXES, TRIADS
 from procedures.inference import priors
@@ -33,7 +33,9 @@ def functions(evidence: Evidence) -> dict[str, Options]:
     """Return by name every function without a name and its options."""
     found, seen = dict[str, Options](), evidence.excitation
     for number, triad in enumerate(TRIADS):
-        if not (evidence.rows("mean", "slope", "turn", "norm", "rate", "soak", "move") & (evidence.triad == number)).any():
+        if not (
+            evidence.rows("mean", "slope", "turn", "norm", "rate", "soak", "move") & (evidence.triad == number)
+        ).any():
             continue
         output = np.nan_to_num((seen.accel_output, seen.gyro_output)[number])
         for name, ways in _coordinates(seen, output, triad).items():
@@ -123,15 +125,21 @@ def _coordinates(seen: Excitation, output: FloatArray, triad: str) -> dict[str, 
         past = [T, *(sensor_temperature(seen, tau) for tau in LAGS_S)]
         steps = [a - b for a, b in pairwise(past)] + [past[-1] - np.nanmean(past[-1])]
         history = [each[:, None] / max(float(np.nanstd(each)), 1e-12) for each in steps]
-        B = seen.magnetic / max(float(np.nanstd(seen.magnetic)), 1e-12) if np.isfinite(seen.magnetic).any() else f[:, :0]
+        B = (
+            seen.magnetic / max(float(np.nanstd(seen.magnetic)), 1e-12)
+            if np.isfinite(seen.magnetic).any()
+            else f[:, :0]
+        )
         vectors = [each[:, [i]] for each in (f, B) for i in range(each.shape[1])]
         products = [at, rate, at * rate, at**2, rate**2]
         found["temperature"] = [*_waves(x), _equal("lags", history), _equal("products", products)]
         found["temperature times the output"] = [
             *_waves(x[:, None], output), _equal("lags", [each * output for each in history])
         ]  # fmt: skip
+        about = (T - REFERENCE_C) / spread  # a bias and a scale factor of the model take what is constant, a vector not
         found["temperature and attitude"] = [
-            _equal("products", [by[:, None] * each for by in (at, rate) for each in vectors])
+            _equal("temperature times a vector", [each * by[:, None] for by in (about, at) for each in vectors]),
+            _equal("its rate times a vector", [each * rate[:, None] for each in vectors]),
         ]
     square = [f[:, i] * f[:, j] for i in range(3) for j in range(i, 3)]
     cubic = [f[:, i] * f[:, j] * f[:, k] for i in range(3) for j in range(i, 3) for k in range(j, 3)]
@@ -159,7 +167,9 @@ def _coordinates(seen: Excitation, output: FloatArray, triad: str) -> dict[str, 
         u = output / max(float(np.abs(output[turning]).max()), 1e-12)
         around = [np.where(turning[:, None], np.roll(u, s, axis=1), 0.0) for s in (1, 2)]
         found["the rate"] = _of_input(np.where(turning[:, None], output, np.nan))
-        found["the other axes' rates"] = [_equal("even and odd", [g for v in around for g in (v**2, v * np.abs(v))])]
+        found["the other axes' rates"] = [
+            _equal("even and odd", [g for v in around for g in (v**2, v * np.abs(v))])
+        ]
         found["the warmth of turning"] = [_equal("fades", [_warmth(seen, turning, tau) for tau in LAGS_S[:4]])]
     return found
 

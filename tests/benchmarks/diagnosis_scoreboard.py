@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from functools import lru_cache
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -178,7 +179,9 @@ def _law(law: Any, seed: int) -> World:
     also = drawn.planted(size, np.array(truth.magnetic_enu_ut))
     campaigns = campaigns_of(truth, law.design, seed, also, stated=truth).campaigns
     named = NAMED_LAWS.get(law.name)
-    return World("catalogue" if named else "outside", campaigns, truth, frozenset(filter(None, [named])), drawn.done)
+    return World(
+        "catalogue" if named else "outside", campaigns, truth, frozenset(filter(None, [named])), drawn.done
+    )
 
 
 def _outside(name: str, seed: int) -> World:
@@ -215,7 +218,9 @@ def trial(kind: str, seed: int, engines: Sequence[str]) -> list[dict[str, Any]]:
         try:
             answer = ENGINES[engine](world.campaigns)
         except Exception as error:
-            lines.append({"kind": kind, "seed": seed, "engine": engine, "group": world.group, "error": repr(error)})
+            lines.append(
+                {"kind": kind, "seed": seed, "engine": engine, "group": world.group, "error": repr(error)}
+            )
             continue
         seconds = time.process_time() - cpu
         causes = [c for c in answer.causes if c.effect not in HELD_BY_THE_MODEL]
@@ -311,7 +316,7 @@ def table(lines: Sequence[Mapping[str, Any]]) -> Iterable[str]:
         any(c["p"] >= 0.9 and not c["right"] and c["name"].startswith(("accel", "gyro")) for c in x["causes"])
         for x in (*of["null"], *of["bench"])])  # fmt: skip
     causes = [c for x in lines for c in x["causes"]]
-    for low, high in zip(BINS, BINS[1:], strict=False):
+    for low, high in pairwise(BINS):
         inside = [c for c in causes if low <= c["p"] < high or high == c["p"] == 1.0]
         mean = np.mean([c["p"] for c in inside]) if inside else np.nan
         yield share(f"reliability {low} to {high}: stated {mean:.3f}, true", [c["right"] for c in inside])
