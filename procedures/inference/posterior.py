@@ -141,9 +141,9 @@ def averaged(board: Board, rest: Sequence[Member], hypothesis: int, member: Memb
     p = np.exp(np.array(weights) - log_sum(np.array(weights)))
     if candidate.effect.is_scatter:
         logs = np.log(amplitudes)
-        size, own = float(np.exp(p @ logs)), float(candidate.effect.plausible_of(columns)[0])
-        std = size * own * float(np.sqrt(p @ (logs - p @ logs) ** 2))
-        return Coefficients(candidate, ("value",), np.array([size * own]), np.array([[std**2]]), {})
+        times, own = float(np.exp(p @ logs)), float(candidate.effect.plausible_of(columns)[0])
+        std = times * own * float(np.sqrt(p @ (logs - p @ logs) ** 2))
+        return Coefficients(candidate, ("value",), np.array([times * own]), np.array([[std**2]]), {})
     every = np.array(means)
     value = p @ every
     off = every - value
