@@ -1,7 +1,7 @@
 """Engines of diagnosis on planted worlds: probabilities held against what was planted.
 
-``python -m tests.benchmarks.diagnosis_scoreboard --engines diagnose inference --seeds 1 --raw FILE`` adds a line to
-FILE for every world and engine that it does not hold yet, and prints the tables of all that it holds.
+``python -m tests.benchmarks.diagnosis_scoreboard --engines diagnose inference --seeds 1 --raw FILE`` adds a line
+to FILE for every world and engine that it does not hold yet, and prints the tables of all that it holds.
 """
 
 import argparse
@@ -26,6 +26,7 @@ from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.linear_model import Term
 from procedures.diagnosis.residual_rows import Evidence
+from procedures.effects import EFFECTS
 from procedures.inference.infer import infer
 from tests.benchmarks.diagnosing.coefficients import errors_of
 from tests.benchmarks.diagnosing.designs import DESIGNS, unit
@@ -38,8 +39,9 @@ from tests.benchmarks.discovering.laws import LAWS
 from tests.benchmarks.discovering.planting import Drawn, bare_evidence, size_of
 from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, truth_of
 from tests.benchmarks.undeclared_kinds.innocent import INNOCENT, as_it_is
+from tests.benchmarks.undeclared_kinds.literature import LITERATURE, Kind
 
-HELD_BY_THE_MODEL = ("slab.tilt", "fixture.parallelism")  # parameters of the bench, not causes
+HELD_BY_THE_MODEL = {each.name for each in EFFECTS if each.is_bench_parameter}  # no causes
 WORDS = {"established": 0.995, "likely": 0.95}  # what the words of an engine without probabilities claim
 NAMED_LAWS = {"counts lost": "gyroscope.counts_lost", "bias warms up": "gyroscope.bias_settling",
               "source warms up": "gyroscope.scale_settling"}  # fmt: skip
@@ -49,7 +51,10 @@ Rows = Callable[[Evidence], np.ndarray]
 
 @dataclass(frozen=True)
 class World:
-    """Campaigns with a known cause: ``group`` is catalogue, outside, bench or null; ``does`` what it does to rows."""
+    """Campaigns with a known cause.
+
+    ``group`` is catalogue, outside, bench or null; ``does`` gives what the cause does to rows.
+    """
 
     group: str
     campaigns: Sequence[Campaign]
@@ -139,6 +144,8 @@ def worlds() -> dict[str, Callable[[int], World]]:
         made[f"bench, {name}"] = lambda seed, name=name: _innocent(name, seed)
     for name in QUIET:
         made[f"none, {name}"] = lambda seed, name=name: _quiet(name, seed)
+    for name, kind in LITERATURE.items():
+        made[f"literature, {name}"] = lambda seed, kind=kind: _of_literature(kind, seed)
     return made
 
 
@@ -190,6 +197,12 @@ def _outside(name: str, seed: int) -> World:
     truth = unit(seed, **made.truth)
     campaigns = made.make(truth, seed, outside(name, size))
     return World("outside", campaigns, truth, does=_differs(campaigns, lambda: made.make(truth, seed, ())))
+
+
+def _of_literature(kind: Kind, seed: int) -> World:
+    group, campaigns = "catalogue" if kind.truth else "outside", kind.campaigns(seed)
+    does = _differs(campaigns, lambda: kind.campaigns(seed, 0.0))
+    return World(group, campaigns, truth_of(kind.design, seed), kind.acceptable, does)
 
 
 def _innocent(name: str, seed: int) -> World:
