@@ -1,1 +1,1 @@
-"""Which causes a residual shows: one rule, the posterior probability of hypotheses that are columns with a prior."""
+"""Which causes a residual shows: the posterior probability of hypotheses that are columns with a prior."""

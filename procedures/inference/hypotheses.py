@@ -7,7 +7,6 @@ constant, in all sensors or in one.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
@@ -15,69 +14,20 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.linear_model import Term, variance_classes
 from procedures.diagnosis.residual_rows import KINDS, Evidence
-from procedures.effects.effect import Effect
 from procedures.frames import AXES, TRIADS
 from procedures.inference import priors
+from procedures.inference.board import Board, Hypothesis, Option
 from procedures.inference.smooth_functions import functions, walk
 
 CUBIC = 4  # neighbours that a cubic goes through
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Hypothesis:
-    """A name, ln of its prior odds, the amplitudes (m,) it may have, and what it is.
-
-    ``kind`` is that of its effect, ``nameless`` for a function that no catalogue holds, ``noise`` for a class of
-    rows. ``log_again`` is ln of the odds that it acts once more, in another place or by another coefficient; None
-    where it acts once.
-    """
-
-    name: str
-    kind: str
-    log_odds: float
-    amplitudes: FloatArray
-    effect: Effect | None = None
-    log_again: float | None = None
-
-    @property
-    def is_named(self) -> bool:
-        """Say whether an effect of the catalogue stands behind it."""
-        return self.effect is not None
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Option:
-    """One way in which a hypothesis may hold: ln of its share, its columns of `Board.W`, what it is made of.
-
-    ``scale`` (k,) is 1 sigma of the coefficients at amplitude 1, in the effect's unit; ``mask`` which of the
-    candidate's coefficients they are.
-    """
-
-    hypothesis: int
-    log_share: float
-    columns: IntArray
-    candidate: Candidate | None = None
-    mask: IntArray | None = None
-    scale: FloatArray | None = None
-    note: str = ""
-
-    @property
-    def is_bent(self) -> bool:
-        """Say whether it has a time constant, or what else is not linear."""
-        return self.candidate is not None and bool(self.candidate.columns.nonlinear)
-
-    @property
-    def is_plain(self) -> bool:
-        """Say whether an effect is linear and acts at one place only: throughout."""
-        one = self.candidate
-        return one is not None and not (one.columns.nonlinear or one.columns.where or one.effect.is_scatter)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class Way:
-    """Columns H (n, k) of a hypothesis, in sigmas of the rows, each times 1 sigma of its coefficient ``scale`` (k,).
+    """Columns H (n, k) of a hypothesis, in sigmas of the rows, each times 1 sigma of its coefficient.
 
-    ``masks`` are which of them act together, with ln of the share; where there is no ``candidate``, only all do.
+    That is ``scale`` (k,). ``masks`` are which of them act together, with ln of the share; where there is no
+    ``candidate``, only all do.
     """
 
     hypothesis: int
@@ -86,32 +36,6 @@ class Way:
     candidate: Candidate | None = None
     scale: FloatArray | None = None
     note: str = ""
-
-
-@dataclass(frozen=True, eq=False)
-class Board:
-    """The evidence with the model's own parameters integrated out, and every hypothesis beside it.
-
-    ``y`` (m,) is the whitened residual in the complement of the model's columns, ``W`` (m, N) all columns there,
-    the last of which is zero, ``H`` (n, N) the same on all rows.
-    """
-
-    evidence: Evidence
-    H: FloatArray
-    y: FloatArray
-    W: FloatArray
-    hypotheses: tuple[Hypothesis, ...]
-    options: tuple[Option, ...]
-
-    @cached_property
-    def separable(self) -> Mapping[str, bool]:
-        """Say of every name whether any of its options leaves something beside the model's own parameters."""
-        seen = np.linalg.norm(self.W, axis=0)
-        found = dict.fromkeys((each.name for each in self.hypotheses), False)
-        for option in self.options:
-            at = self.hypotheses[option.hypothesis]
-            found[at.name] |= bool(at.amplitudes[-1] * np.max(seen[option.columns], initial=0.0) > 1.0)
-        return found
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -177,7 +101,7 @@ def _plainest(W: FloatArray, options: Sequence[Option]) -> tuple[Option, ...]:
         most = np.maximum(most, within / np.maximum(whole, 1e-300))
     return tuple(
         each for each, share in zip(options, most, strict=True)
-        if share < priors.THE_SAME**2 or each.is_plain or not (each.is_bent or each.candidate is None)
+        if share < 1 - priors.NEGLIGIBLE or each.is_plain or not (each.is_bent or each.candidate is None)
     )  # fmt: skip
 
 
@@ -203,24 +127,24 @@ def library_of(evidence: Evidence, pool: Mapping[str, Sequence[Candidate]]) -> L
             for share, H, note in options
         ]
         if options:
-            hypotheses.append(_without_name(name, "nameless", priors.ODDS_NAMELESS, priors.AMPLITUDE_NAMELESS))
+            hypotheses.append(_without_name(name, "nameless", priors.ODDS_NAMELESS, priors.OF_NAMELESS))
     for name, E in _noise(evidence):
         ways.append(Way(len(hypotheses), E, [(0.0, np.arange(E.shape[1]))]))
-        hypotheses.append(_without_name(name, "noise", priors.ODDS_NOISE, priors.AMPLITUDE_NOISE))
+        hypotheses.append(_without_name(name, "noise", priors.ODDS_NAMED, priors.OF_SPREAD))
     return Library(tuple(hypotheses), tuple(ways))
 
 
-def _without_name(name: str, kind: str, odds: float, amplitudes: tuple[float, float]) -> Hypothesis:
-    return Hypothesis(name, kind, float(np.log(odds)), priors.grid(amplitudes))
+def _without_name(name: str, kind: str, odds: float, amplitudes: FloatArray) -> Hypothesis:
+    return Hypothesis(name, kind, float(np.log(odds)), amplitudes)
 
 
 def _named(name: str, ways: Sequence[Candidate]) -> Hypothesis:
     effect = ways[0].effect
-    bounds = priors.AMPLITUDE_SCATTER if effect.is_scatter else priors.AMPLITUDE_NAMED
+    amplitudes = priors.OF_SPREAD if effect.is_scatter else priors.OF_NAMED
     log_odds, has_places = float(np.log(priors.ODDS_NAMED)), any(way.columns.where for way in ways)
     again = log_odds if has_places else float(np.log(priors.ODDS_ANOTHER))
     is_single = effect.is_scatter or len(ways[0].columns.coefficients) == 1
-    return Hypothesis(name, effect.kind, log_odds, priors.grid(bounds), effect, None if is_single else again)
+    return Hypothesis(name, effect.kind, log_odds, amplitudes, effect, None if is_single else again)
 
 
 def _named_ways(evidence: Evidence, number: int, candidates: Sequence[Candidate]) -> list[Way]:
@@ -266,7 +190,7 @@ def _between(candidates: Sequence[Candidate]) -> Iterator[Candidate]:
 
 
 def masks(way: Candidate) -> Iterator[tuple[float, IntArray]]:
-    """Yield which coefficients of a way act, with ln of the share: all, those of one sensor, or one alone."""
+    """Yield ln of a share, and the indices (k,) of coefficients that act: all, one sensor's, or one alone."""
     names = way.columns.coefficients[: len(way.columns.coefficients) - len(way.columns.nonlinear)]
     every = np.arange(len(names))
     if way.effect.is_scatter or len(names) == 1:
@@ -284,11 +208,11 @@ def masks(way: Candidate) -> Iterator[tuple[float, IntArray]]:
 
 
 def principal(W: FloatArray) -> FloatArray:
-    """Return what takes columns W (m, k) to the fewest of the same W W', but for `priors.KEPT` of the largest."""
+    """Return V (k, r): whitened columns W (m, k) times V have the same W W', but for what is negligible."""
     if not W.shape[1]:
         return np.zeros((0, 0))
     variances, V = np.linalg.eigh(W.T @ W)
-    found: FloatArray = V[:, variances > priors.KEPT * max(float(variances[-1]), 1e-300)]
+    found: FloatArray = V[:, variances > priors.NEGLIGIBLE**2 * max(float(variances[-1]), 1e-300)]
     return found
 
 

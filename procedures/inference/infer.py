@@ -1,7 +1,9 @@
-"""The inference from campaigns to causes: rows, hypotheses, search, and the model linearised again where it stands."""
+"""From campaigns to causes: rows, hypotheses, search, and the model linearised again where it stands."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+
+import numpy as np
 
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.candidates import Candidate, Candidates
@@ -14,13 +16,11 @@ from procedures.diagnosis.refit import Refit, terms_at
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
 from procedures.errors import DoesNotFit
-from procedures.inference.hypotheses import Board, library_of
+from procedures.inference.board import Board
+from procedures.inference.hypotheses import library_of
 from procedures.inference.marginal import Member
 from procedures.inference.posterior import Posterior, averaged_fits, posterior
 from procedures.inference.search import Model, Search
-
-HELD_OUT_OF_COLUMNS = 1e-9  # times 1 sigma of a coefficient that acts: of one that does not
-LINEARISATIONS = 4  # times at most
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,20 +50,15 @@ def inferred(subject: BaseModel, effects: Sequence[Effect], checked: CheckedCamp
     now = subject.refit(())
     library = library_of(now.evidence, Candidates(now.evidence, now.fits, effects))
     search = Search(library.on(now.evidence))
-    best = search.run()
-    for _ in range(LINEARISATIONS):
-        wanted = _candidates(search.board, best)
-        if not wanted:
-            break
+    best, tried = search.run(), set[tuple[str, ...]]()
+    while (names := _names(search.board, best)) not in tried and (wanted := _candidates(search.board, best)):
+        tried.add(names)
         try:
-            again = subject.refit(wanted)
+            now = subject.refit(wanted)
         except DoesNotFit:
             break
-        before, now = _names(search.board, best), again
         search = Search(library.with_adopted(now.evidence, _bent(now)).on(now.evidence))
         best = search.run()
-        if _names(search.board, best) == before:
-            break
     found = posterior(search)
     fits = now.fits if now.bare is None else averaged_fits(search, now.bare, found.causes)
     return Inferred(found, search.board, replace(now, fits=fits), subject, checked)
@@ -91,10 +86,12 @@ def _candidate(board: Board, member: Member) -> Candidate | None:
     if way is None or option.mask is None or option.scale is None:
         return None
     k = len(way.columns.coefficients) - len(way.columns.nonlinear)
-    plausible = way.effect.plausible_of(way.columns)[:k] * HELD_OUT_OF_COLUMNS
+    plausible = way.effect.plausible_of(way.columns)[:k] * np.sqrt(
+        np.finfo(float).eps
+    )  # as good as zero: it does not act
     plausible[option.mask] = option.scale * member.amplitude
     return replace(way, term=Term(way.term.H[:, :k], plausible))
 
 
-def _names(board: Board, model: Model) -> list[str]:
-    return sorted(board.hypotheses[i].name for i in model.names)
+def _names(board: Board, model: Model) -> tuple[str, ...]:
+    return tuple(sorted(board.hypotheses[i].name for i in model.names))

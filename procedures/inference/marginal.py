@@ -5,35 +5,23 @@ S, each times its amplitude (a Gaussian prior of its coefficients integrated out
 
     ln p(y | S) - ln p(y) = -1/2 ln det M + 1/2 b' M^-1 b
 
-One hypothesis more, of columns W and amplitude s, with C = I + S S', G = W' C^-1 W = V diag(l) V', g = V' W' C^-1 y:
+One hypothesis more, of columns W and amplitude s, with C = I + S S', G = W' C^-1 W = V diag(l) V' and
+g = V' W' C^-1 y:
 
     gain(s) = -1/2 sum ln(1 + s^2 l) + 1/2 sum s^2 g^2 / (1 + s^2 l)
 
-Where the noise is known to nu degrees of freedom only, as from the rows' own scatter, y is Student t: with q the sum
-of squares y' C^-1 y, -q / 2 becomes -(nu + m) / 2 ln(1 + q / nu).
+Where the noise is known to nu degrees of freedom only, as from the rows' own scatter, y is Student t: with q the
+sum of squares y' C^-1 y, -q / 2 becomes -(nu + m) / 2 ln(1 + q / nu).
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.special import log_ndtr
 
-from procedures.arrays import FloatArray, IntArray
-from procedures.inference.hypotheses import Board
-
-SIZES = (
-    1,
-    3,
-    6,
-    9,
-    12,
-    18,
-    24,
-    32,
-    48,
-    64,
-)  # numbers of columns to which options are filled with zeros, all at once
+from procedures.arrays import FloatArray
+from procedures.inference.board import Block, Board
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,58 +48,9 @@ class Ranked:
 
     def member(self, board: Board, hypothesis: int) -> Member:
         """Return a hypothesis' best option."""
-        own = board_options(board)[hypothesis]
+        own = board.options_of[hypothesis]
         option = int(own[np.argmax(self.best[own])])
         return Member(option, float(self.amplitude[option]))
-
-
-def board_options(board: Board) -> list[IntArray]:
-    """Return the numbers of every hypothesis' options."""
-    cached = board.__dict__.get("_options")
-    if cached is None:
-        of = np.array([each.hypothesis for each in board.options])
-        cached = [np.flatnonzero(of == i) for i in range(len(board.hypotheses))]
-        board.__dict__["_options"] = cached
-    found: list[IntArray] = cached
-    return found
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Block:
-    """Options of one number of columns k: their numbers (b,), columns (b, k), W' W (b, k, k) and W' y (b, k)."""
-
-    options: IntArray
-    columns: IntArray
-    G: FloatArray
-    g: FloatArray
-    amplitudes: FloatArray
-    is_loss: bool
-
-
-def _blocks(board: Board) -> list[_Block]:
-    cached = board.__dict__.get("_blocks")
-    if cached is None:
-        cached = board.__dict__["_blocks"] = list(_made_blocks(board))
-    found: list[_Block] = cached
-    return found
-
-
-def _made_blocks(board: Board) -> Iterator[_Block]:
-    kinds = dict[tuple[int, bool], list[int]]()
-    for i, option in enumerate(board.options):
-        effect = board.hypotheses[option.hypothesis].effect
-        k = min((size for size in SIZES if size >= len(option.columns)), default=len(option.columns))
-        kinds.setdefault((k, effect is not None and effect.is_loss), []).append(i)
-    along = board.W.T @ board.y
-    for (k, is_loss), which in kinds.items():
-        if k == 0:
-            continue
-        columns = np.full((len(which), k), board.W.shape[1] - 1)
-        for row, i in zip(columns, which, strict=True):
-            row[: len(board.options[i].columns)] = board.options[i].columns
-        W = np.moveaxis(board.W[:, columns], 0, 2)  # (b, k, m)
-        amplitudes = np.array([board.hypotheses[board.options[i].hypothesis].amplitudes for i in which])
-        yield _Block(np.array(which), columns, W @ np.swapaxes(W, 1, 2), along[columns], amplitudes, is_loss)
 
 
 def stacked(board: Board, members: Sequence[Member]) -> FloatArray:
@@ -122,7 +61,7 @@ def stacked(board: Board, members: Sequence[Member]) -> FloatArray:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Held:
-    """Members held at their amplitudes: columns S (m, s), the inverse of M = I + S'S, M^-1 S'y and q = y' C^-1 y."""
+    """Members held at their amplitudes: columns S (m, s), the inverse of M, c = M^-1 S'y and q = y' C^-1 y."""
 
     S: FloatArray
     inverse: FloatArray
@@ -144,7 +83,7 @@ class Held:
 
 
 def tail(board: Board, squares: FloatArray) -> FloatArray:
-    """Return ln of the density of a sum of squares (...) left of y, but for a constant."""
+    """Return ln of the density, shaped like ``squares``: the sum of squares of y, whitened, that is left."""
     nu = board.evidence.noise_dof
     if not np.isfinite(nu):
         return -0.5 * squares
@@ -157,7 +96,7 @@ def ranked(board: Board, members: Sequence[Member]) -> Ranked:
     held, n = Held.of(board, members), len(board.options)
     gains, best, amplitude = np.full(n, -np.inf), np.full(n, -np.inf), np.zeros(n)
     across = held.S.T @ board.W
-    for block in _blocks(board):
+    for block in board.blocks:
         of = np.moveaxis(across[:, block.columns], 0, 2)  # (b, k, s)
         G, g = block.G - of @ held.inverse @ np.swapaxes(of, 1, 2), block.g - of @ held.c
         values = _gains(board, held.squares, G, g, block)
@@ -169,12 +108,12 @@ def ranked(board: Board, members: Sequence[Member]) -> Ranked:
         amplitude[block.options] = block.amplitudes[at, most]
     total = np.array([
         each.log_odds + (log_sum(gains[own]) if len(own) else -np.inf)
-        for each, own in zip(board.hypotheses, board_options(board), strict=True)
+        for each, own in zip(board.hypotheses, board.options_of, strict=True)
     ])  # fmt: skip
     return Ranked(gains, best, amplitude, total)
 
 
-def _gains(board: Board, squares: float, G: FloatArray, g: FloatArray, block: _Block) -> FloatArray:
+def _gains(board: Board, squares: float, G: FloatArray, g: FloatArray, block: Block) -> FloatArray:
     """Return the gain (b, amplitudes) of options with G (b, k, k) and g (b, k)."""
     if G.shape[1] == 1:
         size, along = np.maximum(G[:, 0], 0.0), g
@@ -201,7 +140,7 @@ def _log_positive(G: FloatArray, g: FloatArray, amplitudes: FloatArray) -> Float
 
 
 def log_mean(x: FloatArray) -> FloatArray:
-    """Return ln of the mean of exp(x) along the last axis."""
+    """Return ln of the mean (...) of exp(x) along the last axis of x (..., n), both without unit."""
     most = np.max(x, axis=-1, keepdims=True)
     found: FloatArray = np.log(np.mean(np.exp(x - most), axis=-1)) + most[..., 0]
     return found

@@ -1,4 +1,4 @@
-"""What follows from the models that were kept: probabilities of names, groups, nameless mass, averaged coefficients."""
+"""What follows from the models that were kept: probabilities of names, groups and nameless mass, coefficients."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -10,11 +10,9 @@ from procedures.calibration.joint_calibration import CampaignFits
 from procedures.diagnosis.candidates import Candidate
 from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.inference import priors
-from procedures.inference.hypotheses import Board, Hypothesis
-from procedures.inference.marginal import Held, Member, board_options, log_sum
+from procedures.inference.board import Board, Hypothesis
+from procedures.inference.marginal import Held, Member, log_sum
 from procedures.inference.search import Model, Search
-
-SHOWN = 0.02  # share of a cause from which a name is listed beside others
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,7 +81,7 @@ def posterior(search: Search) -> Posterior:
         beside = search.beside(rest)
         everything = log_sum(np.append(beside.total, 0.0))
         shares = np.exp(beside.total - everything)
-        order = [int(j) for j in np.argsort(-shares) if shares[j] >= SHOWN]
+        order = [int(j) for j in np.argsort(-shares) if shares[j] >= priors.NEGLIGIBLE]
         first = order[0] if order else int(np.argmax(shares))
         named = [j for j in order if board.hypotheses[j].is_named]
         nameless = float(sum(s for s, h in zip(shares, board.hypotheses, strict=True) if not h.is_named))
@@ -101,7 +99,7 @@ def posterior(search: Search) -> Posterior:
 
 
 def averaged(board: Board, rest: Sequence[Member], hypothesis: int, member: Member) -> Coefficients:
-    """Return a name's coefficients averaged over its amplitudes, masks and time constants, beside other members."""
+    """Return a name's coefficients, averaged over its amplitudes, masks and time constants, beside members."""
     held, best = Held.of(board, rest), board.options[member.option]
     candidate = best.candidate
     assert candidate is not None
@@ -109,7 +107,7 @@ def averaged(board: Board, rest: Sequence[Member], hypothesis: int, member: Memb
     k = len(columns.coefficients) - len(columns.nonlinear)
     amplitudes, weights = list[float](), list[float]()
     means, spreads, constants = list[FloatArray](), list[FloatArray](), list[FloatArray]()
-    for number in board_options(board)[hypothesis]:
+    for number in board.options_of[hypothesis]:
         option = board.options[int(number)]
         way = option.candidate
         assert way is not None
@@ -149,8 +147,8 @@ def averaged(board: Board, rest: Sequence[Member], hypothesis: int, member: Memb
     off = every - value
     covariance = np.einsum("i,ijk->jk", p, np.array(spreads)) + (off * p[:, None]).T @ off
     if candidate.effect.shown is not None:
-        shown, std = candidate.effect.shown(value, np.sqrt(np.diag(covariance)))
-        return Coefficients(candidate, columns.coefficients[:k], shown, np.diag(std**2), {})
+        shown, u = candidate.effect.shown(value, np.sqrt(np.diag(covariance)))
+        return Coefficients(candidate, columns.coefficients[:k], shown, np.diag(u**2), {})
     nonlinear = dict[str, tuple[float, float]]()
     for i, name in enumerate(columns.nonlinear):
         logs = np.array([each[i] for each in constants])
@@ -164,9 +162,9 @@ def averaged_fits(search: Search, fits: CampaignFits, causes: Sequence[Cause]) -
 
     What may act beside them unseen, as likely as before the data, is no part of the average.
 
-    With A the model's own columns and S those of members, on all rows, and c the members' coefficients in units of
-    their prior, the parameters are ``dx = A^+ (S c - y)``; their covariance is that of noise, A^+ S cov(c) S' A^+',
-    and that of dx from model to model.
+    With A the model's own columns and S those of members, on all rows, and c the members' coefficients in units
+    of their prior, the parameters are ``dx = A^+ (S c - y)``; their covariance is that of noise,
+    A^+ S cov(c) S' A^+', and that of dx from model to model.
 
     Parameters
     ----------
@@ -205,10 +203,6 @@ def averaged_fits(search: Search, fits: CampaignFits, causes: Sequence[Cause]) -
 
 def word(probability: float) -> str:
     """Return the word for a probability."""
-    return (
-        "established"
-        if probability >= priors.ESTABLISHED
-        else "likely"
-        if probability >= priors.LIKELY
-        else "possible"
-    )
+    if probability >= priors.ESTABLISHED:
+        return "established"
+    return "likely" if probability >= priors.LIKELY else "possible"

@@ -1,8 +1,8 @@
 """The search among sets of hypotheses: models are grown, thinned and exchanged, and all that weigh are kept.
 
-From several models of one size all of the next are grown, so that no name depends on what was adopted first. Around
-the best model each member, and each pair, is taken out and everything is tried in its place. What is within Occam's
-window (Raftery, Madigan and Hoeting 1997) of the best stays.
+From several models of one size all of the next are grown, so that no name depends on what was adopted first.
+Around the best model each member, and each pair, is taken out and everything is tried in its place. What is within
+Occam's window (Raftery, Madigan and Hoeting 1997) of the best stays.
 """
 
 from collections.abc import Iterable, Sequence
@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from procedures.inference import priors
-from procedures.inference.hypotheses import Board
+from procedures.inference.board import Board
 from procedures.inference.marginal import Held, Member, Ranked, log_sum, ranked
 
 Names = tuple[int, ...]  # numbers of hypotheses, sorted
@@ -51,12 +51,10 @@ class Search:
             parents = self._grown(parents)
             if not parents:
                 break
-        best_model = self.best
-        for _ in range(priors.LARGEST):
-            self._around(best_model)
-            if self.best.names == best_model.names:
-                break
-            best_model = self.best
+        around = set[Names]()
+        while self.best.names not in around:
+            around.add(self.best.names)
+            self._around(self.best)
         return self.best
 
     @property
@@ -84,7 +82,7 @@ class Search:
                 known = found.get(child.names)
                 if child.log_odds > max(parent.log_odds, -np.inf if known is None else known.log_odds):
                     found[child.names] = child
-        likeliest = sorted(found.values(), key=lambda each: -each.log_odds)[: priors.PARENTS]
+        likeliest = sorted(found.values(), key=lambda each: -each.log_odds)[: priors.BREADTH]
         polished = [self.polished(each.members) for each in likeliest]
         for each in polished:
             self._keep(each)
@@ -108,7 +106,9 @@ class Search:
     def polished(self, members: Sequence[Member]) -> Model:
         """Return a model with every member's option and amplitude the best beside the others."""
         now, of = list(members), [self.board.options[each.option].hypothesis for each in members]
-        for _ in range(2 if len(now) > 1 else 1):
+        before = list[Member]()
+        while before != now:  # each change is likelier than what was
+            before = list(now)
             for i, hypothesis in enumerate(of):
                 now[i] = self.beside(now[:i] + now[i + 1 :]).member(self.board, hypothesis)
         log_odds = Held.of(self.board, now).gain
@@ -124,14 +124,19 @@ class Search:
         n = len(model.members)
         out = [(), *((i,) for i in range(n)), *((i, j) for i in range(n) for j in range(i))]
         for gone in out:
-            rest = [each for k, each in enumerate(model.members) if k not in gone]
-            smaller = self.polished(rest) if rest else self.models[()]
+            rest = tuple(each for k, each in enumerate(model.members) if k not in gone)
+            smaller = self.polished(rest)
             self._keep(smaller)
-            close = [c for c in self._children(smaller) if c.log_odds > self.best.log_odds - priors.WINDOW]
-            for child in close:
-                self._keep(child)
-            for child in sorted(close, key=lambda each: -each.log_odds)[:2]:
-                self._keep(self.polished(child.members))
+            least = self.best.log_odds - priors.WINDOW
+            for child in self._children(smaller):
+                if child.log_odds > least:
+                    self._keep(child)
+            # of options that overlap, those that were the best beside what is gone may be so again
+            as_it_stood = Model(rest, smaller.log_odds, smaller.names)
+            for base in [smaller] if set(rest) == set(smaller.members) else [smaller, as_it_stood]:
+                for child in sorted(self._children(base), key=lambda each: -each.log_odds)[: priors.BREADTH]:
+                    if child.log_odds > least:
+                        self._keep(self.polished(child.members))
 
 
 def log_total(models: Iterable[Model]) -> float:

@@ -1,8 +1,8 @@
 """Functions without a name: smooth in a coordinate of what the sensors went through, as Gaussian processes.
 
-A function of a coordinate x in [0, 1] is a sum of cosines cos(pi k x) whose variances fall as (1 + (k / b)^2)^-2, the
-spectrum of a cubic smoothing spline beyond b half periods: small b for trends, large b for waves. It acts on a
-triad's three sensors or on one, on the bias or on the scale factor.
+A function of a coordinate x in [0, 1] is a sum of cosines cos(pi k x) whose variances fall as
+(1 + (k / b)^2)^-2, the spectrum of a cubic smoothing spline beyond b half periods: small b for trends, large b
+for waves. It acts on a triad's three sensors or on one, on the bias or on the scale factor.
 """
 
 from functools import lru_cache
@@ -15,15 +15,11 @@ from procedures.arrays import BoolArray, FloatArray
 from procedures.diagnosis.random_walk import walk_columns
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.diagnosis.row_sums import row_sums
+from procedures.diagnosis.walk_rivals import PARTS
 from procedures.effects.effect import REFERENCE_C, Excitation
-from procedures.effects.temperature_history import lagged, sensor_temperature
+from procedures.effects.temperature_history import REVERSAL_K, lagged, sensor_temperature
 from procedures.frames import AXES, TRIADS
 from procedures.inference import priors
-
-MIN_TEMPERATURE_K = 0.5  # range of temperature below which nothing goes with it
-LAGS_S = (30.0, 100.0, 300.0, 1000.0, 3000.0)  # time constants of what follows the temperature, or fades
-FADES_S = (10.0, 40.0, 160.0)  # of what fades after the cube was set down
-WALK_PARTS = 4  # places in a rest at which a walk steps
 
 Options = list[tuple[float, FloatArray, str]]  # share of the prior, whitened columns (n, k), what it is
 Way = tuple[str, list[FloatArray], list[float]]  # what it is, values (n,) or (n, 3) at the nodes, their 1 sigma
@@ -46,7 +42,7 @@ def functions(evidence: Evidence) -> dict[str, Options]:
 
 def walk(evidence: Evidence, triad: str) -> Options:
     """Return a random walk of a triad's biases, of all sensors or of one."""
-    H = walk_columns(evidence, triad, WALK_PARTS) / evidence.sigma[:, None]
+    H = walk_columns(evidence, triad, PARTS) / evidence.sigma[:, None]
     return _of_sensors([H[:, i::3] for i in range(3)], "walk") if H.shape[1] else []
 
 
@@ -84,7 +80,7 @@ def _sums(evidence: Evidence, triad: int) -> tuple[list[Any], list[Any]]:
 def _of_sensors(parts: list[FloatArray], note: str) -> Options:
     """Return columns of all three sensors, and of each, in units of what they do to all rows together."""
     found: Options = []
-    sets = [(3.0, np.hstack(parts), note)]
+    sets = [(float(len(parts)), np.hstack(parts), note)]
     sets += [(1.0, part, f"{note}, {axis}") for part, axis in zip(parts, AXES, strict=True)]
     for share, H, what in sets:
         size = float(np.linalg.norm(H))
@@ -118,11 +114,11 @@ def _coordinates(seen: Excitation, output: FloatArray, triad: str) -> dict[str, 
     found["time"] = _waves(time)
     found["time times the output"] = _waves(time[:, None], output)
     T = seen.temperature
-    if np.isfinite(T).any() and np.nanmax(T) - np.nanmin(T) > MIN_TEMPERATURE_K:
+    if np.isfinite(T).any() and np.nanmax(T) - np.nanmin(T) > REVERSAL_K:
         spread, x = max(float(np.nanstd(T)), 1e-9), np.nan_to_num(_unit(T))
         at = (T - np.nanmean(T)) / spread
         rate = seen.temperature_rate / max(float(np.nanstd(seen.temperature_rate)), 1e-12)
-        past = [T, *(sensor_temperature(seen, tau) for tau in LAGS_S)]
+        past = [T, *(sensor_temperature(seen, tau) for tau in priors.TIMES_S)]
         steps = [a - b for a, b in pairwise(past)] + [past[-1] - np.nanmean(past[-1])]
         history = [each[:, None] / max(float(np.nanstd(each)), 1e-12) for each in steps]
         B = (
@@ -136,7 +132,7 @@ def _coordinates(seen: Excitation, output: FloatArray, triad: str) -> dict[str, 
         found["temperature times the output"] = [
             *_waves(x[:, None], output), _equal("lags", [each * output for each in history])
         ]  # fmt: skip
-        about = (T - REFERENCE_C) / spread  # a bias and a scale factor of the model take what is constant, a vector not
+        about = (T - REFERENCE_C) / spread  # the model takes what is constant, but no vector
         found["temperature and attitude"] = [
             _equal("temperature times a vector", [each * by[:, None] for by in (about, at) for each in vectors]),
             _equal("its rate times a vector", [each * rate[:, None] for each in vectors]),
@@ -149,7 +145,7 @@ def _coordinates(seen: Excitation, output: FloatArray, triad: str) -> dict[str, 
     histories = seen.histories[seen.step]
     first = [resting & np.isnan(seen.change[:, 0]) & (histories == one) for one in np.unique(histories)]
     before = [np.nan_to_num(seen.f_before[:, i]) * resting for i in range(3)] + [1.0 * each for each in first]
-    fading = [np.where(resting, np.exp(-seen.rest_s / tau), 0.0)[:, None] for tau in FADES_S]
+    fading = [np.where(resting, np.exp(-seen.rest_s / tau), 0.0)[:, None] for tau in priors.TIMES_S]
     by = {"alone": np.ones_like(f[:, :1]), "by the change": np.nan_to_num(seen.change), "by f": f, "by f^2": f**2}
     found["the time at rest and before"] = [
         _equal("the position before", before),
@@ -170,19 +166,19 @@ def _coordinates(seen: Excitation, output: FloatArray, triad: str) -> dict[str, 
         found["the other axes' rates"] = [
             _equal("even and odd", [g for v in around for g in (v**2, v * np.abs(v))])
         ]
-        found["the warmth of turning"] = [_equal("fades", [_warmth(seen, turning, tau) for tau in LAGS_S[:4]])]
+        found["the warmth of turning"] = [_equal("fades", [_warmth(seen, turning, tau) for tau in priors.TIMES_S])]
     return found
 
 
 def _of_input(u: FloatArray) -> list[Way]:
-    """Return functions of a sensor's own input u (n, 3), nan where it does not act: waves, zones, a range's end."""
+    """Return functions of a sensor's own input u (n, 3), nan where there is none: waves, zones, a range's end."""
     size, known = max(float(np.nanmax(np.abs(u))), 1e-12), np.isfinite(u)
     x, median = np.nan_to_num(u / size), max(float(np.median(np.abs(u[known]))), 1e-12)
     found = _waves(np.where(known, (x + 1) / 2, 0.0), 1.0 * known)
-    for width in (0.3 * median / size, median / size, 0.3):
+    for width in (priors.KNEES[0] * median / size, median / size, priors.KNEES[0]):
         near = np.where(known, np.exp(-0.5 * (x / width) ** 2), 0.0)
         found.append(_equal(f"zone {width:.2g}", [near, near * x / width]))
-    knees = [np.sign(x) * np.maximum(np.abs(x) - knee, 0.0) for knee in (0.3, 0.5, 0.7, 0.85)]
+    knees = [np.sign(x) * np.maximum(np.abs(x) - knee, 0.0) for knee in priors.KNEES]
     return [*found, _equal("end of the range", knees)]
 
 

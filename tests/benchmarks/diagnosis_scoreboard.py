@@ -111,8 +111,8 @@ def of_inference(campaigns: Sequence[Campaign]) -> Answer:
     """Return what the inference says: the causes of its posterior, and what was put right before it."""
     found = infer(campaigns)
     causes = [
-        Cause(f.effect, WORDS.get(f.confidence, 0.5), (f.effect, *f.aliases), 1.0, (), f.coefficients, f.value, f.std,
-              f.unit, f.where, f.shape) for f in found.checked.findings
+        Cause(f.effect, WORDS.get(f.confidence, 0.5), (f.effect, *f.aliases), 1.0, (),
+              f.coefficients, f.value, f.std, f.unit, f.where, f.shape) for f in found.checked.findings
     ]  # fmt: skip
     for each in found.posterior.causes:
         if (of := each.coefficients) is not None:

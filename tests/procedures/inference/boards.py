@@ -6,7 +6,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from procedures.inference.hypotheses import Board, Hypothesis, Option
+from procedures.inference.board import Board, Hypothesis, Option
 
 NO_EFFECT: Any = SimpleNamespace(is_loss=False)
 
