@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from procedures.arrays import FloatArray, IntArray
 from procedures.diagnosis.candidates import Candidate
@@ -92,13 +93,14 @@ def _plainest(W: FloatArray, options: Sequence[Option]) -> tuple[Option, ...]:
     spans = {
         id(each.candidate): each.columns for each in sorted(options, key=lambda o: len(o.columns)) if each.is_plain
     }
-    size, most = np.sum(W**2, axis=0), np.zeros(len(options))
-    whole = np.array([np.sum(size[each.columns]) for each in options])
+    owner = np.repeat(np.arange(len(options)), [len(each.columns) for each in options])
+    every = np.concatenate([np.zeros(0, dtype=np.int64), *(each.columns for each in options)])
+    sums = csr_array((np.ones(len(every)), (owner, every)), shape=(len(options), W.shape[1]))
+    whole, most = np.maximum(sums @ np.sum(W**2, axis=0), 1e-300), np.zeros(len(options))
     for columns in spans.values():
         Q, r = np.linalg.qr(W[:, columns])
         taken = np.sum((Q[:, np.abs(np.diag(r)) > 0].T @ W) ** 2, axis=0)
-        within = np.array([np.sum(taken[each.columns]) for each in options])
-        most = np.maximum(most, within / np.maximum(whole, 1e-300))
+        most = np.maximum(most, sums @ taken / whole)
     return tuple(
         each for each, share in zip(options, most, strict=True)
         if share < 1 - priors.NEGLIGIBLE or each.is_plain or not (each.is_bent or each.candidate is None)

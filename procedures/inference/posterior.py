@@ -1,6 +1,6 @@
 """What follows from the models that were kept: probabilities of names, groups and nameless mass, coefficients."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -76,11 +76,15 @@ def posterior(search: Search) -> Posterior:
         held[i, list(model.names)] = True
     probabilities = weights @ held
     best, causes = search.best, list[Cause]()
-    for i in range(len(best.members)):
-        rest = [each for k, each in enumerate(best.members) if k != i]
+    for hypothesis, own in _acting(board, best.members):
+        rest = [each for each in best.members if each not in own]
         beside = search.beside(rest)
-        everything = log_sum(np.append(beside.total, 0.0))
-        shares = np.exp(beside.total - everything)
+        total = beside.total.copy()
+        if len(own) > 1:  # together they are likelier than one of them
+            total[hypothesis] = log_sum(
+                np.array([total[hypothesis], best.log_odds - search.polished(rest).log_odds])
+            )
+        shares = np.exp(total - log_sum(np.append(total, 0.0)))
         order = [int(j) for j in np.argsort(-shares) if shares[j] >= priors.NEGLIGIBLE]
         first = order[0] if order else int(np.argmax(shares))
         named = [j for j in order if board.hypotheses[j].is_named]
@@ -88,6 +92,8 @@ def posterior(search: Search) -> Posterior:
         top = named[0] if named else first
         member = beside.member(board, top)
         found = averaged(board, rest, top, member) if board.hypotheses[top].is_named else None
+        if top == hypothesis and len(own) > 1:
+            found = _together(board, best.members, own)
         of_group = float(weights @ held[:, order or [first]].any(axis=1))
         causes.append(Cause(
             board.hypotheses[top], float(min(probabilities[top], shares[top])), of_group,
@@ -96,6 +102,39 @@ def posterior(search: Search) -> Posterior:
         ))  # fmt: skip
     every = {h.name: float(p) for h, p in zip(board.hypotheses, probabilities, strict=True)}
     return Posterior(tuple(sorted(causes, key=lambda each: -each.joint)), every, best)
+
+
+def _acting(board: Board, members: Sequence[Member]) -> Iterator[tuple[int, list[Member]]]:
+    """Yield hypotheses with the members that are one cause: all coefficients of an effect at one place."""
+    causes = dict[tuple[object, ...], list[Member]]()
+    for each in members:
+        option = board.options[each.option]
+        columns = option.candidate and option.candidate.columns
+        place = (str(columns.where), columns.shape, str(columns.nonlinear)) if columns else (each,)
+        causes.setdefault((option.hypothesis, *place), []).append(each)
+    for own in causes.values():
+        yield board.options[own[0].option].hypothesis, own
+
+
+def _together(board: Board, members: Sequence[Member], own: Sequence[Member]) -> Coefficients | None:
+    """Return the coefficients that several members make together, at their amplitudes, beside all others."""
+    candidate = board.options[own[0].option].candidate
+    assert candidate is not None
+    held, columns = Held.of(board, members), candidate.columns
+    k = len(columns.coefficients) - len(columns.nonlinear)
+    T, first = np.zeros((k, len(held.c))), 0
+    for each in members:
+        option = board.options[each.option]
+        end = first + len(option.columns)
+        if each in own and option.mask is not None and option.scale is not None:
+            T[option.mask, range(first, end)] = option.scale * each.amplitude
+        first = end
+    value, covariance = T @ held.c, T @ held.inverse @ T.T
+    if candidate.effect.shown is not None:
+        value, std = candidate.effect.shown(value, np.sqrt(np.diag(covariance)))
+        covariance = np.diag(std**2)
+    constants = {name: (size, 0.0) for name, size in columns.nonlinear.items()}
+    return Coefficients(candidate, columns.coefficients[:k], value, covariance, constants)
 
 
 def averaged(board: Board, rest: Sequence[Member], hypothesis: int, member: Member) -> Coefficients:

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.stats import beta, binomtest
+from scipy.stats import beta, binom, binomtest, norm
 
 from drivers.simulated.truth import Truth
 from procedures.calibration.solution_values import Solution
@@ -40,8 +40,10 @@ from tests.benchmarks.discovering.planting import Drawn, bare_evidence, size_of
 from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, truth_of
 from tests.benchmarks.undeclared_kinds.innocent import INNOCENT, as_it_is
 from tests.benchmarks.undeclared_kinds.literature import LITERATURE, Kind
+from tests.proof.evidence import Figure, spread, zero
 
 HELD_BY_THE_MODEL = {each.name for each in EFFECTS if each.is_bench_parameter}  # no causes
+KINDS: dict[str, str] = {each.name: each.kind for each in EFFECTS}
 WORDS = {"established": 0.995, "likely": 0.95}  # what the words of an engine without probabilities claim
 NAMED_LAWS = {"counts lost": "gyroscope.counts_lost", "bias warms up": "gyroscope.bias_settling",
               "source warms up": "gyroscope.scale_settling"}  # fmt: skip
@@ -290,23 +292,17 @@ def interval(count: int, of: int) -> tuple[float, float]:
     return low, 1.0 if count == of else float(beta.ppf(0.975, count + 1, of - count))
 
 
-def share(name: str, marks: Sequence[bool]) -> str:
-    """Return a line: how many of the marks are set, with the interval of the share."""
-    if not marks:
-        return f"  {name:<58} none"
-    low, high = interval(sum(marks), len(marks))
-    return f"  {name:<58} {sum(marks):>4} of {len(marks):<4} {100 * low:5.1f} .. {100 * high:5.1f} %"
-
-
 def is_alone(line: Mapping[str, Any]) -> bool:
     """Say whether the planted cause is named at 0.9 or more and nothing else is at 0.5 or more."""
     sure = [c for c in line["causes"] if c["p"] >= 0.5]
     return bool(sure) and all(c["right"] for c in sure) and sure[0]["p"] >= 0.9
 
 
-def wrong(line: Mapping[str, Any], p: float) -> bool:
-    """Say whether a cause that was not planted has a probability of p or more."""
-    return any(c["p"] >= p and not c["right"] for c in line["causes"])
+def wrong(line: Mapping[str, Any], p: float, kind: str = "") -> bool:
+    """Say whether a cause, of a kind, that was not planted has a probability of p or more."""
+    return any(
+        c["p"] >= p and not c["right"] and KINDS.get(c["name"], "").startswith(kind) for c in line["causes"]
+    )
 
 
 def is_honest(line: Mapping[str, Any]) -> bool:
@@ -314,34 +310,80 @@ def is_honest(line: Mapping[str, Any]) -> bool:
     return not wrong(line, 0.9) and (line["nameless"] >= 0.5 or any(c["right"] for c in line["causes"]))
 
 
-def table(lines: Sequence[Mapping[str, Any]]) -> Iterable[str]:
-    """Yield the lines of one engine's tables."""
+def shares(lines: Sequence[Mapping[str, Any]]) -> dict[str, tuple[Sequence[bool], float, float]]:
+    """Return by name the marks of worlds, or of causes, and between which shares theirs is to lie."""
     of = {g: [x for x in lines if x["group"] == g] for g in ("catalogue", "bench", "outside", "null")}
     named = [*of["catalogue"], *of["bench"]]
     first = [max(x["causes"], key=lambda c: c["p"], default=None) for x in named]
-    yield share("catalogue and bench: truth first", [bool(c and c["right"]) for c in first])
-    yield share("catalogue and bench: truth in the first group", [bool(c and c["group_right"]) for c in first])
-    yield share("catalogue and bench: alone", [is_alone(x) for x in named])
-    yield share("outside: nameless, or a name that does the same", [is_honest(x) for x in of["outside"]])
-    for p in (0.9, 0.99):
-        yield share(f"all: a wrong name at {p} or more", [wrong(x, p) for x in lines])
-    yield share("null and bench: an effect of the instrument at 0.9 or more", [
-        any(c["p"] >= 0.9 and not c["right"] and c["name"].startswith(("accel", "gyro")) for c in x["causes"])
-        for x in (*of["null"], *of["bench"])])  # fmt: skip
+    found: dict[str, tuple[Sequence[bool], float, float]] = {
+        "catalogue and bench: truth first": ([bool(c and c["right"]) for c in first], 0.0, 1.0),
+        "catalogue and bench: truth in the first group": ([bool(c and c["group_right"]) for c in first], 0.97, 1.0),
+        "catalogue and bench: alone": ([is_alone(x) for x in named], 0.8, 1.0),
+        "outside: nameless, or a name that does the same": ([is_honest(x) for x in of["outside"]], 0.97, 1.0),
+        "all: a wrong name at 0.9 or more": ([wrong(x, 0.9) for x in lines], 0.0, 0.01),
+        "all: a wrong name at 0.99 or more": ([wrong(x, 0.99) for x in lines], 0.0, 0.003),
+        "null and bench: an error term of the instrument at 0.9 or more": (
+            [wrong(x, 0.9, "instrument") for x in (*of["null"], *of["bench"])], 0.0, 0.003),
+    }  # fmt: skip
     causes = [c for x in lines for c in x["causes"]]
     for low, high in pairwise(BINS):
         inside = [c for c in causes if low <= c["p"] < high or high == c["p"] == 1.0]
-        mean = np.mean([c["p"] for c in inside]) if inside else np.nan
-        yield share(f"reliability {low} to {high}: stated {mean:.3f}, true", [c["right"] for c in inside])
+        if inside:
+            mean, n = float(np.mean([c["p"] for c in inside])), len(inside)
+            least, most = (float(binom.ppf(p, n, mean)) / n for p in (0.025, 0.975))
+            name = f"reliability {low} to {high}, stated {mean:.3f}: true"
+            found[name] = [c["right"] for c in inside], least, most
     for what in ("coefficients", "calibration"):
         for group in ("catalogue", "null", "bench"):
-            z = np.array([e for x in of[group] for e in x[what]])
+            z = np.abs([e for x in of[group] for e in x[what]])
             if len(z):
-                inside = np.abs(z) < 1.96
-                yield share(f"{what}, {group}: rms {np.sqrt(np.mean(z**2)):.2f} median "
-                            f"{np.median(np.abs(z)) / 0.6745:.2f}; in 95 %", inside.tolist())  # fmt: skip
-    seconds = [x["seconds"] for x in lines]
-    yield f"  processor time: median {np.median(seconds):.2f} s, most {max(seconds):.2f} s"
+                found[f"{what}, {group}: within 1.96 u"] = (z < norm.ppf(0.975)).tolist(), 0.93, 0.97
+    return found
+
+
+def numbers(lines: Sequence[Mapping[str, Any]]) -> dict[str, Figure]:
+    """Return the numbers that are no share: errors over u, and the time."""
+    found = dict[str, Figure]()
+    for what in ("coefficients", "calibration"):
+        for group in ("catalogue", "null", "bench"):
+            z = np.array([e for x in lines if x["group"] == group for e in x[what]])
+            if len(z):
+                found[f"{what}, {group}: rms of error over u"] = Figure(
+                    float(np.sqrt(np.mean(z**2))), at_least=0.9, at_most=1.1
+                )
+    found["processor time, median"] = Figure(float(np.median([x["seconds"] for x in lines])), "s", at_most=2.5)
+    return found
+
+
+def table(lines: Sequence[Mapping[str, Any]]) -> Iterable[str]:
+    """Yield the lines of one engine's tables."""
+    for name, (marks, _, _) in shares(lines).items():
+        if marks:
+            low, high = interval(sum(marks), len(marks))
+            count = f"{sum(marks):>4} of {len(marks):<4}"
+            yield f"  {name:<66} {count} {100 * low:5.1f} .. {100 * high:5.1f} %"
+    for name, figure in numbers(lines).items():
+        yield f"  {name:<66} {figure.value:.2f} {figure.unit}"
+
+
+def proof(size: int, seed: int) -> dict[str, Figure]:
+    """Return what the inference says of ``size`` planted worlds, their kinds drawn in turn."""
+    kinds = list(worlds())
+    order = np.random.default_rng(seed).permutation(len(kinds)).tolist()
+    items = [(order[i % len(kinds)], seed + i // len(kinds)) for i in range(size)]
+    found = spread(_of_inference_alone, [(kinds[kind], APART * kind + one) for kind, one in items])
+    lines = [x for x in found if "error" not in x]
+    result = {"worlds that failed": zero(len(found) - len(lines))}
+    for name, (marks, low, high) in shares(lines).items():
+        if marks:
+            most = 100 * high if high < 1 else None
+            result[name] = Figure(100 * sum(marks) / len(marks), f"% of {len(marks)}", most, 100 * low or None)
+    return result | numbers(lines)
+
+
+def _of_inference_alone(item: tuple[str, int]) -> dict[str, Any]:
+    (line,) = trial(*item, ["inference"])
+    return line
 
 
 def compared(one: Mapping[Any, Any], other: Mapping[Any, Any]) -> Iterable[str]:
