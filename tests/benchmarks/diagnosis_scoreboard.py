@@ -317,7 +317,7 @@ def shares(lines: Sequence[Mapping[str, Any]]) -> dict[str, tuple[Sequence[bool]
     first = [max(x["causes"], key=lambda c: c["p"], default=None) for x in named]
     found: dict[str, tuple[Sequence[bool], float, float]] = {
         "catalogue and bench: truth first": ([bool(c and c["right"]) for c in first], 0.0, 1.0),
-        "catalogue and bench: truth in the first group": ([bool(c and c["group_right"]) for c in first], 0.97, 1.0),
+        "catalogue and bench: truth in first group": ([bool(c and c["group_right"]) for c in first], 0.97, 1.0),
         "catalogue and bench: alone": ([is_alone(x) for x in named], 0.8, 1.0),
         "outside: nameless, or a name that does the same": ([is_honest(x) for x in of["outside"]], 0.97, 1.0),
         "all: a wrong name at 0.9 or more": ([wrong(x, 0.9) for x in lines], 0.0, 0.01),
