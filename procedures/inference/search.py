@@ -48,8 +48,8 @@ class Search:
             self._keep(self.polished(begin))
         parents = [self.models[()]]
         for _ in range(priors.LARGEST):
-            parents = self._grown(parents)
-            if not parents:
+            before, parents = self.best, self._grown(parents)
+            if self.best is before:
                 break
         around = set[Names]()
         while self.best.names not in around:
