@@ -152,7 +152,7 @@ def _of_steps(
     campaigns: Sequence[Campaign], effects: Sequence[Effect], declared: Sequence[TermEffect]
 ) -> Diagnosis:
     """Diagnose dwells, turns and rests, put right first where that is no matter of a linear model."""
-    found_before, bench = _put_right(campaigns)
+    found_before, bench = put_right(campaigns)
     effects = [effect for effect in effects if effect.name not in found_before.settled]
     found = _with_clock(_closed(declare(bench, declared) if declared else bench, effects), found_before.clock)
     findings = with_fixture_channels((*found_before.findings, *found.findings), found.solution_before)
@@ -184,7 +184,7 @@ def _with_clock(found: Diagnosis, std: float | None) -> Diagnosis:
     return replace(found, solution_before=before, solution=after, clock=std, bench_alone=alone)
 
 
-def _put_right(campaigns: Sequence[Campaign]) -> tuple[CheckedCampaigns, BenchModel]:
+def put_right(campaigns: Sequence[Campaign]) -> tuple[CheckedCampaigns, BenchModel]:
     """Return what was put right, and the base model; campaigns that can only be solved as they are stay so."""
     alive, left_out = without_dead(campaigns)
     try:

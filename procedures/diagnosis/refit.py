@@ -39,6 +39,7 @@ class Refit:
 
     ``added`` are the effects, those with a time constant at what was fitted, ``values`` their coefficients (k,),
     in the order given. ``declared`` are those that `evidence` holds as parameters, with ``declared_values``.
+    ``bare`` are the fits without what the coefficients leave open, where the base model is a campaign's fits.
     """
 
     fits: CampaignFits
@@ -48,6 +49,7 @@ class Refit:
     added: tuple[Candidate, ...] = ()
     declared: tuple[Candidate, ...] = ()
     declared_values: tuple[FloatArray, ...] = ()
+    bare: CampaignFits | None = None
 
 
 def refit(steps: ReducedSteps, base: CampaignFits, added: Sequence[Candidate]) -> Refit:
@@ -98,7 +100,8 @@ def iterate(
         pairs = [_with_nonlinear(each, c) for each, c in zip(added, values, strict=True)]
         added, values = [each for each, _ in pairs], [c for _, c in pairs]
         model = without(model, evidence, added, values)
-    return Refit(fits_of(model, evidence, linear), evidence, linear, tuple(values), tuple(added))
+    bare = model if isinstance(model, CampaignFits) else None
+    return Refit(fits_of(model, evidence, linear), evidence, linear, tuple(values), tuple(added), bare=bare)
 
 
 def _within_ranges(

@@ -25,4 +25,5 @@ EFFECT = Effect(
     plausible=5e-3,
     columns=columns,
     separate_by="both positions of every face, turned by 180 deg",
+    is_bench_parameter=True,
 )

@@ -1,10 +1,12 @@
 """How far a finding's coefficients are from what was planted, in their own sigma."""
 
+from collections.abc import Mapping
+from typing import Protocol
+
 import numpy as np
 
 from drivers.simulated.bench_in_memory import SETTLING_S
 from drivers.simulated.truth import Truth
-from procedures.diagnosis.result import Finding
 from procedures.frames import AXES, FACES, cross_axes
 from tests.benchmarks.diagnosing.plants import Sizes
 from tests.benchmarks.diagnosing.sigmas import catalogued
@@ -12,24 +14,49 @@ from tests.benchmarks.diagnosing.sigmas import catalogued
 NOTHING = 1e-12
 
 
-def error_of(finding: Finding, sizes: Sizes, truth: Truth) -> float:
+class FittedEffect(Protocol):
+    """A named effect with its coefficients (k,), as a diagnosis reports it."""
+
+    @property
+    def effect(self) -> str: ...
+    @property
+    def coefficients(self) -> tuple[str, ...]: ...
+    @property
+    def value(self) -> np.ndarray: ...
+    @property
+    def std(self) -> np.ndarray: ...
+    @property
+    def unit(self) -> str: ...
+    @property
+    def where(self) -> Mapping[str, object]: ...
+    @property
+    def shape(self) -> str: ...
+
+
+def error_of(finding: FittedEffect, sizes: Sizes, truth: Truth) -> float:
     """Return the largest error of a coefficient over its sigma, infinite where it is about something else.
 
     nan where planter and catalogue speak of two things: a cubic where ``u |u|`` was planted.
     """
+    return float(np.max(np.abs(errors_of(finding, sizes, truth))))
+
+
+def errors_of(finding: FittedEffect, sizes: Sizes, truth: Truth) -> np.ndarray:
+    """Return the error (k,) of every coefficient over its sigma, as `error_of`."""
+    about_other = finding.effect in {"placement.label", "disturbance.dwell"} and (
+        first_of(finding) != sizes["position"]
+    )
+    in_proportion = finding.effect in {"disturbance.dwell", "accelerometer.relaxation"} and finding.unit != "g"
     if finding.shape == "u^3":
-        return float("nan")
-    if finding.effect in {"placement.label", "disturbance.dwell"} and first_of(finding) != sizes["position"]:
-        return float("inf")
-    if finding.effect == "disturbance.dwell" and finding.unit != "g":
-        return float("inf")
-    if finding.effect == "accelerometer.relaxation" and finding.unit != "g":
-        return float("inf")  # in proportion to a change: not what was planted
+        return np.full(len(finding.coefficients), np.nan)
+    if about_other or in_proportion:
+        return np.full(len(finding.coefficients), np.inf)
     expected = np.array([_expected(finding, sizes, truth, key) for key in finding.coefficients])
-    return float(np.max(np.abs(finding.value - expected) / np.maximum(finding.std, NOTHING)))
+    found: np.ndarray = (finding.value - expected) / np.maximum(finding.std, NOTHING)
+    return found
 
 
-def _expected(finding: Finding, sizes: Sizes, truth: Truth, key: str) -> float:
+def _expected(finding: FittedEffect, sizes: Sizes, truth: Truth, key: str) -> float:
     """Return what a coefficient should be: as planted, in the finding's words."""
     effect = finding.effect
     if effect == "accelerometer.cross_product":
@@ -51,7 +78,7 @@ def _expected(finding: Finding, sizes: Sizes, truth: Truth, key: str) -> float:
     return sizes.get(key, 0.0)
 
 
-def first_of(finding: Finding) -> object:
+def first_of(finding: FittedEffect) -> object:
     """Return the position that a finding's coefficients are about, of two that cannot be told."""
     position = finding.where.get("position")
     return position[0] if isinstance(position, list) else position

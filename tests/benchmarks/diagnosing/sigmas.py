@@ -17,9 +17,9 @@ from tests.benchmarks.diagnosing.designs import DESIGNS, clock_sigma, unit
 
 @dataclass(frozen=True, slots=True)
 class Sigmas:
-    """1 sigma by position (0: any), shape ('': any) and coefficient; ``given`` where there is none."""
+    """1 sigma by position (0: any), time constant (0: none) and coefficient; ``given`` where there is none."""
 
-    found: Mapping[tuple[int, str, str], float]
+    found: Mapping[tuple[int, float, str], float]
     given: float = 0.0
 
     def of(self, key: str, position: int = 0, tau: float = 30.0) -> float:
@@ -30,7 +30,7 @@ class Sigmas:
         of_key = {at: std for at, std in self.found.items() if at[0] == position and at[2] in {key, one}}
         if not of_key:
             return float(np.median(list(self.found.values())))
-        taus = {abs(np.log(float(shape.split()[2]) / tau)): std for (_, shape, _), std in of_key.items() if shape}
+        taus = {abs(np.log(of / tau)): std for (_, of, _), std in of_key.items() if of}
         return taus[min(taus)] if taus else next(iter(of_key.values()))
 
 
@@ -47,13 +47,13 @@ def sigmas_of(effect: str, design: str, seed: int = 1) -> Sigmas:
         return Sigmas({}, clock_sigma(campaigns[0]))
     fits = fit(campaigns)
     evidence = evidence_of(fits)
-    found: dict[tuple[int, str, str], float] = {}
+    found: dict[tuple[int, float, str], float] = {}
     for way in Candidates(evidence, fits, EFFECTS).get(effect, ()):
-        shape = way.columns.shape
-        if shape.startswith("tau") and "change" in shape:
+        if way.columns.tau_s and way.columns.shape:  # in proportion to f or its change: not what is planted
             continue
         _, C = way.fit(evidence, (), np.ones(len(evidence.residual))).coefficients()
-        for key, one in zip(way.columns.coefficients, np.sqrt(np.diag(C)), strict=True):
-            at = (int(str(way.columns.where.get("position", 0))), shape if shape.startswith("tau") else "", key)
+        linear = way.columns.coefficients[: len(C)]
+        for key, one in zip(linear, np.sqrt(np.diag(C)), strict=True):
+            at = (int(str(way.columns.where.get("position", 0))), way.columns.tau_s, key)
             found.setdefault(at, float(one))
     return Sigmas(found)

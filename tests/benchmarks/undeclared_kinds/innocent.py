@@ -16,10 +16,11 @@ TIMES = (3.0, 6.0)  # worse than stated
 
 @dataclass(frozen=True, slots=True)
 class Innocent:
-    """A campaign's design, and what is done to its bench that its files do not say."""
+    """A campaign's design, what is done to its bench that its files do not say, and by which effect that shows."""
 
     design: str
     changed: Changed
+    effect: str = ""
 
 
 def as_it_is(truth: Truth, rng: np.random.Generator) -> Truth:
@@ -74,14 +75,14 @@ INNOCENT = {
     "quiet, three speeds": Innocent("speeds", as_it_is),
     "quiet, two temperatures": Innocent("two temperatures", as_it_is),
     "large tilts": Innocent("plain", _tilts),
-    "wrong certificate": Innocent("certified free", _certificate),
-    "latitude wrong": Innocent("plain", _latitude),
-    "closure looser": Innocent("plain", _closure),
-    "closure looser, three speeds": Innocent("speeds", _closure),
-    "headings looser": Innocent("plain", _heading),
-    "one seat": Innocent("plain", _seat),
-    "azimuth": Innocent("plain", _azimuth),
-    "a wrong label": Innocent("plain", _label),
+    "wrong certificate": Innocent("certified free", _certificate, "fixture.face_tilt"),
+    "latitude wrong": Innocent("plain", _latitude, "site.latitude"),
+    "closure looser": Innocent("plain", _closure, "procedure.closure"),
+    "closure looser, three speeds": Innocent("speeds", _closure, "procedure.closure"),
+    "headings looser": Innocent("plain", _heading, "procedure.heading"),
+    "one seat": Innocent("plain", _seat, "placement.dwell"),
+    "azimuth": Innocent("plain", _azimuth, "site.azimuth"),
+    "a wrong label": Innocent("plain", _label, "placement.label"),
 }
 
 

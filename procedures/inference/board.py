@@ -1,0 +1,130 @@
+"""Hypotheses beside the evidence: columns in the complement of the model's own, and the prior of each."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from procedures.arrays import FloatArray, IntArray
+from procedures.diagnosis.candidates import Candidate
+from procedures.diagnosis.residual_rows import Evidence
+from procedures.effects.effect import Effect
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Hypothesis:
+    """A name, ln of its prior odds, the amplitudes (m,) it may have, and what it is.
+
+    ``kind`` is that of its effect, ``nameless`` for a function that no catalogue holds, ``noise`` for a class of
+    rows. ``log_again`` is ln of the odds that it acts once more, in another place or by another coefficient; None
+    where it acts once.
+    """
+
+    name: str
+    kind: str
+    log_odds: float
+    amplitudes: FloatArray
+    effect: Effect | None = None
+    log_again: float | None = None
+
+    @property
+    def is_named(self) -> bool:
+        """Say whether an effect of the catalogue stands behind it."""
+        return self.effect is not None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Option:
+    """One way in which a hypothesis may hold: ln of its share, its columns of `Board.W`, what it is made of.
+
+    ``scale`` (k,) is 1 sigma of the coefficients at amplitude 1, in the effect's unit; ``mask`` which of the
+    candidate's coefficients they are.
+    """
+
+    hypothesis: int
+    log_share: float
+    columns: IntArray
+    candidate: Candidate | None = None
+    mask: IntArray | None = None
+    scale: FloatArray | None = None
+    note: str = ""
+
+    @property
+    def is_bent(self) -> bool:
+        """Say whether it has a time constant, or what else is not linear."""
+        return self.candidate is not None and bool(self.candidate.columns.nonlinear)
+
+    @property
+    def is_plain(self) -> bool:
+        """Say whether an effect is linear and acts at one place only: throughout."""
+        one = self.candidate
+        return one is not None and not (one.columns.nonlinear or one.columns.where or one.effect.is_scatter)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Block:
+    """Options of at most k columns, filled with zeros.
+
+    ``options`` (b,) are their numbers, ``columns`` (b, k) those of `Board.W`; G = W'W (b, k, k), g = W'y (b, k).
+    """
+
+    options: IntArray
+    columns: IntArray
+    G: FloatArray
+    g: FloatArray
+    amplitudes: FloatArray
+    is_loss: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Board:
+    """The evidence with the model's own parameters integrated out, and every hypothesis beside it.
+
+    ``y`` (m,) is the whitened residual in the complement of the model's columns, ``W`` (m, N) all columns there,
+    the last of which is zero, ``H`` (n, N) the same on all rows.
+    """
+
+    evidence: Evidence
+    H: FloatArray
+    y: FloatArray
+    W: FloatArray
+    hypotheses: tuple[Hypothesis, ...]
+    options: tuple[Option, ...]
+
+    @cached_property
+    def separable(self) -> Mapping[str, bool]:
+        """Say of every name whether any of its options leaves something beside the model's own parameters."""
+        seen = np.linalg.norm(self.W, axis=0)
+        found = dict.fromkeys((each.name for each in self.hypotheses), False)
+        for option in self.options:
+            at = self.hypotheses[option.hypothesis]
+            found[at.name] |= bool(at.amplitudes[-1] * np.max(seen[option.columns], initial=0.0) > 1.0)
+        return found
+
+    @cached_property
+    def options_of(self) -> Sequence[IntArray]:
+        """The numbers (k,) of every hypothesis' options."""
+        of = np.array([each.hypothesis for each in self.options])
+        return [np.flatnonzero(of == i) for i in range(len(self.hypotheses))]
+
+    @cached_property
+    def blocks(self) -> Sequence[Block]:
+        """All options, those of about as many columns together."""
+        return list(_blocks(self))
+
+
+def _blocks(board: Board) -> Iterator[Block]:
+    kinds = dict[tuple[int, bool], list[int]]()
+    for i, option in enumerate(board.options):
+        effect = board.hypotheses[option.hypothesis].effect
+        k = 1 << max(len(option.columns) - 1, 0).bit_length()
+        kinds.setdefault((k, effect is not None and effect.is_loss), []).append(i)
+    along = board.W.T @ board.y
+    for (k, is_loss), which in kinds.items():
+        columns = np.full((len(which), k), board.W.shape[1] - 1)
+        for row, i in zip(columns, which, strict=True):
+            row[: len(board.options[i].columns)] = board.options[i].columns
+        W = np.moveaxis(board.W[:, columns], 0, 2)  # (b, k, m)
+        amplitudes = np.array([board.hypotheses[board.options[i].hypothesis].amplitudes for i in which])
+        yield Block(np.array(which), columns, W @ np.swapaxes(W, 1, 2), along[columns], amplitudes, is_loss)

@@ -1,0 +1,228 @@
+"""A hypothesis is columns and a prior: what would show in the rows, and how large it may be.
+
+Named effects, scatters, random walks, wider noise of a class of rows and smooth functions without a name are all
+of this one kind. A hypothesis has options, each with its share of the prior: where an effect acted, at which time
+constant, in all sensors or in one.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from procedures.arrays import FloatArray, IntArray
+from procedures.diagnosis.candidates import Candidate
+from procedures.diagnosis.linear_model import Term, variance_classes
+from procedures.diagnosis.residual_rows import KINDS, Evidence
+from procedures.frames import AXES, TRIADS
+from procedures.inference import priors
+from procedures.inference.board import Board, Hypothesis, Option
+from procedures.inference.smooth_functions import functions, walk
+
+CUBIC = 4  # neighbours that a cubic goes through
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Way:
+    """Columns H (n, k) of a hypothesis, in sigmas of the rows, each times 1 sigma of its coefficient.
+
+    That is ``scale`` (k,). ``masks`` are which of them act together, with ln of the share; where there is no
+    ``candidate``, only all do.
+    """
+
+    hypothesis: int
+    H: FloatArray
+    masks: Sequence[tuple[float, IntArray]] = ()
+    candidate: Candidate | None = None
+    scale: FloatArray | None = None
+    note: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Library:
+    """Every hypothesis and the ways in which it may hold, as columns of the rows."""
+
+    hypotheses: tuple[Hypothesis, ...]
+    ways: tuple[Way, ...]
+
+    def with_adopted(self, evidence: Evidence, adopted: Sequence[Candidate]) -> "Library":
+        """Return the library with the columns of some candidates where the model stands with them in it."""
+        ways, number = list(self.ways), {each.name: i for i, each in enumerate(self.hypotheses)}
+        for one in adopted:
+            exact = _way(evidence, number[one.effect.name], one, 0.0)
+            same = [i for i, way in enumerate(ways) if way.candidate is not None and _is_same(way.candidate, one)]
+            if one.columns.nonlinear and same:
+                shares = [(share, mask) for share, mask in ways[same[0]].masks]
+                ways.append(replace(exact, masks=shares))
+            for i in [] if one.columns.nonlinear else same:
+                ways[i] = replace(exact, masks=ways[i].masks)
+        return Library(self.hypotheses, tuple(ways))
+
+    def on(self, evidence: Evidence) -> Board:
+        """Return every hypothesis beside an evidence of the same rows."""
+        white = evidence.A / evidence.sigma[:, None]
+        Q, _ = np.linalg.qr(white, mode="complete")
+        basis = Q[:, white.shape[1] :]
+        sizes = np.cumsum([0, *(way.H.shape[1] for way in self.ways)])
+        every = basis.T @ np.hstack([np.zeros((len(white), 0)), *(way.H for way in self.ways)])
+        rows, parts, options, width = list[FloatArray](), list[FloatArray](), list[Option](), 0
+        for way, first, end in zip(self.ways, sizes, sizes[1:], strict=False):
+            H, W, masks = way.H, every[:, first:end], way.masks
+            if way.candidate is None:
+                V = principal(W)
+                H, W, masks = H @ V, W @ V, [(way.masks[0][0], np.arange(V.shape[1]))]
+            rows.append(H)
+            parts.append(W)
+            for share, mask in masks:
+                scale = None if way.scale is None else way.scale[mask]
+                options.append(Option(way.hypothesis, share, width + mask, way.candidate, mask, scale, way.note))
+            width += W.shape[1]
+        W = np.hstack([*parts, np.zeros((basis.shape[1], 1))])
+        H = np.hstack([*rows, np.zeros((len(white), 1))])
+        y = basis.T @ (evidence.residual / evidence.sigma)
+        return Board(evidence, H, y, W, self.hypotheses, _plainest(W, options))
+
+
+def _plainest(W: FloatArray, options: Sequence[Option]) -> tuple[Option, ...]:
+    """Return the options without those that do what a plainer effect does.
+
+    A lag of a second, a settling of a week and a function of two temperatures do what a coefficient of temperature
+    or a drift does: that is the name they then have.
+    """
+    spans = {
+        id(each.candidate): each.columns for each in sorted(options, key=lambda o: len(o.columns)) if each.is_plain
+    }
+    owner = np.repeat(np.arange(len(options)), [len(each.columns) for each in options])
+    every = np.concatenate([np.zeros(0, dtype=np.int64), *(each.columns for each in options)])
+    sums = csr_array((np.ones(len(every)), (owner, every)), shape=(len(options), W.shape[1]))
+    whole, most = np.maximum(sums @ np.sum(W**2, axis=0), 1e-300), np.zeros(len(options))
+    for columns in spans.values():
+        Q, r = np.linalg.qr(W[:, columns])
+        taken = np.sum((Q[:, np.abs(np.diag(r)) > 0].T @ W) ** 2, axis=0)
+        most = np.maximum(most, sums @ taken / whole)
+    return tuple(
+        each for each, share in zip(options, most, strict=True)
+        if share < 1 - priors.NEGLIGIBLE or each.is_plain or not (each.is_bent or each.candidate is None)
+    )  # fmt: skip
+
+
+def _is_same(one: Candidate, other: Candidate) -> bool:
+    a, b = one.columns, other.columns
+    return one.effect.name == other.effect.name and (a.where, a.shape, a.orders) == (b.where, b.shape, b.orders)
+
+
+def library_of(evidence: Evidence, pool: Mapping[str, Sequence[Candidate]]) -> Library:
+    """Return every hypothesis beside an evidence; ``pool`` are by name the ways in which effects may act."""
+    hypotheses, ways = list[Hypothesis](), list[Way]()
+    for name, candidates in pool.items():
+        tried = [each for each in candidates if each.is_tried and not each.effect.is_bench_parameter]
+        if tried:
+            hypotheses.append(_named(name, tried))
+            ways += _named_ways(evidence, len(hypotheses) - 1, tried)
+    nameless = functions(evidence)
+    nameless |= {f"a random walk of the bias, {triad}": walk(evidence, triad) for triad in TRIADS}
+    for name, options in nameless.items():
+        total = sum(share for share, _, _ in options)
+        ways += [
+            Way(len(hypotheses), H, [(float(np.log(share / total)), np.arange(H.shape[1]))], note=note)
+            for share, H, note in options
+        ]
+        if options:
+            hypotheses.append(_without_name(name, "nameless", priors.ODDS_NAMELESS, priors.OF_NAMELESS))
+    for name, E in _noise(evidence):
+        ways.append(Way(len(hypotheses), E, [(0.0, np.arange(E.shape[1]))]))
+        hypotheses.append(_without_name(name, "noise", priors.ODDS_NAMED, priors.OF_SPREAD))
+    return Library(tuple(hypotheses), tuple(ways))
+
+
+def _without_name(name: str, kind: str, odds: float, amplitudes: FloatArray) -> Hypothesis:
+    return Hypothesis(name, kind, float(np.log(odds)), amplitudes)
+
+
+def _named(name: str, ways: Sequence[Candidate]) -> Hypothesis:
+    effect = ways[0].effect
+    amplitudes = priors.OF_SPREAD if effect.is_scatter else priors.OF_NAMED
+    log_odds, has_places = float(np.log(priors.ODDS_NAMED)), any(way.columns.where for way in ways)
+    again = log_odds if has_places else float(np.log(priors.ODDS_ANOTHER))
+    is_single = effect.is_scatter or len(ways[0].columns.coefficients) == 1
+    return Hypothesis(name, effect.kind, log_odds, amplitudes, effect, None if is_single else again)
+
+
+def _named_ways(evidence: Evidence, number: int, candidates: Sequence[Candidate]) -> list[Way]:
+    finer = [*candidates, *_between(candidates)]
+    return [_way(evidence, number, each, -float(np.log(len(finer)))) for each in finer]
+
+
+def _way(evidence: Evidence, number: int, candidate: Candidate, log_share: float) -> Way:
+    """Return a candidate's columns times 1 sigma of its coefficients."""
+    k = len(candidate.columns.coefficients) - len(candidate.columns.nonlinear)
+    is_scatter = candidate.effect.is_scatter
+    scale = (candidate.effect.plausible_of(candidate.columns) if is_scatter else candidate.term.plausible)[:k]
+    H = candidate.term.H[:, :k] * scale / evidence.sigma[:, None]
+    shares = [(share + log_share, mask) for share, mask in masks(candidate)]
+    return Way(number, H, shares, candidate, scale)
+
+
+def _between(candidates: Sequence[Candidate]) -> Iterator[Candidate]:
+    """Yield more candidates between neighbours on a grid of a time constant.
+
+    A column is smooth in the constant's logarithm: it is interpolated by a cubic through four neighbours.
+    """
+    lines = dict[tuple[object, ...], list[Candidate]]()
+    for each in candidates:
+        if len(each.columns.nonlinear) == 1:
+            key = (each.columns.shape, each.columns.orders, str(each.columns.where))
+            lines.setdefault(key, []).append(each)
+    for line in lines.values():
+        if len(line) < CUBIC:
+            continue
+        line.sort(key=lambda each: next(iter(each.columns.nonlinear.values())))
+        (name,) = line[0].columns.nonlinear
+        x = np.log([each.columns.nonlinear[name] for each in line])
+        for i in range(len(line) - 1):
+            first = min(max(i - 1, 0), len(line) - CUBIC)
+            near = range(first, first + CUBIC)
+            for part in range(1, priors.FINER):
+                at = x[i] + (x[i + 1] - x[i]) * part / priors.FINER
+                weights = [np.prod([(at - x[k]) / (x[j] - x[k]) for k in near if k != j]) for j in near]
+                H = np.tensordot(weights, np.stack([line[j].term.H for j in near]), 1)
+                columns = replace(line[i].columns, nonlinear={name: float(np.exp(at))})
+                yield replace(line[i], columns=columns, term=Term(H, line[i].term.plausible))
+
+
+def masks(way: Candidate) -> Iterator[tuple[float, IntArray]]:
+    """Yield ln of a share, and the indices (k,) of coefficients that act: all, one sensor's, or one alone."""
+    names = way.columns.coefficients[: len(way.columns.coefficients) - len(way.columns.nonlinear)]
+    every = np.arange(len(names))
+    if way.effect.is_scatter or len(names) == 1:
+        yield 0.0, every
+        return
+    sensors = sorted({each[0] for each in names})
+    own = [np.array([i for i in every if names[i][0] == each]) for each in sensors]
+    levels = [[every]]
+    if 1 < len(own) < len(names):
+        levels.append(own)
+    levels.append([every[i : i + 1] for i in every])
+    for level in levels:
+        for mask in level:
+            yield -float(np.log(len(levels) * len(level))), mask
+
+
+def principal(W: FloatArray) -> FloatArray:
+    """Return V (k, r): whitened columns W (m, k) times V have the same W W', but for what is negligible."""
+    if not W.shape[1]:
+        return np.zeros((0, 0))
+    variances, V = np.linalg.eigh(W.T @ W)
+    found: FloatArray = V[:, variances > priors.NEGLIGIBLE**2 * max(float(variances[-1]), 1e-300)]
+    return found
+
+
+def _noise(evidence: Evidence) -> Iterator[tuple[str, FloatArray]]:
+    """Yield by name that a class of rows is noisier than its samples say: a column for each of its rows."""
+    shared = variance_classes(evidence)
+    for number in np.unique(shared[shared > 0]).tolist():
+        rows = np.flatnonzero(shared == number)
+        triad, kind = divmod(number - 1, len(KINDS))
+        if len(rows) > len(AXES):
+            yield f"wider noise of {KINDS[kind]} rows, {TRIADS[triad]}", np.eye(len(shared))[:, rows]

@@ -1,0 +1,97 @@
+"""From campaigns to causes: rows, hypotheses, search, and the model linearised again where it stands."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from procedures.campaign.campaign import Campaign
+from procedures.diagnosis.candidates import Candidate, Candidates
+from procedures.diagnosis.checks_before_effects import CheckedCampaigns
+from procedures.diagnosis.diagnose import put_right
+from procedures.diagnosis.disturbed_soaks import without_knocks
+from procedures.diagnosis.linear_model import Term
+from procedures.diagnosis.model_with_effects import BaseModel
+from procedures.diagnosis.refit import Refit, terms_at
+from procedures.effects import EFFECTS
+from procedures.effects.effect import Effect
+from procedures.errors import DoesNotFit
+from procedures.inference.board import Board
+from procedures.inference.hypotheses import library_of
+from procedures.inference.marginal import Member
+from procedures.inference.posterior import Posterior, averaged_fits, posterior
+from procedures.inference.search import Model, Search
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Inferred:
+    """What was inferred: the posterior, the board it is of, the refit with the best model's effects in."""
+
+    posterior: Posterior
+    board: Board
+    refit: Refit
+    subject: BaseModel
+    checked: CheckedCampaigns
+
+    @property
+    def not_separable(self) -> tuple[str, ...]:
+        """The names whose columns the model's own parameters take wholly: this bench cannot show them."""
+        return tuple(name for name, is_seen in self.board.separable.items() if not is_seen)
+
+
+def infer(campaigns: Sequence[Campaign], effects: Sequence[Effect] = EFFECTS) -> Inferred:
+    """Return the causes that the residual of one unit's campaigns shows, each with its probability."""
+    checked, bench = put_right(without_knocks(campaigns).campaigns)
+    return inferred(bench, [each for each in effects if each.name not in checked.settled], checked)
+
+
+def inferred(subject: BaseModel, effects: Sequence[Effect], checked: CheckedCampaigns) -> Inferred:
+    """Search, linearise where the best model stands, and search again until its names stay."""
+    now = subject.refit(())
+    library = library_of(now.evidence, Candidates(now.evidence, now.fits, effects))
+    search = Search(library.on(now.evidence))
+    best, tried = search.run(), set[tuple[str, ...]]()
+    while (names := _names(search.board, best)) not in tried and (wanted := _candidates(search.board, best)):
+        tried.add(names)
+        try:
+            now = subject.refit(wanted)
+        except DoesNotFit:
+            break
+        search = Search(library.with_adopted(now.evidence, _bent(now)).on(now.evidence))
+        best = search.run()
+    found = posterior(search)
+    fits = now.fits if now.bare is None else averaged_fits(search, now.bare, found.causes)
+    return Inferred(found, search.board, replace(now, fits=fits), subject, checked)
+
+
+def _bent(now: Refit) -> list[Candidate]:
+    """Return the effects in a refit, with their columns at the coefficients found where these are not linear."""
+    terms, _ = terms_at(now.evidence, now.added, now.values)
+    found = list[Candidate]()
+    for each, term in zip(now.added, terms, strict=True):
+        k = len(each.columns.coefficients) - len(each.columns.nonlinear)
+        own = each.effect.plausible_of(each.columns)
+        found.append(replace(each, term=Term(term.H[:, :k], own[:k])))
+    return found
+
+
+def _candidates(board: Board, best: Model) -> list[Candidate]:
+    """Return the named effects of a model, their coefficients held by the amplitudes at which they stand."""
+    return [found for each in best.members if (found := _candidate(board, each)) is not None]
+
+
+def _candidate(board: Board, member: Member) -> Candidate | None:
+    option = board.options[member.option]
+    way = option.candidate
+    if way is None or option.mask is None or option.scale is None:
+        return None
+    k = len(way.columns.coefficients) - len(way.columns.nonlinear)
+    plausible = way.effect.plausible_of(way.columns)[:k] * np.sqrt(
+        np.finfo(float).eps
+    )  # as good as zero: it does not act
+    plausible[option.mask] = option.scale * member.amplitude
+    return replace(way, term=Term(way.term.H[:, :k], plausible))
+
+
+def _names(board: Board, model: Model) -> tuple[str, ...]:
+    return tuple(sorted(board.hypotheses[i].name for i in model.names))

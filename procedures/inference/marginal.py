@@ -1,0 +1,152 @@
+"""The marginal likelihood of hypotheses, with the model's parameters, coefficients and amplitudes integrated out.
+
+In the complement of the model's own columns the whitened residual y (m,) is N(0, I + S S') for members of columns
+S, each times its amplitude (a Gaussian prior of its coefficients integrated out). With M = I + S'S, b = S'y,
+
+    ln p(y | S) - ln p(y) = -1/2 ln det M + 1/2 b' M^-1 b
+
+One hypothesis more, of columns W and amplitude s, with C = I + S S', G = W' C^-1 W = V diag(l) V' and
+g = V' W' C^-1 y:
+
+    gain(s) = -1/2 sum ln(1 + s^2 l) + 1/2 sum s^2 g^2 / (1 + s^2 l)
+
+Where the noise is known to nu degrees of freedom only, as from the rows' own scatter, y is Student t: with q the
+sum of squares y' C^-1 y, -q / 2 becomes -(nu + m) / 2 ln(1 + q / nu).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import log_ndtr
+
+from procedures.arrays import FloatArray
+from procedures.inference.board import Block, Board
+
+
+@dataclass(frozen=True, slots=True)
+class Member:
+    """An option of a board by its number, and the amplitude at which it is held."""
+
+    option: int
+    amplitude: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ranked:
+    """Every option beside some members.
+
+    ``gains`` (options,) is ln of the marginal likelihood over the amplitudes' prior, the option's share counted,
+    ``best`` (options,) that at the best amplitude, ``amplitude`` (options,) which that is. ``total`` (hypotheses,)
+    is ln of prior odds times marginal likelihood, all options together.
+    """
+
+    gains: FloatArray
+    best: FloatArray
+    amplitude: FloatArray
+    total: FloatArray
+
+    def member(self, board: Board, hypothesis: int) -> Member:
+        """Return a hypothesis' best option."""
+        own = board.options_of[hypothesis]
+        option = int(own[np.argmax(self.best[own])])
+        return Member(option, float(self.amplitude[option]))
+
+
+def stacked(board: Board, members: Sequence[Member]) -> FloatArray:
+    """Return the members' columns (m, s), each times its amplitude."""
+    parts = [board.W[:, board.options[each.option].columns] * each.amplitude for each in members]
+    return np.hstack(parts) if parts else np.zeros((len(board.y), 0))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Held:
+    """Members held at their amplitudes: columns S (m, s), the inverse of M, c = M^-1 S'y and q = y' C^-1 y."""
+
+    S: FloatArray
+    inverse: FloatArray
+    c: FloatArray
+    squares: float
+    gain: float
+
+    @classmethod
+    def of(cls, board: Board, members: Sequence[Member]) -> "Held":
+        """Hold members."""
+        S = stacked(board, members)
+        M, b, yy = np.eye(S.shape[1]) + S.T @ S, S.T @ board.y, float(board.y @ board.y)
+        inverse = np.asarray(np.linalg.inv(M), np.float64)
+        c = inverse @ b
+        squares = yy - float(b @ c)
+        logdet = float(np.linalg.slogdet(M)[1])
+        gain = -0.5 * logdet + float(tail(board, np.array(squares)) - tail(board, np.array(yy)))
+        return cls(S, inverse, c, squares, gain)
+
+
+def tail(board: Board, squares: FloatArray) -> FloatArray:
+    """Return ln of the density, shaped like ``squares``: the sum of squares of y, whitened, that is left."""
+    nu = board.evidence.noise_dof
+    if not np.isfinite(nu):
+        return -0.5 * squares
+    found: FloatArray = -0.5 * (nu + len(board.y)) * np.log1p(squares / nu)
+    return found
+
+
+def ranked(board: Board, members: Sequence[Member]) -> Ranked:
+    """Return what every hypothesis is worth beside members."""
+    held, n = Held.of(board, members), len(board.options)
+    gains, best, amplitude = np.full(n, -np.inf), np.full(n, -np.inf), np.zeros(n)
+    across = held.S.T @ board.W
+    for block in board.blocks:
+        of = np.moveaxis(across[:, block.columns], 0, 2)  # (b, k, s)
+        G, g = block.G - of @ held.inverse @ np.swapaxes(of, 1, 2), block.g - of @ held.c
+        values = _gains(board, held.squares, G, g, block)
+        most = np.argmax(values, axis=1)
+        at = np.arange(len(most))
+        shares = np.array([board.options[i].log_share for i in block.options])
+        gains[block.options] = shares + log_mean(values)
+        best[block.options] = shares + values[at, most]
+        amplitude[block.options] = block.amplitudes[at, most]
+    total = np.array([
+        each.log_odds + (log_sum(gains[own]) if len(own) else -np.inf)
+        for each, own in zip(board.hypotheses, board.options_of, strict=True)
+    ])  # fmt: skip
+    return Ranked(gains, best, amplitude, total)
+
+
+def _gains(board: Board, squares: float, G: FloatArray, g: FloatArray, block: Block) -> FloatArray:
+    """Return the gain (b, amplitudes) of options with G (b, k, k) and g (b, k)."""
+    if G.shape[1] == 1:
+        size, along = np.maximum(G[:, 0], 0.0), g
+    else:
+        size, V = np.linalg.eigh(G)
+        size, along = np.maximum(size, 0.0), np.einsum("bij,bi->bj", V, g)
+    s2 = block.amplitudes[:, :, None] ** 2
+    spread = 1 + s2 * size[:, None, :]
+    explained = np.sum(s2 * along[:, None, :] ** 2 / spread, axis=2)
+    found = -0.5 * np.sum(np.log(spread), axis=2)
+    found += tail(board, squares - explained) - tail(board, np.array(squares))
+    gains: FloatArray = found + _log_positive(G, g, block.amplitudes) if block.is_loss else found
+    return gains
+
+
+def _log_positive(G: FloatArray, g: FloatArray, amplitudes: FloatArray) -> FloatArray:
+    """Return ln of how much likelier coefficients above zero are with the data than before (b, amplitudes)."""
+    k = G.shape[1]
+    precision = G[:, None] + np.eye(k) / amplitudes[:, :, None, None] ** 2
+    C = np.linalg.inv(precision)
+    mean = np.einsum("baij,bj->bai", C, g)
+    found: FloatArray = np.sum(np.log(2) + log_ndtr(mean / np.sqrt(np.einsum("baii->bai", C))), axis=2)
+    return found
+
+
+def log_mean(x: FloatArray) -> FloatArray:
+    """Return ln of the mean (...) of exp(x) along the last axis of x (..., n), both without unit."""
+    most = np.max(x, axis=-1, keepdims=True)
+    found: FloatArray = np.log(np.mean(np.exp(x - most), axis=-1)) + most[..., 0]
+    return found
+
+
+def log_sum(x: FloatArray) -> float:
+    """Return ln of the sum of exp(x) (n,)."""
+    most = float(np.max(x))
+    return most + float(np.log(np.sum(np.exp(x - most)))) if np.isfinite(most) else -np.inf

@@ -1,0 +1,247 @@
+"""What follows from the models that were kept: probabilities of names, groups and nameless mass, coefficients."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from procedures.arrays import FloatArray, IntArray
+from procedures.calibration.joint_calibration import CampaignFits
+from procedures.diagnosis.candidates import Candidate
+from procedures.dwells_and_turns.twelve_position import TriadFit
+from procedures.inference import priors
+from procedures.inference.board import Board, Hypothesis
+from procedures.inference.marginal import Held, Member, log_sum
+from procedures.inference.search import Model, Search
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Coefficients:
+    """Coefficients of one name averaged over its options: ``value`` (k,), ``covariance`` (k, k), in its unit.
+
+    ``nonlinear`` (value, 1 sigma of its logarithm) by the name of a time constant and the like.
+    """
+
+    candidate: Candidate
+    names: tuple[str, ...]
+    value: FloatArray
+    covariance: FloatArray
+    nonlinear: dict[str, tuple[float, float]]
+
+    @property
+    def std(self) -> FloatArray:
+        """1 sigma (k,)."""
+        found: FloatArray = np.sqrt(np.diag(self.covariance))
+        return found
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cause:
+    """Something that acts: its likeliest name and that name's ``probability``, and the names it may have.
+
+    ``shares`` holds by name the probability that this cause is it, of named and nameless hypotheses; ``joint`` is
+    the probability that one of them acts, ``nameless`` the share without a name. ``coefficients`` are those of the
+    likeliest name, None of a nameless function, whose ``note`` says where it is.
+    """
+
+    hypothesis: Hypothesis
+    probability: float
+    joint: float
+    shares: dict[str, float]
+    nameless: float
+    coefficients: Coefficients | None
+    note: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Posterior:
+    """All that the models say: causes by probability, every name's probability, the best model."""
+
+    causes: tuple[Cause, ...]
+    probabilities: dict[str, float]
+    best: Model
+
+    @property
+    def nameless(self) -> float:
+        """Probability that at least one of the causes has no name."""
+        return 1 - float(np.prod([1 - each.nameless for each in self.causes]))
+
+
+def posterior(search: Search) -> Posterior:
+    """Return what the models of a search say together."""
+    board, models = search.board, list(search.models.values())
+    weights = np.exp(np.array([m.log_odds for m in models]) - log_sum(np.array([m.log_odds for m in models])))
+    held = np.zeros((len(models), len(board.hypotheses)), dtype=bool)
+    for i, model in enumerate(models):
+        held[i, list(model.names)] = True
+    probabilities = weights @ held
+    best, causes = search.best, list[Cause]()
+    for hypothesis, own in _acting(board, best.members):
+        rest = [each for each in best.members if each not in own]
+        beside = search.beside(rest)
+        total = beside.total.copy()
+        if len(own) > 1:  # together they are likelier than one of them
+            total[hypothesis] = log_sum(
+                np.array([total[hypothesis], best.log_odds - search.polished(rest).log_odds])
+            )
+        shares = np.exp(total - log_sum(np.append(total, 0.0)))
+        order = [int(j) for j in np.argsort(-shares) if shares[j] >= priors.NEGLIGIBLE]
+        first = order[0] if order else int(np.argmax(shares))
+        named = [j for j in order if board.hypotheses[j].is_named]
+        nameless = float(sum(s for s, h in zip(shares, board.hypotheses, strict=True) if not h.is_named))
+        top = named[0] if named else first
+        member = beside.member(board, top)
+        found = averaged(board, rest, top, member) if board.hypotheses[top].is_named else None
+        if top == hypothesis and len(own) > 1:
+            found = _together(board, best.members, own)
+        of_group = float(weights @ held[:, order or [first]].any(axis=1))
+        causes.append(Cause(
+            board.hypotheses[top], float(min(probabilities[top], shares[top])), of_group,
+            {board.hypotheses[j].name: float(shares[j]) for j in order}, nameless, found,
+            board.options[member.option].note,
+        ))  # fmt: skip
+    every = {h.name: float(p) for h, p in zip(board.hypotheses, probabilities, strict=True)}
+    return Posterior(tuple(sorted(causes, key=lambda each: -each.joint)), every, best)
+
+
+def _acting(board: Board, members: Sequence[Member]) -> Iterator[tuple[int, list[Member]]]:
+    """Yield hypotheses with the members that are one cause: all coefficients of an effect at one place."""
+    causes = dict[tuple[object, ...], list[Member]]()
+    for each in members:
+        option = board.options[each.option]
+        columns = option.candidate and option.candidate.columns
+        place = (str(columns.where), columns.shape, str(columns.nonlinear)) if columns else (each,)
+        causes.setdefault((option.hypothesis, *place), []).append(each)
+    for own in causes.values():
+        yield board.options[own[0].option].hypothesis, own
+
+
+def _together(board: Board, members: Sequence[Member], own: Sequence[Member]) -> Coefficients | None:
+    """Return the coefficients that several members make together, at their amplitudes, beside all others."""
+    candidate = board.options[own[0].option].candidate
+    assert candidate is not None
+    held, columns = Held.of(board, members), candidate.columns
+    k = len(columns.coefficients) - len(columns.nonlinear)
+    T, first = np.zeros((k, len(held.c))), 0
+    for each in members:
+        option = board.options[each.option]
+        end = first + len(option.columns)
+        if each in own and option.mask is not None and option.scale is not None:
+            T[option.mask, range(first, end)] = option.scale * each.amplitude
+        first = end
+    value, covariance = T @ held.c, T @ held.inverse @ T.T
+    if candidate.effect.shown is not None:
+        value, std = candidate.effect.shown(value, np.sqrt(np.diag(covariance)))
+        covariance = np.diag(std**2)
+    constants = {name: (size, 0.0) for name, size in columns.nonlinear.items()}
+    return Coefficients(candidate, columns.coefficients[:k], value, covariance, constants)
+
+
+def averaged(board: Board, rest: Sequence[Member], hypothesis: int, member: Member) -> Coefficients:
+    """Return a name's coefficients, averaged over its amplitudes, masks and time constants, beside members."""
+    held, best = Held.of(board, rest), board.options[member.option]
+    candidate = best.candidate
+    assert candidate is not None
+    columns = candidate.columns
+    k = len(columns.coefficients) - len(columns.nonlinear)
+    amplitudes, weights = list[float](), list[float]()
+    means, spreads, constants = list[FloatArray](), list[FloatArray](), list[FloatArray]()
+    for number in board.options_of[hypothesis]:
+        option = board.options[int(number)]
+        way = option.candidate
+        assert way is not None
+        assert option.mask is not None
+        assert option.scale is not None
+        if (
+            way.columns.where != columns.where
+            or way.columns.shape != columns.shape
+            or len(way.columns.coefficients) != len(columns.coefficients)
+        ):
+            continue
+        W = board.W[:, option.columns]
+        of = W.T @ held.S
+        G, g = W.T @ W - of @ held.inverse @ of.T, W.T @ board.y - of @ held.c
+        size, V = np.linalg.eigh(G)
+        size, along = np.maximum(size, 0.0), V.T @ g
+        for s in board.hypotheses[hypothesis].amplitudes.tolist():
+            spread = 1 + s**2 * size
+            weights.append(option.log_share + 0.5 * float(np.sum(s**2 * along**2 / spread - np.log(spread))))
+            mean, C = np.zeros(k), np.zeros((k, k))
+            mean[option.mask] = option.scale * (V @ (s**2 * along / spread))
+            C[np.ix_(option.mask, option.mask)] = (
+                option.scale[:, None] * (V * (s**2 / spread)) @ V.T * option.scale
+            )
+            means.append(mean)
+            amplitudes.append(s)
+            spreads.append(C)
+            constants.append(np.log(np.array(list(way.columns.nonlinear.values()))))
+    p = np.exp(np.array(weights) - log_sum(np.array(weights)))
+    if candidate.effect.is_scatter:
+        logs = np.log(amplitudes)
+        times, own = float(np.exp(p @ logs)), float(candidate.effect.plausible_of(columns)[0])
+        std = times * own * float(np.sqrt(p @ (logs - p @ logs) ** 2))
+        return Coefficients(candidate, ("value",), np.array([times * own]), np.array([[std**2]]), {})
+    every = np.array(means)
+    value = p @ every
+    off = every - value
+    covariance = np.einsum("i,ijk->jk", p, np.array(spreads)) + (off * p[:, None]).T @ off
+    if candidate.effect.shown is not None:
+        shown, u = candidate.effect.shown(value, np.sqrt(np.diag(covariance)))
+        return Coefficients(candidate, columns.coefficients[:k], shown, np.diag(u**2), {})
+    nonlinear = dict[str, tuple[float, float]]()
+    for i, name in enumerate(columns.nonlinear):
+        logs = np.array([each[i] for each in constants])
+        middle = float(p @ logs)
+        nonlinear[name] = float(np.exp(middle)), float(np.sqrt(p @ (logs - middle) ** 2))
+    return Coefficients(candidate, columns.coefficients[:k], value, covariance, nonlinear)
+
+
+def averaged_fits(search: Search, fits: CampaignFits, causes: Sequence[Cause]) -> CampaignFits:
+    """Return fits with parameters and covariance averaged over the models of what the causes may be.
+
+    What may act beside them unseen, as likely as before the data, is no part of the average.
+
+    With A the model's own columns and S those of members, on all rows, and c the members' coefficients in units
+    of their prior, the parameters are ``dx = A^+ (S c - y)``; their covariance is that of noise,
+    A^+ S cov(c) S' A^+', and that of dx from model to model.
+
+    Parameters
+    ----------
+    fits : where the board was linearised, with the covariance of noise alone
+    """
+    board, shown = search.board, {name for each in causes for name in each.shares}
+    models = [m for m in search.window if {board.hypotheses[i].name for i in m.names} <= shown] or [search.best]
+    evidence = board.evidence
+    Q, R = np.linalg.qr(evidence.A / evidence.sigma[:, None])
+    y = evidence.residual / evidence.sigma
+    log_odds = np.array([each.log_odds for each in models])
+    p = np.exp(log_odds - log_sum(log_odds))
+    changes, added = np.zeros((len(models), R.shape[1])), np.zeros((R.shape[1], R.shape[1]))
+    for i, model in enumerate(models):
+        held = Held.of(board, model.members)
+        parts = [board.H[:, board.options[each.option].columns] * each.amplitude for each in model.members]
+        S = np.hstack([np.zeros((len(y), 0)), *parts])
+        taken = np.linalg.solve(R, Q.T @ S)
+        changes[i] = taken @ held.c - np.linalg.solve(R, Q.T @ y)
+        added += p[i] * taken @ held.inverse @ taken.T
+    mean = p @ changes
+    added += ((changes - mean) * p[:, None]).T @ (changes - mean)
+
+    def moved(joint: TriadFit, columns: IntArray) -> TriadFit:
+        one = joint.fit
+        covariance = one.covariance + added[np.ix_(columns, columns)]
+        return replace(joint, fit=replace(one, x=one.x + mean[columns], covariance=covariance))
+
+    accel, gyro = fits.accelerometer, fits.gyroscope
+    first, second = evidence.columns_of
+    return replace(
+        fits, accelerometer=accel and moved(accel, first),
+        gyroscope=gyro and replace(gyro, joint=moved(gyro.joint, second)),
+    )  # fmt: skip
+
+
+def word(probability: float) -> str:
+    """Return the word for a probability."""
+    if probability >= priors.ESTABLISHED:
+        return "established"
+    return "likely" if probability >= priors.LIKELY else "possible"

@@ -1,0 +1,51 @@
+"""Every chosen number of the inference, with unit and reason. There is no other in this folder."""
+
+import numpy as np
+
+# What acts.
+# Of about forty names in the catalogue, a unit on its bench shows between none and two. A term of the bench or of
+# the procedure is as likely as one of the instrument, and so is a class of rows noisier than its samples say.
+ODDS_NAMED = 0.01
+# About twenty families hold what no catalogue lists. Together they act a tenth as often as the catalogue.
+ODDS_NAMELESS = 0.002
+# Where one coefficient of an error term acts, another of it acts in one of four cases.
+ODDS_ANOTHER = 0.3
+
+# How large it is.
+# The catalogue states the standard deviation of a coefficient, the procedure that of a scatter, and the samples
+# that of the noise. Each is right within a factor of ten.
+FACTOR = 10.0
+# Sizes span three decades: good units show a thousandth of the catalogue's number, which is of the largest. A
+# nameless function spans them from 1 sigma of all rows together, below which nothing shows.
+SPAN = 1000.0
+AMPLITUDES = 25  # points of a logarithmic grid: neighbours differ by less than half a standard deviation
+
+# What form it has.
+# s: half decades from the settling of a servo to the warming of a case; what lags the temperature, or fades.
+TIMES_S = (10.0, 30.0, 100.0, 300.0, 1000.0, 3000.0)
+# Half periods over the range of its coordinate, beyond which a smooth function's spectrum falls off as k^-4. The
+# smallest is no straight line, which has a name; the largest is all that the steps of a campaign resolve.
+BENDS = (3.0, 10.0)
+# Parts of the largest input at which the end of the range begins. The first is also how wide a zone is.
+KNEES = (0.3, 0.5, 0.7, 0.85)
+FINER = 3  # points in each interval of a time constant's grid: a third of 0.5 in its logarithm changes nothing
+
+# How exact the answer is.
+NEGLIGIBLE = 0.01  # a share that changes no word and no second decimal
+BREADTH = 3  # models of one size from which the next are grown
+LARGEST = 8  # causes in a model: a unit with more needs a repair, no diagnosis
+
+ESTABLISHED, LIKELY = 0.99, 0.9  # probability from which a cause is called so
+
+
+def grid(low: float, high: float) -> np.ndarray:
+    """Return amplitudes (m,) [1] of equal weight, evenly spread in the logarithm."""
+    found: np.ndarray = np.geomspace(low, high, AMPLITUDES)
+    return found
+
+
+OF_NAMED = grid(1 / SPAN, FACTOR)  # of the standard deviation of a coefficient that the catalogue states
+OF_SPREAD = grid(1 / FACTOR, FACTOR)  # of the standard deviation of a scatter, or of noise, that is stated
+OF_NAMELESS = grid(1.0, SPAN)  # of what one sigma of all rows together is
+WINDOW = -2 * np.log(NEGLIGIBLE)  # nats below the best model: a hundred such models are negligible
+HALF_PERIODS = round(2 * max(BENDS))  # columns of a smooth function

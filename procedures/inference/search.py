@@ -1,0 +1,144 @@
+"""The search among sets of hypotheses: models are grown, thinned and exchanged, and all that weigh are kept.
+
+From several models of one size all of the next are grown, so that no name depends on what was adopted first.
+Around the best model each member, and each pair, is taken out and everything is tried in its place. What is within
+Occam's window (Raftery, Madigan and Hoeting 1997) of the best stays.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from procedures.inference import priors
+from procedures.inference.board import Board
+from procedures.inference.marginal import Held, Member, Ranked, log_sum, ranked
+
+Names = tuple[int, ...]  # numbers of hypotheses, sorted
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Model:
+    """Members at their best amplitudes, and ln of the posterior odds against the model without any."""
+
+    members: tuple[Member, ...]
+    log_odds: float
+    names: Names
+
+
+@dataclass(eq=False)
+class Search:
+    """All models that were looked at on one board."""
+
+    board: Board
+    models: dict[Names, Model] = field(default_factory=dict)
+    _ranked: dict[tuple[Member, ...], Ranked] = field(default_factory=dict)
+
+    def beside(self, members: Sequence[Member]) -> Ranked:
+        """Return what every hypothesis is worth beside members."""
+        key = tuple(sorted(members, key=lambda each: each.option))
+        if key not in self._ranked:
+            self._ranked[key] = ranked(self.board, key)
+        return self._ranked[key]
+
+    def run(self, begin: Sequence[Member] = ()) -> Model:
+        """Return the best model; `models` holds all others."""
+        self._keep(Model((), 0.0, ()))
+        if begin:
+            self._keep(self.polished(begin))
+        parents = [self.models[()]]
+        for _ in range(priors.LARGEST):
+            before, parents = self.best, self._grown(parents)
+            if self.best is before:
+                break
+        around = set[Names]()
+        while self.best.names not in around:
+            around.add(self.best.names)
+            self._around(self.best)
+        return self.best
+
+    @property
+    def best(self) -> Model:
+        """The likeliest model."""
+        return max(self.models.values(), key=lambda each: each.log_odds)
+
+    @property
+    def window(self) -> list[Model]:
+        """The models within Occam's window, the likeliest first."""
+        least = self.best.log_odds - priors.WINDOW
+        return sorted((m for m in self.models.values() if m.log_odds >= least), key=lambda m: -m.log_odds)
+
+    def _keep(self, model: Model) -> None:
+        known = self.models.get(model.names)
+        if known is None or known.log_odds < model.log_odds:
+            self.models[model.names] = model
+
+    def _grown(self, parents: Iterable[Model]) -> list[Model]:
+        """Return the likeliest models of one member more than ``parents`` that are likelier than these."""
+        found = dict[Names, Model]()
+        for parent in parents:
+            for child in self._children(parent):
+                self._keep(child)
+                known = found.get(child.names)
+                if child.log_odds > max(parent.log_odds, -np.inf if known is None else known.log_odds):
+                    found[child.names] = child
+        likeliest = sorted(found.values(), key=lambda each: -each.log_odds)[: priors.BREADTH]
+        polished = [self.polished(each.members) for each in likeliest]
+        for each in polished:
+            self._keep(each)
+        return polished
+
+    def _children(self, parent: Model) -> Iterable[Model]:
+        """Yield a model with each hypothesis more."""
+        beside = self.beside(parent.members)
+        for i, total in enumerate(beside.total.tolist()):
+            again = self._again(i) if i in parent.names else 0.0
+            if np.isfinite(total + again):
+                member = beside.member(self.board, i)
+                names = tuple(sorted((*parent.names, i)))
+                yield Model((*parent.members, member), parent.log_odds + total + again, names)
+
+    def _again(self, hypothesis: int) -> float:
+        """Return by how much likelier it is that a hypothesis acts once more than that it acts."""
+        one = self.board.hypotheses[hypothesis]
+        return -np.inf if one.log_again is None else one.log_again - one.log_odds
+
+    def polished(self, members: Sequence[Member]) -> Model:
+        """Return a model with every member's option and amplitude the best beside the others."""
+        now, of = list(members), [self.board.options[each.option].hypothesis for each in members]
+        before = list[Member]()
+        while before != now:  # each change is likelier than what was
+            before = list(now)
+            for i, hypothesis in enumerate(of):
+                now[i] = self.beside(now[:i] + now[i + 1 :]).member(self.board, hypothesis)
+        log_odds = Held.of(self.board, now).gain
+        for i, hypothesis in enumerate(of):
+            beside = self.beside(now[:i] + now[i + 1 :])
+            at = beside.best[now[i].option]
+            volume = beside.total[hypothesis] - at + self.board.options[now[i].option].log_share
+            log_odds += float(volume) + (self._again(hypothesis) if hypothesis in of[:i] else 0.0)
+        return Model(tuple(now), log_odds, tuple(sorted(of)))
+
+    def _around(self, model: Model) -> None:
+        """Take each member, and each pair, out of a model, and try everything in its place."""
+        n = len(model.members)
+        out = [(), *((i,) for i in range(n)), *((i, j) for i in range(n) for j in range(i))]
+        for gone in out:
+            rest = tuple(each for k, each in enumerate(model.members) if k not in gone)
+            smaller = self.polished(rest)
+            self._keep(smaller)
+            least = self.best.log_odds - priors.WINDOW
+            for child in self._children(smaller):
+                if child.log_odds > least:
+                    self._keep(child)
+            # of options that overlap, those that were the best beside what is gone may be so again
+            as_it_stood = Model(rest, smaller.log_odds, smaller.names)
+            for base in [smaller] if set(rest) == set(smaller.members) else [smaller, as_it_stood]:
+                for child in sorted(self._children(base), key=lambda each: -each.log_odds)[: priors.BREADTH]:
+                    if child.log_odds > least:
+                        self._keep(self.polished(child.members))
+
+
+def log_total(models: Iterable[Model]) -> float:
+    """Return ln of all models' posterior odds together."""
+    return log_sum(np.array([each.log_odds for each in models]))

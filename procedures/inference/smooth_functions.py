@@ -1,0 +1,202 @@
+"""Functions without a name: smooth in a coordinate of what the sensors went through, as Gaussian processes.
+
+A function of a coordinate x in [0, 1] is a sum of cosines cos(pi k x) whose variances fall as
+(1 + (k / b)^2)^-2, the spectrum of a cubic smoothing spline beyond b half periods: small b for trends, large b
+for waves. It acts on a triad's three sensors or on one, on the bias or on the scale factor.
+"""
+
+from functools import lru_cache
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from procedures.arrays import BoolArray, FloatArray
+from procedures.diagnosis.random_walk import walk_columns
+from procedures.diagnosis.residual_rows import Evidence
+from procedures.diagnosis.row_sums import row_sums
+from procedures.diagnosis.walk_rivals import PARTS
+from procedures.effects.effect import REFERENCE_C, Excitation
+from procedures.effects.temperature_history import REVERSAL_K, lagged, sensor_temperature
+from procedures.frames import AXES, TRIADS
+from procedures.inference import priors
+
+Options = list[tuple[float, FloatArray, str]]  # share of the prior, whitened columns (n, k), what it is
+Way = tuple[str, list[FloatArray], list[float]]  # what it is, values (n,) or (n, 3) at the nodes, their 1 sigma
+
+
+def functions(evidence: Evidence) -> dict[str, Options]:
+    """Return by name every function without a name and its options."""
+    found, seen = dict[str, Options](), evidence.excitation
+    for number, triad in enumerate(TRIADS):
+        if not (
+            evidence.rows("mean", "slope", "turn", "norm", "rate", "soak", "move") & (evidence.triad == number)
+        ).any():
+            continue
+        output = np.nan_to_num((seen.accel_output, seen.gyro_output)[number])
+        for name, ways in _coordinates(seen, output, triad).items():
+            if options := _options(evidence, number, ways):
+                found[f"a function of {name}, {triad}"] = options
+    return found
+
+
+def walk(evidence: Evidence, triad: str) -> Options:
+    """Return a random walk of a triad's biases, of all sensors or of one."""
+    H = walk_columns(evidence, triad, PARTS) / evidence.sigma[:, None]
+    return _of_sensors([H[:, i::3] for i in range(3)], "walk") if H.shape[1] else []
+
+
+def _options(evidence: Evidence, triad: int, ways: list[Way]) -> Options:
+    found, rows = Options(), dict[int, list[FloatArray]]()
+    for note, values, std in ways:
+        if id(values) not in rows:  # several ways share their values
+            rows[id(values)] = _rows(evidence, triad, values)
+        found += _of_sensors([H * np.array(std) for H in rows[id(values)]], note)
+    return found
+
+
+def _rows(evidence: Evidence, triad: int, values: list[FloatArray]) -> list[FloatArray]:
+    """Return for each sensor what values at its nodes make of every row (n, k), in sigmas."""
+    nodes = len(evidence.excitation.t)
+    V = np.nan_to_num(np.stack([np.broadcast_to(v.T, (3, nodes)) for v in values], axis=2))
+    sums, found = _sums(evidence, triad), list[FloatArray]()
+    for i, of_sensor in enumerate(sums[0]):
+        H = np.asarray(of_sensor @ V[i], np.float64)
+        for each in sums[1]:
+            H[each.rows] += each.mix[:, [i]] * (each.w @ V[i][each.nodes])
+        for stepped in evidence.stepped:
+            stepped.free(H)
+        found.append(H / evidence.sigma[:, None])
+    return found
+
+
+@lru_cache(maxsize=4)
+def _sums(evidence: Evidence, triad: int) -> tuple[list[Any], list[Any]]:
+    sums = row_sums(evidence.weights, triad, len(evidence.residual), len(evidence.excitation.t))
+    by_column = sums.of_sensors.tocsc()
+    return [by_column[:, i::3].tocsr() for i in range(3)], [each for each in sums.mixed if each.mix is not None]
+
+
+def _of_sensors(parts: list[FloatArray], note: str) -> Options:
+    """Return columns of all three sensors, and of each, in units of what they do to all rows together."""
+    found: Options = []
+    sets = [(float(len(parts)), np.hstack(parts), note)]
+    sets += [(1.0, part, f"{note}, {axis}") for part, axis in zip(parts, AXES, strict=True)]
+    for share, H, what in sets:
+        size = float(np.linalg.norm(H))
+        if size > 0:
+            found.append((share, H / size, what))
+    return found
+
+
+def _waves(x: FloatArray, by: FloatArray | float = 1.0) -> list[Way]:
+    """Return a smooth function of x (n,) or (n, 3) in [0, 1] at each bend, times ``by``."""
+    k = np.arange(1, priors.HALF_PERIODS + 1)
+    values = [np.cos(np.pi * each * x) * by for each in k.tolist()]
+    return [(f"bend {bend:g}", values, (1 / (1 + (k / bend) ** 2)).tolist()) for bend in priors.BENDS]
+
+
+def _equal(note: str, values: list[FloatArray]) -> Way:
+    """Return a way of values that are equally large."""
+    return note, values, [1.0] * len(values)
+
+
+def _unit(x: FloatArray) -> FloatArray:
+    low, high = np.nanmin(x), np.nanmax(x)
+    return (x - low) / max(float(high - low), 1e-12)
+
+
+def _coordinates(seen: Excitation, output: FloatArray, triad: str) -> dict[str, list[Way]]:
+    """Return by the name of a coordinate every kind of function of it."""
+    kind = np.array([step.kind for step in seen.steps])[seen.step]
+    turning, resting = np.isin(kind, ("turn", "move", "rate")), np.isin(kind, ("dwell", "rest", "soak"))
+    found, f, time = dict[str, list[Way]](), np.nan_to_num(seen.f), _own_time(seen)
+    found["time"] = _waves(time)
+    found["time times the output"] = _waves(time[:, None], output)
+    T = seen.temperature
+    if np.isfinite(T).any() and np.nanmax(T) - np.nanmin(T) > REVERSAL_K:
+        spread, x = max(float(np.nanstd(T)), 1e-9), np.nan_to_num(_unit(T))
+        at = (T - np.nanmean(T)) / spread
+        rate = seen.temperature_rate / max(float(np.nanstd(seen.temperature_rate)), 1e-12)
+        past = [T, *(sensor_temperature(seen, tau) for tau in priors.TIMES_S)]
+        steps = [a - b for a, b in pairwise(past)] + [past[-1] - np.nanmean(past[-1])]
+        history = [each[:, None] / max(float(np.nanstd(each)), 1e-12) for each in steps]
+        B = (
+            seen.magnetic / max(float(np.nanstd(seen.magnetic)), 1e-12)
+            if np.isfinite(seen.magnetic).any()
+            else f[:, :0]
+        )
+        vectors = [each[:, [i]] for each in (f, B) for i in range(each.shape[1])]
+        products = [at, rate, at * rate, at**2, rate**2]
+        found["temperature"] = [*_waves(x), _equal("lags", history), _equal("products", products)]
+        found["temperature times the output"] = [
+            *_waves(x[:, None], output), _equal("lags", [each * output for each in history])
+        ]  # fmt: skip
+        about = (T - REFERENCE_C) / spread  # the model takes what is constant, but no vector
+        found["temperature and attitude"] = [
+            _equal("temperature times a vector", [each * by[:, None] for by in (about, at) for each in vectors]),
+            _equal("its rate times a vector", [each * rate[:, None] for each in vectors]),
+        ]
+    square = [f[:, i] * f[:, j] for i in range(3) for j in range(i, 3)]
+    cubic = [f[:, i] * f[:, j] * f[:, k] for i in range(3) for j in range(i, 3) for k in range(j, 3)]
+    around = [np.roll(f, shift, axis=1) for shift in (1, 2)]
+    others = square if triad == "gyroscope" else [each**2 for each in around]  # a sensor's own are named
+    found["specific force"] = [_equal("squares", others), _equal("cubes", [*others, *cubic])]
+    histories = seen.histories[seen.step]
+    first = [resting & np.isnan(seen.change[:, 0]) & (histories == one) for one in np.unique(histories)]
+    before = [np.nan_to_num(seen.f_before[:, i]) * resting for i in range(3)] + [1.0 * each for each in first]
+    fading = [np.where(resting, np.exp(-seen.rest_s / tau), 0.0)[:, None] for tau in priors.TIMES_S]
+    by = {"alone": np.ones_like(f[:, :1]), "by the change": np.nan_to_num(seen.change), "by f": f, "by f^2": f**2}
+    found["the time at rest and before"] = [
+        _equal("the position before", before),
+        *(_equal(note, [each * value for each in fading]) for note, value in by.items()),
+    ]
+    if resting.any():
+        found["the input at rest"] = _of_input(np.where(resting[:, None], output, np.nan))
+    if seen.C_sn is not None and np.isfinite(seen.C_sn).any():
+        east, north = (np.nan_to_num(seen.C_sn[:, :, i]) for i in range(2))
+        second = [east, north, east * north, north**2, east**2]
+        found["the heading"] = [_equal("first", [east, north]), _equal("second", second)]
+    if triad == "accelerometer" and np.isfinite(seen.magnetic).any():  # of a gyroscope it is named
+        found["the magnetic field"] = [_equal("linear", [seen.magnetic[:, i] for i in range(3)])]
+    if triad == "gyroscope" and turning.any():
+        u = output / max(float(np.abs(output[turning]).max()), 1e-12)
+        around = [np.where(turning[:, None], np.roll(u, s, axis=1), 0.0) for s in (1, 2)]
+        found["the rate"] = _of_input(np.where(turning[:, None], output, np.nan))
+        found["the other axes' rates"] = [
+            _equal("even and odd", [g for v in around for g in (v**2, v * np.abs(v))])
+        ]
+        found["the warmth of turning"] = [_equal("fades", [_warmth(seen, turning, tau) for tau in priors.TIMES_S])]
+    return found
+
+
+def _of_input(u: FloatArray) -> list[Way]:
+    """Return functions of a sensor's own input u (n, 3), nan where there is none: waves, zones, a range's end."""
+    size, known = max(float(np.nanmax(np.abs(u))), 1e-12), np.isfinite(u)
+    x, median = np.nan_to_num(u / size), max(float(np.median(np.abs(u[known]))), 1e-12)
+    found = _waves(np.where(known, (x + 1) / 2, 0.0), 1.0 * known)
+    for width in (priors.KNEES[0] * median / size, median / size, priors.KNEES[0]):
+        near = np.where(known, np.exp(-0.5 * (x / width) ** 2), 0.0)
+        found.append(_equal(f"zone {width:.2g}", [near, near * x / width]))
+    knees = [np.sign(x) * np.maximum(np.abs(x) - knee, 0.0) for knee in priors.KNEES]
+    return [*found, _equal("end of the range", knees)]
+
+
+def _warmth(seen: Excitation, turning: BoolArray, tau_s: float) -> FloatArray:
+    """Return what turning has warmed (n,), which follows the square of the rate, over its largest."""
+    power, history = np.where(turning, np.sum(seen.omega**2, axis=1), 0.0), seen.histories[seen.step]
+    found = np.zeros(len(seen.t))
+    for one in np.unique(history):
+        order = np.flatnonzero(history == one)
+        order = order[np.argsort(seen.t[order], kind="stable")]
+        found[order] = lagged(seen.t[order], power[order], tau_s)
+    return found / max(float(np.max(np.abs(found))), 1e-300)
+
+
+def _own_time(seen: Excitation) -> FloatArray:
+    """Return time (n,) from 0 to 1 within each history."""
+    history, x = seen.histories[seen.step], np.zeros(len(seen.t))
+    for one in np.unique(history):
+        here = history == one
+        x[here] = _unit(seen.t[here])
+    return x

@@ -1,0 +1,442 @@
+"""Engines of diagnosis on planted worlds: probabilities held against what was planted.
+
+``python -m tests.benchmarks.diagnosis_scoreboard --engines diagnose inference --seeds 1 --raw FILE`` adds a line
+to FILE for every world and engine that it does not hold yet, and prints the tables of all that it holds.
+"""
+
+import argparse
+import json
+import os
+import tempfile
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, field
+from functools import lru_cache
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.stats import beta, binom, binomtest, norm
+
+from drivers.simulated.truth import Truth
+from procedures.calibration.solution_values import Solution
+from procedures.campaign.campaign import Campaign
+from procedures.diagnosis.diagnose import diagnose
+from procedures.diagnosis.linear_model import Term
+from procedures.diagnosis.residual_rows import Evidence
+from procedures.effects import EFFECTS
+from procedures.inference.infer import infer
+from tests.benchmarks.diagnosing.coefficients import errors_of
+from tests.benchmarks.diagnosing.designs import DESIGNS, unit
+from tests.benchmarks.diagnosing.outside import outside
+from tests.benchmarks.diagnosing.plants import PLANTS, drawn_sizes
+from tests.benchmarks.diagnosing.sigmas import Sigmas, sigmas_of
+from tests.benchmarks.diagnosis import APART, OUTSIDE, QUIET
+from tests.benchmarks.discovering.judged import SAME, likeness
+from tests.benchmarks.discovering.laws import LAWS
+from tests.benchmarks.discovering.planting import Drawn, bare_evidence, size_of
+from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, truth_of
+from tests.benchmarks.undeclared_kinds.innocent import INNOCENT, as_it_is
+from tests.benchmarks.undeclared_kinds.literature import LITERATURE, Kind
+from tests.proof.evidence import Figure, spread, zero
+
+HELD_BY_THE_MODEL = {each.name for each in EFFECTS if each.is_bench_parameter}  # no causes
+KINDS: dict[str, str] = {each.name: each.kind for each in EFFECTS}
+WORDS = {"established": 0.995, "likely": 0.95}  # what the words of an engine without probabilities claim
+NAMED_LAWS = {"counts lost": "gyroscope.counts_lost", "bias warms up": "gyroscope.bias_settling",
+              "source warms up": "gyroscope.scale_settling"}  # fmt: skip
+BINS = (0.5, 0.8, 0.95, 0.99, 1.0)
+Rows = Callable[[Evidence], np.ndarray]
+
+
+@dataclass(frozen=True)
+class World:
+    """Campaigns with a known cause.
+
+    ``group`` is catalogue, outside, bench or null; ``does`` gives what the cause does to rows.
+    """
+
+    group: str
+    campaigns: Sequence[Campaign]
+    truth: Truth
+    right: frozenset[str] = frozenset()
+    does: Rows | None = None
+    sizes: Mapping[str, float] | None = None
+
+
+@dataclass(frozen=True)
+class Cause:
+    """A name with its probability, the group it cannot be separated from, its columns and coefficients."""
+
+    effect: str
+    probability: float
+    group: tuple[str, ...] = ()
+    group_probability: float = 0.0
+    terms: tuple[Term, ...] = ()
+    coefficients: tuple[str, ...] = ()
+    value: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    std: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    unit: str = ""
+    where: Mapping[str, object] = field(default_factory=dict)
+    shape: str = ""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What an engine says of a world; ``nameless`` is the probability that something without a name acts."""
+
+    causes: tuple[Cause, ...]
+    nameless: float
+    solution: Solution
+    evidence: Evidence
+
+
+def of_diagnose(campaigns: Sequence[Campaign]) -> Answer:
+    """Return what `diagnose` says, its words as probabilities."""
+    found, terms = diagnose(campaigns), dict[str, list[Term]]()
+    for each in found.added:
+        if each.effect.is_scatter:  # whose columns can do whatever a cause does
+            continue
+        terms.setdefault(each.effect.name, []).append(each.term)
+    causes = [
+        Cause(f.effect, WORDS.get(f.confidence, 1 / (1 + max(len(f.aliases), 1))), (f.effect, *f.aliases), 1.0,
+              tuple(terms.get(f.effect, ())), f.coefficients, f.value, f.std, f.unit, f.where, f.shape)
+        for f in found.findings
+    ]  # fmt: skip
+    nameless = float(found.verdict in {"partly", "unexplained"})
+    return Answer(tuple(causes), nameless, found.solution, found.evidence)
+
+
+def of_inference(campaigns: Sequence[Campaign]) -> Answer:
+    """Return what the inference says: the causes of its posterior, and what was put right before it."""
+    found = infer(campaigns)
+    causes = [
+        Cause(f.effect, WORDS.get(f.confidence, 0.5), (f.effect, *f.aliases), 1.0, (),
+              f.coefficients, f.value, f.std, f.unit, f.where, f.shape) for f in found.checked.findings
+    ]  # fmt: skip
+    for each in found.posterior.causes:
+        if (of := each.coefficients) is not None:
+            way = of.candidate
+            unit, terms = way.columns.unit or way.effect.unit, () if way.effect.is_scatter else (way.term,)
+            causes.append(Cause(
+                each.hypothesis.name, each.probability, tuple(each.shares), each.joint, terms, of.names,
+                of.value, of.std, unit, way.columns.where, way.columns.shape,
+            ))  # fmt: skip
+    solution = found.subject.report(found.refit)
+    return Answer(tuple(causes), found.posterior.nameless, solution, found.board.evidence)
+
+
+ENGINES: dict[str, Callable[[Sequence[Campaign]], Answer]] = {
+    "diagnose": of_diagnose, "inference": of_inference,
+}  # fmt: skip
+
+
+def worlds() -> dict[str, Callable[[int], World]]:
+    """Return by kind what makes a world of a seed."""
+    made: dict[str, Callable[[int], World]] = {}
+    for name in PLANTS:
+        made[name] = lambda seed, name=name: _planted(name, seed)
+    for law in LAWS:
+        made[f"law, {law.name}"] = lambda seed, law=law: _law(law, seed)
+    for name in OUTSIDE:
+        made[f"outside, {name}"] = lambda seed, name=name: _outside(name, seed)
+    for name in INNOCENT:
+        made[f"bench, {name}"] = lambda seed, name=name: _innocent(name, seed)
+    for name in QUIET:
+        made[f"none, {name}"] = lambda seed, name=name: _quiet(name, seed)
+    for name, kind in LITERATURE.items():
+        made[f"literature, {name}"] = lambda seed, kind=kind: _of_literature(kind, seed)
+    return made
+
+
+@lru_cache
+def _sigmas(name: str) -> Sigmas:
+    plant = PLANTS[name]
+    given = plant.sigma or (1.0 if plant.between else 0.0)
+    return Sigmas({}, given) if given else sigmas_of(plant.effect, plant.design)
+
+
+def _planted(name: str, seed: int) -> World:
+    plant, made = PLANTS[name], DESIGNS[PLANTS[name].design]
+    sizes = drawn_sizes(name, _sigmas(name), np.random.default_rng([seed, 5]))
+    truth = unit(seed, **made.truth, effects={plant.effect: sizes})
+    bare = unit(seed, **made.truth)
+    group = "null" if plant.effect in HELD_BY_THE_MODEL else "catalogue"
+    campaigns = made.make(truth, seed, ())
+    does = _differs(campaigns, lambda: made.make(bare, seed, ()))
+    return World(group, campaigns, truth, frozenset({plant.effect}), does, sizes)
+
+
+def _differs(campaigns: Sequence[Campaign], bare: Callable[[], Sequence[Campaign]]) -> Rows:
+    """Return by how much rows differ from those of the same campaign without the cause, in sigmas."""
+
+    def does(evidence: Evidence) -> np.ndarray:
+        with_it, without = bare_evidence(tuple(campaigns)), bare_evidence(tuple(bare()))
+        if not len(with_it.residual) == len(without.residual) == len(evidence.residual):
+            return np.zeros(len(evidence.residual))
+        found: np.ndarray = (with_it.residual - without.residual) / evidence.sigma
+        return found
+
+    return does
+
+
+def _law(law: Any, seed: int) -> World:
+    truth, drawn = truth_of(law.design, seed), Drawn.of(law, seed)
+    size = size_of(drawn, bare_evidence(campaigns_of(truth, law.design, seed).campaigns), seed)
+    also = drawn.planted(size, np.array(truth.magnetic_enu_ut))
+    campaigns = campaigns_of(truth, law.design, seed, also, stated=truth).campaigns
+    named = NAMED_LAWS.get(law.name)
+    return World(
+        "catalogue" if named else "outside", campaigns, truth, frozenset(filter(None, [named])), drawn.done
+    )
+
+
+def _outside(name: str, seed: int) -> World:
+    size = float(np.random.default_rng([seed, 9]).uniform(1.5e-6, 4e-6)) * (1.0 if "heading" in name else 0.3)
+    made = DESIGNS["warm" if "temperature" in name else "plain"]
+    truth = unit(seed, **made.truth)
+    campaigns = made.make(truth, seed, outside(name, size))
+    return World("outside", campaigns, truth, does=_differs(campaigns, lambda: made.make(truth, seed, ())))
+
+
+def _of_literature(kind: Kind, seed: int) -> World:
+    group, campaigns = "catalogue" if kind.truth else "outside", kind.campaigns(seed)
+    does = _differs(campaigns, lambda: kind.campaigns(seed, 0.0))
+    return World(group, campaigns, truth_of(kind.design, seed), kind.acceptable, does)
+
+
+def _innocent(name: str, seed: int) -> World:
+    one = INNOCENT[name]
+    stated = truth_of(one.design, seed)
+    truth = one.changed(stated, np.random.default_rng([seed, 47]))
+    campaigns = campaigns_of(truth, one.design, seed, stated=stated).campaigns
+    right = frozenset(filter(None, [one.effect]))
+    return World("null" if one.changed is as_it_is or not right else "bench", campaigns, truth, right)
+
+
+def _quiet(name: str, seed: int) -> World:
+    truth = unit(seed, **DESIGNS[name].truth)
+    return World("null", DESIGNS[name].make(truth, seed, ()), truth)
+
+
+def trial(kind: str, seed: int, engines: Sequence[str]) -> list[dict[str, Any]]:
+    """Return a line for each engine on the world of a kind and a seed."""
+    lines = list[dict[str, Any]]()
+    try:
+        world = worlds()[kind](seed)
+    except Exception as error:
+        return [{"kind": kind, "seed": seed, "engine": engine, "error": repr(error)} for engine in engines]
+    for engine in engines:
+        begun, cpu = time.perf_counter(), time.process_time()
+        try:
+            answer = ENGINES[engine](world.campaigns)
+        except Exception as error:
+            lines.append(
+                {"kind": kind, "seed": seed, "engine": engine, "group": world.group, "error": repr(error)}
+            )
+            continue
+        seconds = time.process_time() - cpu
+        causes = [c for c in answer.causes if c.effect not in HELD_BY_THE_MODEL]
+        alike = _alike(world, answer, causes)
+        lines.append({
+            "kind": kind, "seed": seed, "engine": engine, "group": world.group, "nameless": answer.nameless,
+            "seconds": seconds, "wall": time.perf_counter() - begun, "causes": [
+                {"name": c.effect, "p": c.probability, "right": is_right, "group": list(c.group),
+                 "group_p": c.group_probability, "group_right": is_right or bool(set(c.group) & world.right)}
+                for c, is_right in zip(causes, alike, strict=True)
+            ], "coefficients": _coefficients(world, causes), "calibration": _calibration(world, answer),
+        })  # fmt: skip
+    return lines
+
+
+def _alike(world: World, answer: Answer, causes: Sequence[Cause]) -> list[bool]:
+    """Say of each cause whether it is what was planted, or does the same to the rows, alone or with the others."""
+    found = [c.effect in world.right for c in causes]
+    if world.does is None or all(found):
+        return found
+    does, sure = world.does(answer.evidence), [t for c in causes if c.probability >= 0.5 for t in c.terms]
+    fits = [t for t in sure if len(t.H) == len(does)]
+    together = bool(fits) and likeness(answer.evidence, fits, does) >= SAME
+    for i, cause in enumerate(causes):
+        own = [t for t in cause.terms if len(t.H) == len(does)]
+        found[i] = found[i] or (together and cause.probability >= 0.5)
+        found[i] = found[i] or (bool(own) and likeness(answer.evidence, own, does) >= SAME)
+    return found
+
+
+def _coefficients(world: World, causes: Sequence[Cause]) -> list[float]:
+    """Return errors over sigma of the coefficients of the planted effect, where it has the name alone."""
+    first = [c for c in causes if c.effect in world.right and c.probability >= 0.5 and len(c.value)]
+    if world.sizes is None or len(first) != 1:
+        return []
+    errors = errors_of(first[0], world.sizes, world.truth)
+    return [float(e) for e in errors if np.isfinite(e)]
+
+
+def _calibration(world: World, answer: Answer) -> list[float]:
+    """Return errors over sigma of bias and scale factor of both triads."""
+    truth, found = world.truth, list[float]()
+    for triad, k, d in ((answer.solution.accelerometer, truth.accel_k, truth.accel_d_g),
+                        (answer.solution.gyroscope, truth.gyro_k, truth.gyro_d_deg_s * 3600)):  # fmt: skip
+        if triad is not None:
+            found += ((triad.scale_factor.value - k) / triad.scale_factor.std).tolist()
+            found += ((triad.bias.value - d) / triad.bias.std).tolist()
+    return found
+
+
+def interval(count: int, of: int) -> tuple[float, float]:
+    """Return the 95 % interval of a share (Clopper and Pearson)."""
+    low = 0.0 if count == 0 else float(beta.ppf(0.025, count, of - count + 1))
+    return low, 1.0 if count == of else float(beta.ppf(0.975, count + 1, of - count))
+
+
+def is_alone(line: Mapping[str, Any]) -> bool:
+    """Say whether the planted cause is named at 0.9 or more and nothing else is at 0.5 or more."""
+    sure = [c for c in line["causes"] if c["p"] >= 0.5]
+    return bool(sure) and all(c["right"] for c in sure) and sure[0]["p"] >= 0.9
+
+
+def wrong(line: Mapping[str, Any], p: float, kind: str = "") -> bool:
+    """Say whether a cause, of a kind, that was not planted has a probability of p or more."""
+    return any(
+        c["p"] >= p and not c["right"] and KINDS.get(c["name"], "").startswith(kind) for c in line["causes"]
+    )
+
+
+def is_honest(line: Mapping[str, Any]) -> bool:
+    """Say whether what no catalogue holds is nameless, or named by what does the same, with no wrong name."""
+    return not wrong(line, 0.9) and (line["nameless"] >= 0.5 or any(c["right"] for c in line["causes"]))
+
+
+def shares(lines: Sequence[Mapping[str, Any]]) -> dict[str, tuple[Sequence[bool], float, float]]:
+    """Return by name the marks of worlds, or of causes, and between which shares theirs is to lie."""
+    of = {g: [x for x in lines if x["group"] == g] for g in ("catalogue", "bench", "outside", "null")}
+    named = [*of["catalogue"], *of["bench"]]
+    first = [max(x["causes"], key=lambda c: c["p"], default=None) for x in named]
+    found: dict[str, tuple[Sequence[bool], float, float]] = {
+        "catalogue and bench: truth first": ([bool(c and c["right"]) for c in first], 0.0, 1.0),
+        "catalogue and bench: truth in first group": ([bool(c and c["group_right"]) for c in first], 0.97, 1.0),
+        "catalogue and bench: alone": ([is_alone(x) for x in named], 0.8, 1.0),
+        "outside: nameless, or a name that does the same": ([is_honest(x) for x in of["outside"]], 0.97, 1.0),
+        "all: a wrong name at 0.9 or more": ([wrong(x, 0.9) for x in lines], 0.0, 0.01),
+        "all: a wrong name at 0.99 or more": ([wrong(x, 0.99) for x in lines], 0.0, 0.003),
+        "null and bench: an error term of the instrument at 0.9 or more": (
+            [wrong(x, 0.9, "instrument") for x in (*of["null"], *of["bench"])], 0.0, 0.003),
+    }  # fmt: skip
+    causes = [c for x in lines for c in x["causes"]]
+    for low, high in pairwise(BINS):
+        inside = [c for c in causes if low <= c["p"] < high or high == c["p"] == 1.0]
+        if inside:
+            mean, n = float(np.mean([c["p"] for c in inside])), len(inside)
+            least, most = (float(binom.ppf(p, n, mean)) / n for p in (0.025, 0.975))
+            name = f"reliability {low} to {high}, stated {mean:.3f}: true"
+            found[name] = [c["right"] for c in inside], least, most
+    for what in ("coefficients", "calibration"):
+        for group in ("catalogue", "null", "bench"):
+            z = np.abs([e for x in of[group] for e in x[what]])
+            if len(z):
+                found[f"{what}, {group}: within 1.96 u"] = (z < norm.ppf(0.975)).tolist(), 0.93, 0.97
+    return found
+
+
+def numbers(lines: Sequence[Mapping[str, Any]]) -> dict[str, Figure]:
+    """Return the numbers that are no share: errors over u, and the time."""
+    found = dict[str, Figure]()
+    for what in ("coefficients", "calibration"):
+        for group in ("catalogue", "null", "bench"):
+            z = np.array([e for x in lines if x["group"] == group for e in x[what]])
+            if len(z):
+                found[f"{what}, {group}: rms of error over u"] = Figure(
+                    float(np.sqrt(np.mean(z**2))), at_least=0.9, at_most=1.1
+                )
+    found["processor time, median"] = Figure(float(np.median([x["seconds"] for x in lines])), "s", at_most=2.5)
+    return found
+
+
+def table(lines: Sequence[Mapping[str, Any]]) -> Iterable[str]:
+    """Yield the lines of one engine's tables."""
+    for name, (marks, _, _) in shares(lines).items():
+        if marks:
+            low, high = interval(sum(marks), len(marks))
+            count = f"{sum(marks):>4} of {len(marks):<4}"
+            yield f"  {name:<66} {count} {100 * low:5.1f} .. {100 * high:5.1f} %"
+    for name, figure in numbers(lines).items():
+        yield f"  {name:<66} {figure.value:.2f} {figure.unit}"
+
+
+def proof(size: int, seed: int) -> dict[str, Figure]:
+    """Return what the inference says of ``size`` planted worlds, their kinds drawn in turn."""
+    kinds = list(worlds())
+    order = np.random.default_rng(seed).permutation(len(kinds)).tolist()
+    items = [(order[i % len(kinds)], seed + i // len(kinds)) for i in range(size)]
+    found = spread(_of_inference_alone, [(kinds[kind], APART * kind + one) for kind, one in items])
+    lines = [x for x in found if "error" not in x]
+    result = {"worlds that failed": zero(len(found) - len(lines))}
+    for name, (marks, low, high) in shares(lines).items():
+        if marks:
+            most = 100 * high if high < 1 else None
+            result[name] = Figure(100 * sum(marks) / len(marks), f"% of {len(marks)}", most, 100 * low or None)
+    return result | numbers(lines)
+
+
+def _of_inference_alone(item: tuple[str, int]) -> dict[str, Any]:
+    (line,) = trial(*item, ["inference"])
+    return line
+
+
+def compared(one: Mapping[Any, Any], other: Mapping[Any, Any]) -> Iterable[str]:
+    """Yield by how many worlds the first engine is better, and worse, with the p of McNemar's exact test."""
+    both = one.keys() & other.keys()
+    tests: dict[str, tuple[tuple[str, ...], Callable[[Any], bool]]] = {
+        "alone": (("catalogue", "bench"), is_alone), "honest": (("outside",), is_honest),
+        "no wrong name at 0.9": (("catalogue", "bench", "outside", "null"), lambda x: not wrong(x, 0.9)),
+    }  # fmt: skip
+    for name, (groups, good) in tests.items():
+        pairs = [(good(one[k]), good(other[k])) for k in both if one[k]["group"] in groups]
+        better, worse = sum(a > b for a, b in pairs), sum(a < b for a, b in pairs)
+        p = binomtest(better, better + worse).pvalue if better + worse else 1.0
+        yield f"  {name:<24} better {better}, worse {worse} of {len(pairs)}; p {p:.3f}"
+
+
+def main() -> None:
+    """Run what the file of raw lines does not hold yet, and print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--engines", nargs="+", default=list(ENGINES))
+    parser.add_argument("--seeds", nargs="+", type=int, default=[1])
+    parser.add_argument("--kinds", nargs="+", default=[""], help="beginnings of names")
+    parser.add_argument("--workers", type=int, default=1)
+    parser.add_argument("--raw", type=Path, default=Path(tempfile.gettempdir()) / "diagnosis_scoreboard.jsonl")
+    parser.add_argument("--again", action="store_true", help="only print")
+    args = parser.parse_args()
+    held = [json.loads(line) for line in args.raw.read_text().splitlines()] if args.raw.exists() else []
+    done = {(x["kind"], x["seed"], x["engine"]) for x in held}
+    todo = [
+        (kind, seed + APART * i, missing) for seed in args.seeds for i, kind in enumerate(worlds())
+        if kind.startswith(tuple(args.kinds))
+        and (missing := [e for e in args.engines if (kind, seed + APART * i, e) not in done])
+    ]  # fmt: skip
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"
+    with ProcessPoolExecutor(args.workers) as pool, args.raw.open("a") as file:
+        for future in [] if args.again else [pool.submit(trial, *item) for item in todo]:
+            for line in future.result():
+                held.append(line)
+                file.write(json.dumps(line) + "\n")
+                file.flush()
+    by_engine = {e: {(x["kind"], x["seed"]): x for x in held if x["engine"] == e} for e in args.engines}
+    for engine, lines in by_engine.items():
+        failed = [x for x in lines.values() if "error" in x]
+        good = {key: x for key, x in lines.items() if "error" not in x}
+        by_engine[engine] = good
+        print(f"{engine}: {len(good)} worlds, {len(failed)} failed")
+        for failure in failed:
+            print("  failed:", failure["kind"], failure["seed"], failure["error"])
+        print(*(table(list(good.values())) if good else ()), sep="\n")
+    for one, other in zip(args.engines[1:], args.engines, strict=False):
+        print(f"{one} against {other}")
+        print(*compared(by_engine[one], by_engine[other]), sep="\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,54 @@
+"""Marginal likelihoods against scipy's densities and against integrals by quadrature."""
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.stats import multivariate_normal, multivariate_t, norm
+
+from procedures.inference.marginal import Held, Member, ranked
+from tests.procedures.inference.boards import board
+
+AMPLITUDES = np.geomspace(0.1, 3.0, 25)
+
+
+def random(seed: int, m: int = 8) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(seed)
+    return 2 * rng.standard_normal(m), rng.standard_normal((m, 2)), rng.standard_normal((m, 3))
+
+
+def test_members_gain_what_a_normal_density_says() -> None:
+    y, A, B = random(1)
+    held = Held.of(board(y, [[A], [B]], AMPLITUDES, 0.0), (Member(0, 0.7), Member(1, 1.3)))
+    C = np.eye(8) + 0.7**2 * A @ A.T + 1.3**2 * B @ B.T
+    expected = multivariate_normal(cov=C).logpdf(y) - multivariate_normal(cov=np.eye(8)).logpdf(y)
+    assert held.gain == pytest.approx(expected, rel=1e-10)
+
+
+def test_of_noise_known_to_few_degrees_of_freedom_it_is_students_t() -> None:
+    y, A, B = random(2)
+    held = Held.of(board(y, [[A], [B]], AMPLITUDES, 0.0, noise_dof=5.0), (Member(0, 0.7), Member(1, 1.3)))
+    C = np.eye(8) + 0.7**2 * A @ A.T + 1.3**2 * B @ B.T
+    expected = multivariate_t(shape=C, df=5.0).logpdf(y) - multivariate_t(shape=np.eye(8), df=5.0).logpdf(y)
+    assert held.gain == pytest.approx(expected, rel=1e-10)
+
+
+@pytest.mark.parametrize("noise_dof", [np.inf, 4.0])
+def test_an_option_beside_a_member_gains_the_mean_over_its_amplitudes(noise_dof: float) -> None:
+    y, A, B = random(3)
+    one = board(y, [[A], [B]], AMPLITUDES, float(np.log(0.1)), noise_dof)
+    found = ranked(one, (Member(0, 0.7),))
+    before = Held.of(one, (Member(0, 0.7),)).gain
+    gains = [Held.of(one, (Member(0, 0.7), Member(1, s))).gain - before for s in AMPLITUDES.tolist()]
+    assert found.total[1] == pytest.approx(np.log(0.1) + np.log(np.mean(np.exp(gains))), rel=1e-10)
+    assert found.best[1] == pytest.approx(max(gains), rel=1e-10)
+
+
+def test_a_coefficient_is_integrated_as_quadrature_does() -> None:
+    rng = np.random.default_rng(4)
+    y, w = rng.standard_normal(5), rng.standard_normal((5, 1))
+    found = ranked(board(y, [[w]], np.array([1.7]), 0.0), ())
+
+    def integrand(c: float) -> float:
+        return float(norm.pdf(c, scale=1.7) * np.exp(np.sum(norm.logpdf(y - w[:, 0] * c) - norm.logpdf(y))))
+
+    assert np.exp(found.total[0]) == pytest.approx(quad(integrand, -15, 15)[0], rel=1e-7)
