@@ -102,7 +102,8 @@ def guessed_temperature(names: Sequence[str]) -> str | None:
     """Return the column that holds a temperature, None where none does by its name."""
     named = (name for name in names if _TEMPERATURE.fullmatch(_BRACKET.sub("", _lower(name))))
     in_unit = (name for name in names if name.endswith(("]", ")")) and temperature_unit_in_name(name)[0])
-    return next(named, None) or next(in_unit, None)
+    capital = (name for name in names if name.strip() == "T" and name != guessed_time(names))  # beside t
+    return next(named, None) or next(in_unit, None) or next(capital, None)
 
 
 def guessed_utc(names: Sequence[str]) -> str | None:

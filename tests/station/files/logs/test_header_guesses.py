@@ -28,6 +28,8 @@ HEADERS = [
     ("time,gyroRotationX(rad/s),accelerometerAccelerationZ(G)", "time", "gyroRotationX(rad/s) - -",
      "- - accelerometerAccelerationZ(G)", None),
     ("ms,gx,gy,gz", "ms", "gx gy gz", "", None),
+    ("t,gx,gy,gz,T", "t", "gx gy gz", "", "T"),
+    ("T,gx,gy,gz", "T", "gx gy gz", "", None),
     ("t,gyro_data_x,gyro_data_y,gyro_data_z,ax_cm_s2,ay_cm_s2,az_cm_s2", "t",
      "gyro_data_x gyro_data_y gyro_data_z", "ax_cm_s2 ay_cm_s2 az_cm_s2", None),
     ("min,max,ax,ay,az", None, "", "ax ay az", None),
