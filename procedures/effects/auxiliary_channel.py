@@ -1,4 +1,4 @@
-"""An auxiliary channel acts on the sensors: ``c aux``; the bias holds where the channel is nought.
+"""An auxiliary channel acts on the sensors: ``c aux``; the bias holds where the channel is zero.
 
 Slow channels have gaps: in between it is linear. A channel that a step does not have at all is not known, and then
 nothing is said of it. Plausible: 100 ug and 1 deg/h by one standard deviation of what the channel did.

@@ -1,6 +1,6 @@
 """Cross products of the accelerometers: ``K u_i u_j``, i and j two different axes.
 
-Nought on every face of a cube, where only one axis sees gravity: its columns are built at nominal attitude,
+Zero on every face of a cube, where only one axis sees gravity: its columns are built at nominal attitude,
 since on fitted ones they would be copies of the faces' tilts. Plausible: 20 ug/g^2, a fifth of K2: a pendulum's
 cross terms come through its deflection, which is small against its own nonlinearity.
 """

@@ -1,7 +1,7 @@
-"""A disturbance in one dwell: a knock, a footstep, a machine nearby.
+"""A disturbance in one dwell: a shock, a footstep, a machine nearby.
 
 It averages out of the counts' mean, or nearly: what shows it is their variance, over short stretches of the dwell,
-and so it has no column. Plausible: 0.01 g, what a knock on the slab gives.
+and so it has no column. Plausible: 0.01 g, what a shock on the plate gives.
 """
 
 from procedures.effects.effect import Effect

@@ -1,4 +1,4 @@
-"""Headings of placings are set looser than stated: a turn about the vertical in each dwell, a fitted variance.
+"""Headings of placements are set looser than stated: a turn about the vertical in each dwell, a fitted variance.
 
 The gyroscopes see it by the Earth's horizontal rate, accelerometers by the tilt of the slab. Plausible: twice what
 is stated.

@@ -1,6 +1,6 @@
 """Magnetic sensitivity of the gyroscopes: ``M B``, by the Faraday effect in fibre that is not quite polarising.
 
-Needs the site's field. Its part along the vertical is one with g-sensitivity, and heading alone tells the two
+Needs the site's field. Its part along the vertical is one with g-sensitivity, and heading alone separates the two
 apart. Plausible: 0.1 deg/h/uT (10 deg/h per gauss), of a coil without shield.
 """
 

@@ -2,7 +2,7 @@
 
 What is added, sin(s u) / s - u = -q u^3 / 6 + q^2 u^5 / 120 - ..., depends on s by ``q = s^2`` alone, and to first
 order is linear in it: q is what is fitted. Then s = sqrt(q), with the std sqrt(q + std q) - sqrt(q), which is
-std q / (2 s) where q is well known and sqrt(std q) where it is nought. A negative q is no phase at all (s is then
+std q / (2 s) where q is well known and sqrt(std q) where it is zero. A negative q is no phase at all (s is then
 given as -sqrt(-q)): it says that the output grows faster than the rate. Plausible: 5e-3 rad/(deg/s), 90 deg of
 phase at 300 deg/s. A cubic nonlinearity is the same to first order.
 """

@@ -49,7 +49,7 @@ def _groups(document: dict[str, Any]) -> Iterator[str]:
     ]
     yield from _listed("cubes, surface plates, sites and operators", rows)
     if untold := document["cannot_tell"]:
-        yield f"  cannot tell: {', '.join(untold)}"
+        yield f"  not determined: {', '.join(untold)}"
         yield f"  (it takes {MIN_UNITS_IN_BOTH} units calibrated with it and without it)"
 
 
