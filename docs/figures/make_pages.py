@@ -22,8 +22,9 @@ def draw(page: Path, to: Path, height: int) -> None:
 
 
 def main() -> None:
-    """Draw the certificate's first page from a demo's folder."""
-    draw(Path(sys.argv[1], "certificate.html"), DOCS / "certificate.png", round(WIDTH * A4))
+    """Draw the certificate's first page and the report's from a demo's folder."""
+    for name in ("certificate", "report"):
+        draw(Path(sys.argv[1], f"{name}.html"), DOCS / f"{name}.png", round(WIDTH * A4))
 
 
 if __name__ == "__main__":
