@@ -110,7 +110,7 @@ def _curves(seen: Excitation, output: FloatArray, triad: str) -> Iterator[tuple[
     """Yield families of curves, each (n,) or (n, 3) by sensor at the nodes of all steps."""
     kind = np.array([step.kind for step in seen.steps])[seen.step]
     turning, resting = np.isin(kind, ("turn", "move")), np.isin(kind, ("dwell", "rest", "soak"))
-    x, history = _own_time(seen), seen.histories[seen.step]
+    x, history = time_in_history(seen), seen.histories[seen.step]
     yield "slow time", [np.polynomial.legendre.Legendre.basis(k)(x) for k in SLOW]
     yield "time", [np.cos(np.pi * k * (x + 1) / 2) for k in FAST]
     T = seen.temperature
@@ -137,11 +137,11 @@ def _curves(seen: Excitation, output: FloatArray, triad: str) -> Iterator[tuple[
         u = np.where(turning[:, None], output / max(float(np.abs(output[turning]).max()), 1e-12), 0.0)
         around = [np.roll(u, shift, axis=1) ** 2 for shift in (1, 2)]
         yield "rate", [np.abs(u), u * np.abs(u), u**3, *around]
-        yield "heating by rotation", [_warmth(seen, turning, tau) for tau in WARMTH_TAUS_S]
+        yield "heating by rotation", [warmth_of_turning(seen, turning, tau) for tau in WARMTH_TAUS_S]
         yield "fast rate", [np.sign(u) * np.maximum(np.abs(u) - knee, 0.0) for knee in KNEES]
 
 
-def _warmth(seen: Excitation, turning: BoolArray, tau_s: float) -> FloatArray:
+def warmth_of_turning(seen: Excitation, turning: BoolArray, tau_s: float) -> FloatArray:
     """Return what turning has warmed (n,), which follows the square of the rate, of any unit."""
     power, history = np.where(turning, np.sum(seen.omega**2, axis=1), 0.0), seen.histories[seen.step]
     found = np.zeros(len(seen.t))
@@ -152,7 +152,7 @@ def _warmth(seen: Excitation, turning: BoolArray, tau_s: float) -> FloatArray:
     return found
 
 
-def _own_time(seen: Excitation) -> FloatArray:
+def time_in_history(seen: Excitation) -> FloatArray:
     """Return time (n,) from -1 to 1 within each history."""
     history, x = seen.histories[seen.step], np.zeros(len(seen.t))
     for one in np.unique(history):

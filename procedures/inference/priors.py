@@ -1,4 +1,4 @@
-"""Every chosen number of the inference, with unit and reason. There is no other in this folder."""
+"""Every chosen number of the inference, with unit and reason; guards against a division by zero are elsewhere."""
 
 import numpy as np
 

@@ -11,13 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from procedures.arrays import BoolArray, FloatArray
+from procedures.arrays import FloatArray
+from procedures.diagnosis.left_directions import time_in_history, warmth_of_turning
 from procedures.diagnosis.random_walk import walk_columns
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.diagnosis.row_sums import row_sums
 from procedures.diagnosis.walk_rivals import PARTS
 from procedures.effects.effect import REFERENCE_C, Excitation
-from procedures.effects.temperature_history import REVERSAL_K, lagged, sensor_temperature
+from procedures.effects.temperature_history import REVERSAL_K, sensor_temperature
 from procedures.frames import AXES, TRIADS
 from procedures.inference import priors
 
@@ -110,7 +111,7 @@ def _coordinates(seen: Excitation, output: FloatArray, triad: str) -> dict[str, 
     """Return by the name of a coordinate every kind of function of it."""
     kind = np.array([step.kind for step in seen.steps])[seen.step]
     turning, resting = np.isin(kind, ("turn", "move", "rate")), np.isin(kind, ("dwell", "rest", "soak"))
-    found, f, time = dict[str, list[Way]](), np.nan_to_num(seen.f), _own_time(seen)
+    found, f, time = dict[str, list[Way]](), np.nan_to_num(seen.f), (time_in_history(seen) + 1) / 2
     found["time"] = _waves(time)
     found["time times the output"] = _waves(time[:, None], output)
     T = seen.temperature
@@ -166,7 +167,9 @@ def _coordinates(seen: Excitation, output: FloatArray, triad: str) -> dict[str, 
         found["the other axes' rates"] = [
             _equal("even and odd", [g for v in around for g in (v**2, v * np.abs(v))])
         ]
-        found["the warmth of turning"] = [_equal("fades", [_warmth(seen, turning, tau) for tau in priors.TIMES_S])]
+        warmth = [warmth_of_turning(seen, turning, tau) for tau in priors.TIMES_S]
+        warmth = [each / max(float(np.max(np.abs(each))), 1e-300) for each in warmth]
+        found["the warmth of turning"] = [_equal("fades", warmth)]
     return found
 
 
@@ -180,23 +183,3 @@ def _of_input(u: FloatArray) -> list[Way]:
         found.append(_equal(f"zone {width:.2g}", [near, near * x / width]))
     knees = [np.sign(x) * np.maximum(np.abs(x) - knee, 0.0) for knee in priors.KNEES]
     return [*found, _equal("end of the range", knees)]
-
-
-def _warmth(seen: Excitation, turning: BoolArray, tau_s: float) -> FloatArray:
-    """Return what turning has warmed (n,), which follows the square of the rate, over its largest."""
-    power, history = np.where(turning, np.sum(seen.omega**2, axis=1), 0.0), seen.histories[seen.step]
-    found = np.zeros(len(seen.t))
-    for one in np.unique(history):
-        order = np.flatnonzero(history == one)
-        order = order[np.argsort(seen.t[order], kind="stable")]
-        found[order] = lagged(seen.t[order], power[order], tau_s)
-    return found / max(float(np.max(np.abs(found))), 1e-300)
-
-
-def _own_time(seen: Excitation) -> FloatArray:
-    """Return time (n,) from 0 to 1 within each history."""
-    history, x = seen.histories[seen.step], np.zeros(len(seen.t))
-    for one in np.unique(history):
-        here = history == one
-        x[here] = _unit(seen.t[here])
-    return x

@@ -41,7 +41,8 @@ def find_calibration(file: Path | None, database: str | None, unit: Unit, wire: 
     """
     if file is not None:
         document = _with_both(read_calibration(file), str(file))
-        _refuse_another_model(document, file, unit)
+        if unit.model not in {UNKNOWN, document.get("model")}:  # a sister unit's is used, with a note
+            raise another_units(document, str(file), unit)
         return _applied(document, file.name, unit, datetime.now(UTC))
     with open_db(database) as opened, opened.read() as session:
         row = last_calibration(session, unit.model, unit.serial)
@@ -87,13 +88,12 @@ def _applied(document: Mapping[str, Any], name: str, unit: Unit, now: datetime) 
     return AppliedCalibration(document, None, InUse(text, _note(document, unit, now)))
 
 
-def _refuse_another_model(document: Mapping[str, Any], file: Path, unit: Unit) -> None:
-    """Refuse scale factors of another kind of unit; those of a sister unit are used with a note."""
-    if unit.model not in {UNKNOWN, document.get("model")}:
-        raise DataRefused(
-            str(file), None, f"a calibration of {document.get('model')} {document.get('serial')}",
-            f"one of {unit.model} {unit.serial}, which is connected", "name that unit's", ErrorCode.CALIBRATION,
-        )  # fmt: skip
+def another_units(document: Mapping[str, Any], name: str, unit: Unit) -> DataRefused:
+    """Return the refusal of a calibration, called ``name``, of another unit than the one connected."""
+    return DataRefused(
+        name, None, f"a calibration of {document.get('model')} {document.get('serial')}",
+        f"one of {unit.model} {unit.serial}, which is connected", "name that unit's", ErrorCode.CALIBRATION,
+    )  # fmt: skip
 
 
 def _note(document: Mapping[str, Any], unit: Unit, now: datetime) -> str:

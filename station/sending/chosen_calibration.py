@@ -9,6 +9,7 @@ from procedures.campaign.campaign import UNKNOWN
 from procedures.error_codes import ErrorCode
 from station.calibrated.calibration_choice import (
     AppliedCalibration,
+    another_units,
     find_calibration,
     nominal_scales,
     stored_calibration,
@@ -58,10 +59,7 @@ def _refuse_another_units(applied: AppliedCalibration, name: str, unit: Unit) ->
     document = applied.document or {"model": unit.model, "serial": unit.serial}
     of = {"model": unit.model, "serial": unit.serial}
     if any(value not in {UNKNOWN, document.get(key)} for key, value in of.items()):
-        raise DataRefused(
-            name, None, f"a calibration of {document.get('model')} {document.get('serial')}",
-            f"one of {unit.model} {unit.serial}, which is connected", "name that unit's", ErrorCode.CALIBRATION,
-        )  # fmt: skip
+        raise another_units(document, name, unit)
 
 
 def _refuse_another_output(applied: AppliedCalibration, wire: WireFormat) -> None:

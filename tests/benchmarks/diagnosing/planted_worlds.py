@@ -1,0 +1,131 @@
+"""Planted worlds of every kind, to hold a diagnosis against: campaigns whose cause is known."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from drivers.simulated.truth import Truth
+from procedures.campaign.campaign import Campaign
+from procedures.diagnosis.residual_rows import Evidence
+from procedures.effects import EFFECTS
+from tests.benchmarks.diagnosing.designs import DESIGNS, unit
+from tests.benchmarks.diagnosing.outside import outside
+from tests.benchmarks.diagnosing.plants import PLANTS, drawn_sizes
+from tests.benchmarks.diagnosing.sigmas import Sigmas, sigmas_of
+from tests.benchmarks.diagnosis import OUTSIDE, QUIET
+from tests.benchmarks.discovering.laws import LAWS
+from tests.benchmarks.discovering.planting import Drawn, bare_evidence, size_of
+from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, truth_of
+from tests.benchmarks.undeclared_kinds.innocent import INNOCENT, as_it_is
+from tests.benchmarks.undeclared_kinds.literature import LITERATURE, Kind
+
+HELD_BY_THE_MODEL = {each.name for each in EFFECTS if each.is_bench_parameter}  # no causes
+NAMED_LAWS = {"counts lost": "gyroscope.counts_lost", "bias warms up": "gyroscope.bias_settling",
+              "source warms up": "gyroscope.scale_settling"}  # fmt: skip
+Rows = Callable[[Evidence], np.ndarray]
+
+
+@dataclass(frozen=True)
+class World:
+    """Campaigns with a known cause.
+
+    ``group`` is catalogue, outside, bench or null; ``does`` gives what the cause does to rows.
+    """
+
+    group: str
+    campaigns: Sequence[Campaign]
+    truth: Truth
+    right: frozenset[str] = frozenset()
+    does: Rows | None = None
+    sizes: Mapping[str, float] | None = None
+
+
+def worlds() -> dict[str, Callable[[int], World]]:
+    """Return by kind what makes a world of a seed."""
+    made: dict[str, Callable[[int], World]] = {}
+    for name in PLANTS:
+        made[name] = lambda seed, name=name: _planted(name, seed)
+    for law in LAWS:
+        made[f"law, {law.name}"] = lambda seed, law=law: _law(law, seed)
+    for name in OUTSIDE:
+        made[f"outside, {name}"] = lambda seed, name=name: _outside(name, seed)
+    for name in INNOCENT:
+        made[f"bench, {name}"] = lambda seed, name=name: _innocent(name, seed)
+    for name in QUIET:
+        made[f"none, {name}"] = lambda seed, name=name: _quiet(name, seed)
+    for name, kind in LITERATURE.items():
+        made[f"literature, {name}"] = lambda seed, kind=kind: _of_literature(kind, seed)
+    return made
+
+
+@lru_cache
+def _sigmas(name: str) -> Sigmas:
+    plant = PLANTS[name]
+    given = plant.sigma or (1.0 if plant.between else 0.0)
+    return Sigmas({}, given) if given else sigmas_of(plant.effect, plant.design)
+
+
+def _planted(name: str, seed: int) -> World:
+    plant, made = PLANTS[name], DESIGNS[PLANTS[name].design]
+    sizes = drawn_sizes(name, _sigmas(name), np.random.default_rng([seed, 5]))
+    truth = unit(seed, **made.truth, effects={plant.effect: sizes})
+    bare = unit(seed, **made.truth)
+    group = "null" if plant.effect in HELD_BY_THE_MODEL else "catalogue"
+    campaigns = made.make(truth, seed, ())
+    does = _differs(campaigns, lambda: made.make(bare, seed, ()))
+    return World(group, campaigns, truth, frozenset({plant.effect}), does, sizes)
+
+
+def _differs(campaigns: Sequence[Campaign], bare: Callable[[], Sequence[Campaign]]) -> Rows:
+    """Return by how much rows differ from those of the same campaign without the cause, in sigmas."""
+
+    def does(evidence: Evidence) -> np.ndarray:
+        with_it, without = bare_evidence(tuple(campaigns)), bare_evidence(tuple(bare()))
+        if not len(with_it.residual) == len(without.residual) == len(evidence.residual):
+            return np.zeros(len(evidence.residual))
+        found: np.ndarray = (with_it.residual - without.residual) / evidence.sigma
+        return found
+
+    return does
+
+
+def _law(law: Any, seed: int) -> World:
+    truth, drawn = truth_of(law.design, seed), Drawn.of(law, seed)
+    size = size_of(drawn, bare_evidence(campaigns_of(truth, law.design, seed).campaigns), seed)
+    also = drawn.planted(size, np.array(truth.magnetic_enu_ut))
+    campaigns = campaigns_of(truth, law.design, seed, also, stated=truth).campaigns
+    named = NAMED_LAWS.get(law.name)
+    return World(
+        "catalogue" if named else "outside", campaigns, truth, frozenset(filter(None, [named])), drawn.done
+    )
+
+
+def _outside(name: str, seed: int) -> World:
+    size = float(np.random.default_rng([seed, 9]).uniform(1.5e-6, 4e-6)) * (1.0 if "heading" in name else 0.3)
+    made = DESIGNS["warm" if "temperature" in name else "plain"]
+    truth = unit(seed, **made.truth)
+    campaigns = made.make(truth, seed, outside(name, size))
+    return World("outside", campaigns, truth, does=_differs(campaigns, lambda: made.make(truth, seed, ())))
+
+
+def _of_literature(kind: Kind, seed: int) -> World:
+    group, campaigns = "catalogue" if kind.truth else "outside", kind.campaigns(seed)
+    does = _differs(campaigns, lambda: kind.campaigns(seed, 0.0))
+    return World(group, campaigns, truth_of(kind.design, seed), kind.acceptable, does)
+
+
+def _innocent(name: str, seed: int) -> World:
+    one = INNOCENT[name]
+    stated = truth_of(one.design, seed)
+    truth = one.changed(stated, np.random.default_rng([seed, 47]))
+    campaigns = campaigns_of(truth, one.design, seed, stated=stated).campaigns
+    right = frozenset(filter(None, [one.effect]))
+    return World("null" if one.changed is as_it_is or not right else "bench", campaigns, truth, right)
+
+
+def _quiet(name: str, seed: int) -> World:
+    truth = unit(seed, **DESIGNS[name].truth)
+    return World("null", DESIGNS[name].make(truth, seed, ()), truth)
