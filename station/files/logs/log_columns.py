@@ -142,7 +142,7 @@ def choose_columns(
     _refuse_ambiguous_kinds(found, told, free)
     if unused := [name for name in names if name not in used and name]:
         shown = ", ".join(unused[:MAX_NAMES_SHOWN]) + (", ..." if len(unused) > MAX_NAMES_SHOWN else "")
-        guesses.append(f"not used: {shown} (--aux tries them)")
+        guesses.append(f"not used: {shown} (--temperature names a temperature, --aux other channels)")
     return found
 
 

@@ -195,7 +195,7 @@ def _excess_said(document: Mapping[str, Any], chance: str) -> str:
             value = each.get("value", 0.0)
             of = {"percent": share_text(max(value, 0.0)), "mg": significant(1e3 * value)}
             said.append(text.format(what=each.get("what", ""), **of))
-    text = "; ".join(said)
+    text = "; ".join(dict.fromkeys(said))  # several findings of one name have one reason
     return text[:1].upper() + text[1:]
 
 

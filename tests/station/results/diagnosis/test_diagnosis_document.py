@@ -8,6 +8,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from procedures.campaign.campaign import Campaign, Fixture, ProcedureSigma, Site
+from procedures.diagnosis.result import Because
 from procedures.diagnosis.single_channels import SingleChannel
 from procedures.statistics.line_with_correlated_errors import CorrelatedLine
 from procedures.statistics.noise_terms import NoiseTerm
@@ -15,7 +16,7 @@ from procedures.units import DEG_H_PER_DEG_S
 from station.files.effect_file import effect_in
 from station.results.diagnosis import single_channels
 from station.results.diagnosis.diagnosis_text import not_looked_at
-from station.results.diagnosis.diagnosis_wording import p_text
+from station.results.diagnosis.diagnosis_wording import p_text, verdict_sentence
 from station.results.diagnosis.finding_figure import caption, draw_panel
 from station.results.diagnosis.finding_residuals import ResidualPanel
 from station.results.diagnosis.plot_coordinates import Coordinate
@@ -128,3 +129,12 @@ def test_the_rows_of_each_sensor_are_drawn_before_and_after() -> None:
     assert left.get_title(loc="left") == "without it: 2.89 \u00b5g rms"  # sqrt(25 / 3)
     assert right.get_title(loc="left") == "with it: 0.289 \u00b5g rms"
     assert caption(PANEL) == "Accelerometer, dwells; bars: 1\u03c3 of counting noise."
+
+
+def test_a_reason_of_several_findings_is_stated_once() -> None:
+    walk = {"code": Because.WALK, "what": "gyroscope.jump"}
+    curve = {"code": Because.CURVE, "what": "gyroscope.jump"}
+    document = {"log10_p": -9.0, "verdict": "unexplained", "findings": [], "reasons": [walk, curve, walk, walk]}
+    sentence = verdict_sentence(document)
+    assert sentence.count("random walk") == 1
+    assert sentence.count("smooth curve") == 1
