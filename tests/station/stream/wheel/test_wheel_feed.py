@@ -102,7 +102,7 @@ def test_a_port_that_went_is_said_and_once_back_it_has_as_long_for_a_speed(bus: 
     assert "port lost" in bus.hear(9.0)
     assert bus.hear(10.0, BACK) == ""
     assert bus.hear(11.75, OTHERS) == ""
-    assert "tell no WHEELS.SPEED" in bus.hear(11.85, OTHERS)
+    assert "contain no WHEELS.SPEED" in bus.hear(11.85, OTHERS)
 
 
 def record(folder: Path, number: int, chunks: list[Chunk], topic: str = WHEEL_RAW_TOPIC) -> None:
