@@ -41,7 +41,7 @@ def test_every_fault_is_told_marked_and_over(case: Case, transport: str, runs: d
     here = run.index[run.index >= first]
     assert here[here >= over][0] <= over + back_s(case) / PERIOD, "samples come again"
     begun = [int(block[0]) for block in run.blocks if block[0] >= over]
-    # a busy machine that stops for 0.2 s is one more silence of 2 s here: the next slot is then the first whole one
+    # a busy machine that stops for 0.2 s is one more silence of 2 s here: the next slot then has the first
     assert begun[0] <= over + (back_s(case) + SLOT_S) / PERIOD, "a second is whole again"
     assert run.is_alive
 
