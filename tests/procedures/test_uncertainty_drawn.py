@@ -17,6 +17,7 @@ OWN = 1 / np.sqrt(2 * DRAWS)  # a standard deviation of so many draws is known t
 SHOWN = [0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14]  # E off its diagonal
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("certificate", [None, 5e-6])
 @pytest.mark.parametrize("triad", ["accelerometer", "gyroscope"])
 def test_the_fit_s_covariance_is_the_scatter_of_its_rows_drawn_anew(triad: str, certificate: float | None) -> None:
@@ -43,6 +44,7 @@ def sigma_of(fits: CampaignFits, triad: str) -> FloatArray:
     return sigma
 
 
+@pytest.mark.proof
 def test_the_budget_is_the_scatter_of_whole_campaigns_drawn_anew() -> None:
     """A few of the thousands that `python -m tests.benchmarks.budget` draws: a wrong share of a half is seen."""
     found = compare([trial(seed, "short noisy dwells") for seed in range(24)])

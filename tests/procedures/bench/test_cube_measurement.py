@@ -37,6 +37,7 @@ def spread(found: CubeMeasurement, kind: str) -> FloatArray:
     return sigma
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize(
     ("units", "mountings", "free", "seeds"),
     [

@@ -305,6 +305,7 @@ def many(certified: bool) -> list[tuple[Truth, Solution]]:
     return found
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("certified", [False, True])
 def test_errors_are_as_large_as_their_sigmas_say(certified: bool) -> None:
     """The short form of tests/benchmarks/coverage.py."""

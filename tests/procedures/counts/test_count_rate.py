@@ -45,6 +45,7 @@ def scores(
     return np.array(z), np.array(excess)
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize(
     ("noise", "counts"),
     [(1e-3, (60, 500)), (1e-2, (20, 60)), (1e-2, (4, 20)), (0.05, (60, 500)), (0.3, (60, 500)), (0.5, (60, 500)),
@@ -66,6 +67,7 @@ def test_the_error_is_near_what_noise_alone_allows(noise: float, counts: tuple[f
     assert np.sqrt(np.mean(excess**2)) < most + 4 * 0.1  # 48 errors
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("base", [0, -1])
 def test_counts_of_two_neighbouring_integers_are_honest(base: int) -> None:
     """204 dwells of 600 samples: rate, slope and curvature, twelve dwells sharing their noise."""
@@ -148,11 +150,13 @@ def test_a_channel_that_never_moves_has_an_interval_about_its_count(constant: in
     assert (got.interval[1] - got.interval[0]) * 0.02 * N < 4.0  # counts a dwell; 2 are allowed without noise
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("counts", [0.0, 0.2, pytest.param(0.6), pytest.param(0.9)])
 def test_without_an_edge_the_interval_holds_the_truth(counts: float) -> None:
     assert all(inside(counts, remainder, 0) for remainder in np.linspace(0.01, 0.99, 12))
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("counts", [0.3, 1.0])
 def test_with_one_edge_the_interval_holds_the_truth(counts: float) -> None:
     assert all(inside(counts, remainder, 1) for remainder in np.linspace(0.01, 0.99, 6))

@@ -101,6 +101,7 @@ def test_the_start_waits_for_displacement_and_says_so(tracks: FeatureTracks) -> 
     assert "move further" in found.why
 
 
+@pytest.mark.proof
 def test_the_window_follows_the_flight_and_the_graph_stays_within_its_sigma(
     flight: Eight, imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes
 ) -> None:
@@ -155,6 +156,7 @@ def test_an_offset_left_in_the_cameras_stamps_is_found_by_the_window(
     assert np.hypot(turn[:, 0], turn[:, 1]).max() < 1.0
 
 
+@pytest.mark.proof
 def test_a_wheel_beside_the_camera_is_found_to_its_scale(
     flight: Eight, imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes
 ) -> None:

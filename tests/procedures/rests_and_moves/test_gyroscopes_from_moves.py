@@ -64,6 +64,7 @@ def test_moves_give_the_gyroscopes_of_a_fog_that_sees_the_earth_turn(seed: int) 
     assert np.all(bias.bias.std < 0.5)  # deg/h
 
 
+@pytest.mark.proof
 def test_the_sigmas_are_honest_over_many_units() -> None:
     z = np.array([z_of_mems(seed) for seed in range(25)])
     k_and_D = z[:, [0, 1, 2, 12, 13, 14]]

@@ -37,6 +37,7 @@ def calibrated(accel: FloatArray, std: float, *, stated: bool) -> MeansCalibrati
     return found
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize(("n", "stated"), [(14, True), (14, False), (24, True), (24, False)])
 def test_sigmas_hold_what_was_planted(n: int, stated: bool) -> None:
     """Over 20 tables the errors in sigmas are those of a normal distribution; of few poses sigmas are wider."""

@@ -37,6 +37,7 @@ def errors_in_sigma(found: NormFit, k: np.ndarray, D: np.ndarray) -> np.ndarray:
     return (value - np.concatenate((k, D))) / np.sqrt(np.diag(covariance))
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize(
     ("faces", "tilt"),
     [

@@ -49,6 +49,7 @@ def test_a_flight_is_located_by_its_imu(layers: str, tmp_path: Path) -> None:
     assert np.diff(np.loadtxt(out)[:, 0]).max() < 0.1001
 
 
+@pytest.mark.proof
 def test_an_antenna_whose_place_and_delay_are_not_given_is_found(tmp_path: Path) -> None:
     layers = "2"
     lever = np.array([0.4, -0.2, 0.3])
@@ -63,6 +64,7 @@ def test_an_antenna_whose_place_and_delay_are_not_given_is_found(tmp_path: Path)
     assert said["error_m"]["batch"]["mean"] < 0.15
 
 
+@pytest.mark.proof
 def test_speed_and_course_without_a_climb_are_enough(tmp_path: Path) -> None:
     layers = "2"
     folder = write_flight(tmp_path / "log", 20.0)

@@ -1,6 +1,7 @@
 """A graph that is renewed stays as good as one that keeps everything, and keeps no more than it must."""
 
 import numpy as np
+import pytest
 
 from procedures.fusion.odometry import OdometryDrift
 from procedures.fusion.outer.pose_graph import PoseGraph
@@ -10,6 +11,7 @@ from tests.procedures.fusion.motions import Eight, only
 DRIFT = OdometryDrift(0.02, 0.03, 0.01)
 
 
+@pytest.mark.proof
 def test_a_renewed_graph_is_as_good_and_no_larger_than_it_must_be() -> None:
     flight, rng = Eight(40.0), np.random.default_rng(2)
     odometry, fixes = flight.odometry(rng, DRIFT), flight.fixes(rng)

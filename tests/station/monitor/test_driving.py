@@ -96,6 +96,7 @@ def test_a_unit_that_begins_anew_is_located_anew(drive: DrivenAlong) -> None:
     assert any("no longer known" in event.text for event in drive.anew.events)
 
 
+@pytest.mark.proof
 def test_a_receiver_that_tells_positions_alone_is_enough() -> None:
     rig = driven_along(46.0, TRACK, replace(AUTOPILOT, states_velocity=False), TRUTH)
     assert not any("speed and course" in view.location.why for view in rig.lines if view.location)

@@ -54,6 +54,7 @@ def asked(folder: Path) -> list[str]:
     return ["--calibration", str(write_calibration(folder, TRUTH)), "--lever-arm", "0,0,0"]
 
 
+@pytest.mark.proof
 def test_a_recorded_drive_is_located_with_its_wheel_the_same_each_time(
     drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -70,6 +71,7 @@ def test_a_recorded_drive_is_located_with_its_wheel_the_same_each_time(
     assert capsys.readouterr().out == said
 
 
+@pytest.mark.proof
 def test_a_wheel_that_comes_too_late_to_be_used_is_said_to(
     drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

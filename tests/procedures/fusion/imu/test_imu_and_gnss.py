@@ -142,6 +142,7 @@ def over_the_gap(seed: int) -> list[tuple[float, FloatArray, FloatArray]]:
     return [(t, p - flight.p(np.array(t)), tight.covariance_n[:3, :3].copy()) for t, p in poses]
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("seed", range(2))
 def test_a_window_bridges_a_gap_within_its_own_sigma(seed: int) -> None:
     track = over_the_gap(seed)

@@ -43,6 +43,7 @@ def flight() -> Eight:
     return Eight(25.0)
 
 
+@pytest.mark.proof
 def test_one_layer_follows_within_its_own_sigma(flight: Eight) -> None:
     tight = window(flight, 1, layers=1)
     nees = []
@@ -58,6 +59,7 @@ def test_one_layer_follows_within_its_own_sigma(flight: Eight) -> None:
     assert np.linalg.norm(smoothed[100:-20], axis=1).mean() < 0.03
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("seed", range(2))
 def test_lever_arm_and_late_stamps_are_found_within_their_sigma(seed: int) -> None:
     flight, rng = Eight(16.0), np.random.default_rng(seed)
@@ -77,6 +79,7 @@ def test_lever_arm_and_late_stamps_are_found_within_their_sigma(seed: int) -> No
     assert sigma[3] < 0.01
 
 
+@pytest.mark.proof
 def test_two_layers_reach_what_one_does(flight: Eight) -> None:
     source = window(flight, 1, layers=2)
     poses = [pose for pose in whole_run(PoseGraph(), source, source.fixes) if pose.t > 8.0]
@@ -88,6 +91,7 @@ def test_two_layers_reach_what_one_does(flight: Eight) -> None:
     assert np.degrees(np.abs(np.arctan2(turn[:, 1, 0], turn[:, 0, 0]))).max() < 5.0
 
 
+@pytest.mark.proof
 def test_two_layers_smooth_an_outage_as_one_does() -> None:
     """What the first velocities behind it tell of an outage is no motion: handed on as one it cost metres."""
     imu, fixes, aligned = aligned_flight(flight := Eight(25.0), 1)

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from procedures.fusion.alignment.alignment_attempts import align_when_possible, between
 from procedures.fusion.alignment.alignment_in_motion import MovingAligner
@@ -47,6 +48,7 @@ def test_a_window_that_is_lived_through_ends_where_the_recorded_one_does() -> No
 SETTINGS = VisionSettings(SITE, CAMERA, LeverArm(np.zeros(3)))
 
 
+@pytest.mark.proof
 def test_a_visual_window_that_is_lived_through_ends_where_the_recorded_one_does() -> None:
     flight, rng = Eight(9.0), np.random.default_rng(1)
     imu, fixes = flight.imu(rng, EARTH), flight.fixes(rng)

@@ -103,12 +103,14 @@ def worst(errors: np.ndarray) -> float:
     return float(np.linalg.norm(errors[silent, 1:], axis=1).max())
 
 
+@pytest.mark.proof
 def test_the_scale_factor_is_found_within_its_sigma() -> None:
     window, _ = run(True, True)
     assert window.wheel_std < 1e-3
     assert abs(1 + window.state.wheel - SCALE) < 3.5 * window.wheel_std
 
 
+@pytest.mark.proof
 def test_slips_are_seen_and_not_followed() -> None:
     """Slips make hardly a difference to the same drive without; each is found, and little beside them."""
     window, slipped = run(True, True)
@@ -120,6 +122,7 @@ def test_slips_are_seen_and_not_followed() -> None:
     assert sum(b - a for a, b in found) < 2 * sum(end - begin for begin, end, _ in SLIPS[:3])
 
 
+@pytest.mark.proof
 def test_an_outage_is_bridged_and_standing_still_is_seen() -> None:
     window, errors = run(True, True)
     assert worst(errors) < 0.6 * worst(run(True, False)[1])
@@ -132,6 +135,7 @@ def test_an_outage_is_bridged_and_standing_still_is_seen() -> None:
     assert 0.75 * true_rest < window.wheel.rest_s < 1.05 * true_rest
 
 
+@pytest.mark.proof
 def test_a_wheel_that_stops_telling_says_nought_while_driving_and_is_not_believed() -> None:
     """A broken sensor: nought from 30 s on, while the car drives, GNSS there."""
     rng, earth_n = np.random.default_rng(2), earth_rate_n(LATITUDE)

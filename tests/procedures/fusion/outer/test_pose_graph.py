@@ -41,6 +41,7 @@ def test_a_chain_is_solved_as_the_dense_matrix_is() -> None:
     assert np.allclose(solve_chain(rest)[0], step[1:], rtol=1e-9)
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("seed", range(2))
 def test_position_and_yaw_are_found_within_their_own_sigma(seed: int) -> None:
     flight, rng = Eight(), np.random.default_rng(seed)
@@ -83,6 +84,7 @@ def test_each_pose_uses_nothing_later() -> None:
     assert all(np.array_equal(a.p, b.p) for a, b in zip(early[:-1], poses, strict=False))
 
 
+@pytest.mark.proof
 def test_outliers_are_counted_and_cost_little() -> None:
     flight, rng = Eight(), np.random.default_rng(3)
     odometry, fixes = flight.odometry(rng, DRIFT), flight.fixes(rng)

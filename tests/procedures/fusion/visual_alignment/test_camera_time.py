@@ -58,6 +58,7 @@ def seen(
     return ImuSeries(t, omega, np.zeros_like(omega)), replace(tracks, t=tracks.t - offset)
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("offset", [-0.2, LATE, 0.0, 0.15])
 def test_the_offset_is_found_again_to_its_own_sigma(offset: float) -> None:
     for seed in range(2):
@@ -67,6 +68,7 @@ def test_the_offset_is_found_again_to_its_own_sigma(offset: float) -> None:
         assert abs(found.offset - offset) < 4 * found.std
 
 
+@pytest.mark.proof
 def test_sigmas_are_what_the_errors_are() -> None:
     found = [camera_offset(*seen(rocking, seed, view=View(features=60)), CAMERA) for seed in range(10, 19)]
     ratio = np.array([(each.offset - LATE) / each.std for each in found if isinstance(each, CameraTimeOffset)])

@@ -61,6 +61,7 @@ def placed(way: FloatArray, turns: Rotation, z: FloatArray, weight: FloatArray) 
     return X, left(X)
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("seed", [0, 1])
 def test_with_noise_no_other_way_fits_better_by_hubers_loss(seed: int) -> None:
     z = rays() + np.random.default_rng(seed).normal(0, 0.9, (6, N, 2)) / SCALE
