@@ -149,7 +149,9 @@ def unsettled_bias(means: IntervalMeans, remaining_s: float, marks: Sequence[flo
     """
     rest = means.since(max(marks, default=-np.inf))
     if len(rest.t) < MIN_MEANS:
-        raise ValueError(f"{len(rest.t)} means at rest, expected at least {MIN_MEANS}: wait a minute")
+        raise ValueError(
+            f"noise and drift need {MIN_MEANS} means at rest, found {len(rest.t)}: skip it after the first minute"
+        )
     tau = time_constant(means.t, means.temperature, scatter(means.temperature)) if means.has_temperature else None
     spread = _spread(remaining_s, tau)
     gyro = _drift(means, rest, rest.gyro, rest.gyro_std, GYRO_SENSITIVITY_STD_PER_K, spread)

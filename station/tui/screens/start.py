@@ -126,10 +126,12 @@ class StartScreen(StageScreen):
             yield Button("Begin  ctrl+s", action="screen.begin", variant="success", compact=True)
 
     def on_mount(self) -> None:
-        """Begin where most will go on."""
+        """Begin where most will go on: a list without a port has nothing to choose."""
         self.unfinished.display = False
         super().on_mount()
-        (self.unfinished if self.unfinished.is_of_use else self.form.port.select).focus()
+        form = self.form
+        first = form.fields["url"].input if form.port.select.disabled else form.port.select
+        (self.unfinished if self.unfinished.is_of_use else first).focus()
 
     def _draw(self, view: CalibrationView) -> None:
         start = view.start or StartView()

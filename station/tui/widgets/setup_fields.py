@@ -75,7 +75,7 @@ class SetupField(Horizontal):
 
 
 class PickList(Vertical):
-    """Choices of a set-up; ``value`` is the key chosen, empty for none."""
+    """Choices of a set-up; ``value`` is the key chosen, empty for none. Tab passes over a list without choices."""
 
     DEFAULT_CSS = """
     PickList { height: auto; }
@@ -87,9 +87,10 @@ class PickList(Vertical):
     PickList .note.warns { color: $warning; text-style: bold; }
     """
 
-    def __init__(self, name: str, label: str, prompt: str) -> None:
+    def __init__(self, name: str, label: str, prompt: str, none_prompt: str) -> None:
         super().__init__(id=f"pick-{name}")
-        self.select: Select[str] = Select((), prompt=prompt, compact=True, id=name)
+        self.select: Select[str] = Select((), prompt=none_prompt, compact=True, id=name, disabled=True)
+        self._prompt, self._none_prompt = prompt, none_prompt
         self._label, self._choices = label, tuple[Choice, ...]()
         self._note = Label("", classes="note", markup=False)
 
@@ -110,6 +111,8 @@ class PickList(Vertical):
         if choices != self._choices:
             chosen = self.value
             self._choices = choices
+            self.select.disabled = not choices
+            self.select.prompt = self._prompt if choices else self._none_prompt
             self.select.set_options((choice.title, choice.key) for choice in choices)
             self.choose(chosen)
 

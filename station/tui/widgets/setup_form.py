@@ -32,9 +32,9 @@ class SetupForm(VerticalScroll, can_focus=False):
 
     def __init__(self) -> None:
         super().__init__(id="form")
-        self.port = PickList("port", "Port", "ports found: Enter opens the list")
-        self.cube = PickList("cube", "Cube", "which cube: Enter opens the list")
-        self.slab = PickList("slab", "Slab", "which slab: Enter opens the list")
+        self.port = PickList("port", "Port", "ports found: Enter opens the list", "none found: type the address")
+        self.cube = PickList("cube", "Cube", "which cube: Enter opens the list", "none is stored")
+        self.slab = PickList("slab", "Slab", "which slab: Enter opens the list", "none is stored")
         self.look, self.heard = LookLine(), LookLine(id="receiver")
         self.fields = {entry.name: SetupField(entry, is_long=entry.name in ADDRESS_FIELDS) for entry in ENTRIES}
         self._start = StartView()
@@ -92,8 +92,11 @@ class SetupForm(VerticalScroll, can_focus=False):
             return
         self._check = check
         for name in ("model", "serial"):
-            if self.fields[name].input is not self.app.focused:
+            field = self.fields[name].input
+            if field is not self.app.focused:
                 self._fill_unit(name)
+            elif not field.value:  # nothing is typed yet: what the device sends is not missing
+                field.value = getattr(check, name, "")
 
     def on_descendant_blur(self, event: DescendantBlur) -> None:
         """Fill in what the device says of a field once nobody types in it: disabled, it would drop the focus."""

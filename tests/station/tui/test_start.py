@@ -5,7 +5,7 @@ from textual.events import Key
 
 from station.files.setup import Setup
 from station.guide.command import OperatorCommand
-from station.guide.setup_view import PortCheck, Readiness, ReadyLine, StartView
+from station.guide.setup_view import Choice, PortCheck, Readiness, ReadyLine, StartView
 from station.guide.view import CalibrationView
 from station.tui.screens.help import HelpScreen
 from station.tui.screens.ready import ReadyScreen
@@ -15,7 +15,8 @@ from tests.station.tui import start_views
 from tests.station.tui.session import Screens, screens
 
 URL = "tcp://rig:5000?format=counts"
-FRESH = CalibrationView(stage="start", start=StartView(setup=Setup(url=URL)))
+RIG = Choice(key=URL, title="rig")
+FRESH = CalibrationView(stage="start", start=StartView(setup=Setup(url=URL), ports=(RIG,)))
 SETUP = start_views.START.start.setup
 
 
@@ -169,6 +170,32 @@ async def test_an_answer_of_the_device_does_not_move_what_is_being_typed() -> No
         await seen.press("tab")
         assert fields["model"].input.value == "SIM-FOG3"
         assert fields["model"].input.disabled
+
+
+async def test_a_newcomer_reaches_each_field_that_must_be_typed_by_few_keys() -> None:
+    """Without ports, cubes and slabs to choose, Tab goes over their lists."""
+    async with screens(CalibrationView(stage="start", start=StartView(setup=Setup()))) as seen:
+        fields = seen.app.screen.form.fields
+        assert seen.app.focused is fields["url"].input
+        for name in ("model", "serial", "gnss", "latitude_deg"):
+            await seen.press("tab")
+            assert seen.app.focused is fields[name].input
+        await seen.show(CalibrationView(stage="start", start=StartView(setup=Setup(), ports=(RIG,))))
+        assert not seen.app.screen.form.port.select.disabled  # one was plugged in
+
+
+async def test_what_the_device_sends_is_not_missing_in_an_empty_field_with_the_cursor() -> None:
+    async with screens(FRESH) as seen:
+        field = seen.app.screen.form.fields["model"]
+        field.input.focus()
+        await seen.pilot.pause()
+        check = PortCheck(url=URL, is_good=True, model="SIM-FOG3", serial="SIM-7")
+        await seen.show(CalibrationView(stage="start", start=StartView(setup=Setup(url=URL), check=check)))
+        assert field.input.value == "SIM-FOG3"
+        assert not field.has_class("wrong")
+        assert seen.app.focused is field.input
+        await seen.press("tab")
+        assert field.input.disabled
 
 
 async def test_a_wrong_address_of_a_receiver_is_said_and_not_listened_to() -> None:
