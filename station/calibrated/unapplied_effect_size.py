@@ -1,4 +1,4 @@
-"""How large an effect is that is left in: the most that it may add within what the calibration saw."""
+"""How large an effect is that is not corrected: the most that it may add within what the calibration saw."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -254,7 +254,7 @@ class Monitor:
         self._learn_speed(aiding)
         self._health.unhealthy += not tick.is_healthy
         if tick.not_applied and not self._in_use.note:
-            self._in_use = InUse(self._in_use.text, "left in: " + "; ".join(tick.not_applied))
+            self._in_use = InUse(self._in_use.text, "not corrected: " + "; ".join(tick.not_applied))
         if said := self._silence.look(aiding, float(tick.t[-1])):
             self._say("rejected", "aid silent", said)
         read = self._laws.take(tick.t, tick.calibrated, aiding)

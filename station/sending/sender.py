@@ -25,7 +25,7 @@ class Sender:
         self._samples, self._outputs, self._say, self._clock = samples, outputs, say, clock
         self._status_s = status_s
         self._since = clock(), 0  # the last status, and what had been sent by then
-        self._left_in: tuple[str, ...] = ()
+        self._not_corrected: tuple[str, ...] = ()
 
     def __enter__(self) -> Self:
         return self
@@ -53,9 +53,9 @@ class Sender:
         if found is not None:
             for output in self._outputs:
                 output.send(found)
-            if self._samples.not_applied != self._left_in:
-                self._left_in = self._samples.not_applied
-                self._say(f"left in: {'; '.join(self._left_in) or 'nothing any more'}")
+            if self._samples.not_applied != self._not_corrected:
+                self._not_corrected = self._samples.not_applied
+                self._say(f"not corrected: {'; '.join(self._not_corrected) or 'nothing'}")
         if now - self._since[0] >= self._status_s:
             self._say(self._status(now))
             self._since = now, self._samples.sent
