@@ -1,7 +1,7 @@
 """One seating off: in one dwell the cube stands turned by a small rotation, dirt or a chip under it.
 
 The rotation vector is in the cube's axes and turns every vector as the cube sees it. Where faces are free, a
-seating and that of the position on the same face cannot be separated. Plausible: 5e-4  rad, 0.2 mm on 400 mm.
+seating and that of the position on the same face cannot be separated. Plausible: 5e-4 rad, 0.2 mm on 400 mm.
 """
 
 import numpy as np

@@ -152,10 +152,10 @@ class Monitor:
             self._say("start", "mark", f"mark {self._marks}")
         elif verb == "zero":
             self._zero()
-        elif verb == "anew":
+        elif verb == "restart":
             self._history.clear()
             self._rest.begin_anew()
-            self._say("", "anew", "charts and comparison restarted")
+            self._say("", "restart", "charts and comparison restarted")
         elif verb == "record":
             self._record()
         self._show()

@@ -13,7 +13,7 @@ from station.text.plural import plural
 
 MONITOR_FORMAT = "monitor/1"
 READING_EVERY_S = 1.0  # of the device's time, between two lines of text
-MONITOR_KEYS: dict[str, MonitorVerb] = {"m": "mark", "r": "record", "z": "zero", "n": "anew", "q": "leave"}
+MONITOR_KEYS: dict[str, MonitorVerb] = {"m": "mark", "r": "record", "z": "zero", "n": "restart", "q": "leave"}
 MONITOR_KEYS_HELP = (
     "keys, each followed by Enter: m mark, r start or stop recording, z zero on or off, n restart charts, q leave"
 )

@@ -18,7 +18,7 @@ MonitorVerb = Literal[
     "mark",  # this moment, with a number
     "record",  # begin a recording, or end it
     "zero",  # show angles from here; again: absolute ones
-    "anew",  # begin the comparison at rest, and the charts, anew
+    "restart",  # of the comparison at rest, and of the charts
     "leave",
 ]
 

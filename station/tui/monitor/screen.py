@@ -47,7 +47,7 @@ class MonitorScreen(Screen[None]):
         Binding("m", "send('mark')", "Mark", tooltip="mark this moment with a number in events.csv"),
         Binding("r", "send('record')", "Record", tooltip="start or stop a recording"),
         Binding("z", "send('zero')", "Zero", tooltip="show angles relative to now, or absolute"),
-        Binding("n", "send('anew')", "Restart", tooltip="restart charts and the comparison at rest"),
+        Binding("n", "send('restart')", "Restart", tooltip="restart charts and the comparison at rest"),
         Binding("l", "map", "Map", tooltip="show the map or the horizon"),
         Binding("q", "leave", "Leave", tooltip="end the monitor"),
         Binding("question_mark", "help", "Help", key_display="?", tooltip="help for this screen, and all keys"),

@@ -57,15 +57,15 @@ def test_in_the_dwell_that_is_left_of_a_face_a_crumb_is_said_not_to_show(tmp_pat
     off = {"placement.dwell": {"position": 7.0, "x": 6e-4, "z": -3e-4}}
     (loaded,) = read_for_solve([simulated(tmp_path, off, 4, moves=True)])
     certified = close_loop([loaded])  # the certificate of the faces tells a crumb
-    assert not [text for text in certified.solution.warnings if "a crumb" in text]
+    assert not [text for text in certified.solution.warnings if "debris under" in text]
     fixture = replace(loaded.campaign.fixture, faces={})
     found = close_loop([replace(loaded, campaign=replace(loaded.campaign, fixture=fixture))])
     assert "placement.dwell" in [each.effect for each in found.diagnosis.findings]
-    (said,) = (text for text in found.solution.warnings if "a crumb" in text)
+    (said,) = (text for text in found.solution.warnings if "debris under" in text)
     assert "8 (" in said
     assert "7 (" not in said
     assert 7 not in {each.position for each in found.solution.unnoticed_leans}
-    assert any("a crumb" in text for text in found.document["solution"]["warnings"])
+    assert any("debris under" in text for text in found.document["solution"]["warnings"])
 
 
 def test_what_the_diagnosis_left_unexplained_is_in_the_uncertainty() -> None:

@@ -114,7 +114,7 @@ async def test_it_says_what_matters(kind: str) -> None:
 async def test_keys_ask_the_engine_and_leaving_a_recording_asks_first() -> None:
     async with shown(VIEWS["moving"]) as seen:
         await seen.pilot.press("m", "r", "z", "n")
-        assert seen.session.sent == ["mark", "record", "zero", "anew"]
+        assert seen.session.sent == ["mark", "record", "zero", "restart"]
         await seen.pilot.press("q")
         assert isinstance(seen.app.screen, ConfirmScreen)
         await seen.pilot.press("n", "ctrl+c", "y")
