@@ -14,7 +14,7 @@ from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.disturbances import EFFECT
 from procedures.diagnosis.disturbed_blocks import MIN_FINE, middle_half, rounding_of
 from procedures.diagnosis.resting_channels import RestingChannel, resting_channels
-from procedures.diagnosis.result import Finding
+from procedures.diagnosis.result import Finding, probability_of
 from procedures.statistics.tail_probabilities import log_f_sf
 
 BLOCK_S, MIN_BLOCK = 10.0, 48  # s, samples
@@ -44,10 +44,10 @@ def _finding(found: tuple[float, RestingChannel, int, float, float, float], name
     }  # fmt: skip
     value = np.array([after - before]) / one.per_unit
     return Finding(
-        EFFECT, "procedure", ("value",), value, np.abs(value) / sigmas, one.unit, where, "ambiguous",
-        (f"{one.triad}.noise",), "the recording again, elsewhere and at another temperature", log_p,
-        0.0, f"noise of a sample, {after / before:.2g} times what it was",
-    )  # fmt: skip
+        EFFECT, "procedure", ("value",), value, np.abs(value) / sigmas, one.unit, where, probability_of(log_p),
+        "the recording again, elsewhere and at another temperature", log_p,
+        f"noise of a sample, {after / before:.2g} times what it was",
+    ).or_else(f"{one.triad}.noise")  # fmt: skip
 
 
 def _split(x: FloatArray, length: int) -> tuple[float, int, float, float, float] | None:

@@ -49,7 +49,7 @@ def check_campaigns(campaigns: Sequence[Campaign]) -> CheckedCampaigns:
     settled = {"placement.label", "disturbance.dwell"} | ({"clock.rate"} if is_timed(campaigns) else set())
     clock_std = None
     for each in clock:
-        if each.confidence != "ambiguous":
+        if not each.aliases:
             campaigns = with_true_clock(campaigns, float(each.value[0]))
             clock_std = float(each.std[0]) / PPM_PER_ONE
     findings = (*directions, *labels[0], *(knock.finding for knock in knocks), *clock)

@@ -7,7 +7,7 @@ import numpy as np
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.disturbances import EFFECT
 from procedures.diagnosis.resting_channels import RestingChannel, resting_channels
-from procedures.diagnosis.result import Finding
+from procedures.diagnosis.result import CERTAIN, Finding
 
 MIN_ROWS, MIN_SHARE = 20, 0.005  # that stand at one end
 MIN_TIMES = 20.0  # as often as any other value: a coarse output's values all come often
@@ -31,7 +31,7 @@ def _finding(one: RestingChannel, value: float, rows: int, name: str) -> Finding
     return Finding(
         EFFECT, "procedure", ("value",), np.array([value]) / one.per_unit,
         np.array([float(one.samples.std())]) / one.per_unit, one.unit,
-        {"file": one.rest.name, "channel": one.label}, "established", (),
-        "the recording again with a wider range", None, 0.0,
+        {"file": one.rest.name, "channel": one.label}, CERTAIN,
+        "the recording again with a wider range", None,
         f"clipped: {share:.2g} % of the rows stand at its {name} value",
     )  # fmt: skip

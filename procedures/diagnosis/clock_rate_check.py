@@ -16,14 +16,14 @@ from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord, MoveRecord, RestRecord, SequenceRecord, TurnRecord
 from procedures.campaign.recorded_clock import MAX_CLOCK_PPM, clock_rate, is_known
 from procedures.counts.reference_time import ClockRate
-from procedures.diagnosis.result import Confidence, EffectTest, Finding
+from procedures.diagnosis.result import EffectTest, Finding, probability_of
 from procedures.effects import EFFECTS
 from procedures.statistics.tail_probabilities import log_f_sf
 from procedures.units import PPM_PER_ONE
 
 EFFECT = "clock.rate"
 MAX_PERIOD_ERROR = 1e-3  # relative, as the warning of a campaign folder
-ESTABLISHED_LOG_P, LIKELY_LOG_P = np.log(0.01), np.log(0.05)
+MAX_LOG_P = np.log(0.05)
 
 Record = TypeVar("Record", DwellRecord, TurnRecord, MoveRecord, RestRecord, SequenceRecord)
 
@@ -36,10 +36,9 @@ def find_clock(campaigns: Sequence[Campaign]) -> tuple[tuple[Finding, ...], tupl
     mean = _mean(rates)
     adjusted = min(_log_p(mean) + float(np.log(len(EFFECTS))), 0.0)  # Holm: one of all that are tried
     test = EffectTest(EFFECT, (mean.ppm / mean.std) ** 2, _log_p(mean), adjusted)
-    if adjusted >= LIKELY_LOG_P or abs(mean.ppm) > MAX_CLOCK_PPM:
+    if adjusted >= MAX_LOG_P or abs(mean.ppm) > MAX_CLOCK_PPM:
         return (), (test,)
-    confidence: Confidence = "established" if adjusted < ESTABLISHED_LOG_P else "likely"
-    return (_finding(mean.ppm, mean.std, confidence, adjusted, "utc_s"),), (test,)
+    return (_finding(mean.ppm, mean.std, adjusted, "utc_s"),), (test,)
 
 
 def with_true_clock(campaigns: Sequence[Campaign], ppm: float) -> tuple[Campaign, ...]:
@@ -87,9 +86,9 @@ def _off_period(campaigns: Sequence[Campaign]) -> Iterator[Finding]:
     std = max(scatter, *(_period_std(series.t) / nominal for series, nominal in each))
     log_p = log_f_sf((middle / std) ** 2, 1, len(off) - 1 if len(off) > 1 else np.inf)
     adjusted = max(min(log_p + float(np.log(len(EFFECTS))), 0.0), float(np.log(np.finfo(float).tiny)))
-    if adjusted < LIKELY_LOG_P:
-        found = _finding(PPM_PER_ONE * middle, PPM_PER_ONE * std, "ambiguous", adjusted, "t_s")
-        yield replace(found, aliases=("imu.sample_period_s",))
+    if adjusted < MAX_LOG_P:
+        found = _finding(PPM_PER_ONE * middle, PPM_PER_ONE * std, adjusted, "t_s")
+        yield found.or_else("imu.sample_period_s")
 
 
 def _period_std(t: FloatArray) -> float:
@@ -100,15 +99,15 @@ def _period_std(t: FloatArray) -> float:
     return float(np.hypot(np.std(left), rounding)) / float(np.sqrt(rows @ rows))
 
 
-def _finding(ppm: float, std: float, confidence: Confidence, log_p: float, channel: str) -> Finding:
+def _finding(ppm: float, std: float, log_p: float, channel: str) -> Finding:
     told = (
         "either the device's clock or sample_period_s is wrong: record a reference time beside the rows (utc_s)"
         if channel == "t_s"
         else "a second campaign with reference time beside the rows (utc_s)"
     )
     return Finding(
-        EFFECT, "procedure", ("value",), np.array([ppm]), np.array([std]), "ppm", {"channel": channel}, confidence,
-        (), told, log_p, 0.0,
+        EFFECT, "procedure", ("value",), np.array([ppm]), np.array([std]), "ppm", {"channel": channel},
+        probability_of(log_p), told, log_p,
     )  # fmt: skip
 
 

@@ -22,7 +22,7 @@ from procedures.diagnosis.disturbed_blocks import (
     is_white,
     judge_blocks,
 )
-from procedures.diagnosis.result import EffectTest, Finding
+from procedures.diagnosis.result import EffectTest, Finding, probability_of
 from procedures.diagnosis.vibration import measure_vibration
 from procedures.frames import TRIADS, face_normal, face_of
 from procedures.units import DEG_H_PER_DEG_S
@@ -213,8 +213,8 @@ def _measured(
     where |= {"from_s": float(t[first] - series.period), "to_s": float(t[end - 1])}
     finding = Finding(
         EFFECT, "procedure", ("x", "y", "z"), sine.amplitude, sine.std,
-        "g" if triad == "accelerometer" else "deg/h", where, "established", (),
-        "the same position again, with nobody near the surface plate", worst.log_p, 0.0,
+        "g" if triad == "accelerometer" else "deg/h", where, probability_of(worst.log_p),
+        "the same position again, with nobody near the surface plate", worst.log_p,
         f"{sine.hertz:.3g} Hz" if sine.hertz else "",
     )  # fmt: skip
     is_state = end - first > MAX_CUT_SHARE * len(series)

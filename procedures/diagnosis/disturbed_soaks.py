@@ -90,7 +90,7 @@ def _states(soaks: Sequence[Campaign], found: Sequence[Disturbance]) -> Iterator
         triad = "accelerometer" if each.finding.unit == "g" else "gyroscope"
         others: dict[str, object] = {"others": len(stays) - 1} if len(stays) > 1 else {}
         finding = replace(each.finding, where={**each.finding.where, **others})
-        own = replace(finding, confidence="ambiguous", aliases=(f"{triad}.noise",))
+        own = finding.or_else(f"{triad}.noise")
         yield finding if len(lively) > 1 else own
 
 
@@ -141,7 +141,7 @@ def _told(campaign: Campaign, rest: RestRecord, found: Disturbance) -> Finding:
     if not len(rows := wrong_rows(seen)):
         triad = "accelerometer" if finding.unit == "g" else "gyroscope"
         is_alone = sum(each.is_lively for each in seen) == 1
-        return replace(finding, confidence="ambiguous", aliases=(f"{triad}.jump",)) if is_alone else finding
+        return finding.or_else(f"{triad}.jump") if is_alone else finding
     loudest = max(seen, key=lambda each: float(np.max(np.abs(each.samples[rows]))))
     triad = next(triad for triad, names in CHANNEL_LABELS.items() if loudest.channel in names)
     k = rough_scale(campaign, triad) * (rest.series.period if campaign.counts else 1.0)

@@ -13,9 +13,7 @@ from procedures.diagnosis.left_directions import families
 from procedures.diagnosis.linear_model import fit_beside, fitted, variance_classes
 from procedures.diagnosis.plausible_sizes import noise_in_navigation_grade
 from procedures.diagnosis.row_sums import row_sums
-from procedures.diagnosis.term_trial import class_sums, one_widened, tried_term
 from procedures.diagnosis.thermal_soaks import block_rates, block_temperatures
-from procedures.diagnosis.walk_rivals import steps_of_a_walk
 from procedures.effects.temperature_history import followed, known_histories
 
 
@@ -33,15 +31,11 @@ def let_go_at_the_end() -> Iterator[None]:
             known_histories,
             followed,
             noise_in_navigation_grade,
-            tried_term,
-            class_sums,
-            one_widened,
             variance_classes,
             block_rates,
             block_temperatures,
             equal_bins,
             held_channel,
             noise_as_is,
-            steps_of_a_walk,
         ):
             each.cache_clear()

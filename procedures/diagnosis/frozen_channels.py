@@ -8,7 +8,7 @@ from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.disturbances import EFFECT, Disturbance
 from procedures.diagnosis.resting_channels import RestingChannel, resting_channels
-from procedures.diagnosis.result import Finding
+from procedures.diagnosis.result import CERTAIN, Finding
 
 MAX_REPEATS = 0.2  # of the samples of a channel, outside the longest run, that may repeat the one before
 MIN_RUN = 20  # samples of one value: a fifth to this power is once in 1e14
@@ -49,6 +49,6 @@ def _finding(one: RestingChannel, first: int, end: int) -> Finding:
     where = {"file": one.rest.name, "channel": one.label, "from_s": float(t[first]), "to_s": float(t[end - 1])}
     return Finding(
         EFFECT, "procedure", ("value",), np.array([x[first]]) / one.per_unit,
-        np.array([float(others.std())]) / one.per_unit, one.unit, where, "established", (), "the recording again",
-        None, 0.0, "frozen at one value",
+        np.array([float(others.std())]) / one.per_unit, one.unit, where, CERTAIN, "the recording again",
+        None, "frozen at one value",
     )  # fmt: skip

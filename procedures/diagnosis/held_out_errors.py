@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from procedures.arrays import FloatArray, IntArray
+from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.diagnosis.linear_model import LinearFit, fit_linear, predict_left_out
 from procedures.diagnosis.refit import Refit
 from procedures.diagnosis.residual_rows import KINDS, Evidence
@@ -76,12 +76,23 @@ def residual_rms(before: Evidence, after: Refit, left_out: Sequence[IntArray]) -
 
     ``left_out`` are the row numbers (r,) of each group to leave out.
     """
-    first, last = fit_linear(before, []), after.linear
-    parts = [_natural(before, first, left_out), _natural(after.evidence, last, left_out)]
+    return errors_of_fits(before, after.evidence, fit_linear(before, []), after.linear, left_out)
+
+
+def errors_of_fits(
+    before: Evidence, after: Evidence, first: LinearFit, last: LinearFit, left_out: Sequence[IntArray],
+    acts: BoolArray | None = None,
+) -> tuple[ResidualRms, ...]:  # fmt: skip
+    """Return the errors of dwells, turns, moves and rests [g, deg/h, deg, deg/s] of two fits of the same rows.
+
+    ``left_out`` are the row numbers (r,) of each group to leave out, ``acts`` (n,) the rows to look at, else all.
+    """
+    parts = [_natural(before, first, left_out), _natural(after, last, left_out)]
     found = list[ResidualRms]()
     for kind, steps, unit_a, per_a, unit_g, per_g in SHOWN:
         for triad, unit, per in zip(TRIADS, (unit_a, unit_g), (per_a, per_g), strict=True):
             rows = before.rows(kind, triad=triad)
+            rows = rows if acts is None else rows & acts[: len(rows)]
             if rows.any() and per:
                 values = [_rms(each[rows]) for part in parts for each in part]
                 b, hb, a, ha = (None if v is None else v * per for v in values)

@@ -12,6 +12,8 @@ from procedures.units import S_PER_H
 
 RESTING = ("dwell", "rest")
 
+PARTS = 4  # of a dwell or rest, before each of which a walk steps
+
 
 def walk_columns(evidence: Evidence, triad: str, parts: int = 1) -> FloatArray:
     """Return what a walk of a triad's biases by 1 [g, deg/s] in an hour's root adds to every row (n, k).

@@ -1,10 +1,12 @@
 """What a diagnosis returns: verdict, findings, the error before and after, what was tried."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from math import log
 from typing import Literal
+
+import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import CampaignFits
@@ -14,57 +16,54 @@ from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.left_pattern import LeftPattern
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.effects.effect import Kind
+from procedures.inference.priors import Confidence, word
 from procedures.uncertainty.given_values import ByTriad
 
-Confidence = Literal["established", "likely", "ambiguous"]
 Verdict = Literal["consistent", "established", "likely", "ambiguous", "partly", "unexplained"]
-WITHOUT_CAUSE = ".bias_walk"  # a form of what is left, which explains nothing of where it comes from
-PARTLY_SHARE = 0.5  # of the excess held out, from which a finding says something of what is left
+CERTAIN = 1.0  # probability of what stands in the samples, as a value that never changes
 UNEXPLAINED_LOG_P = log(0.01)  # of the global test, below which the residual is more than noise
 WEAKEST_LAST: tuple[Verdict, ...] = ("consistent", "established", "likely", "ambiguous", "partly", "unexplained")
 
 
 class Because(StrEnum):
-    """Why a verdict is what it is, or why a finding is ambiguous; what the value of such a `Reason` is."""
+    """Why a verdict is what it is; what the value of such a `Reason` is."""
 
     RESIDUAL = "residual_exceeds_noise"  # log10 p of the global test
-    CURVE = "curve_predicts_better"  # ln predictive density by which a smooth curve is better on held-out rows
-    WALK = "random_walk_as_likely"  # no value
-    AMBIGUOUS = "finding_ambiguous"  # no value
-    LIKELY = "finding_likely"  # no value
+    NAMELESS = "cause_without_a_name"  # probability
+    AMBIGUOUS = "finding_ambiguous"  # probability of the name
+    LIKELY = "finding_likely"  # probability of the name
     STRUCTURE = "samples_keep_structure"  # share of the samples' variance that a table by phase explains more
     MOTION = "rests_move"  # by how much the parts of a rest differ beyond noise [g]
-    ALTERNATIVE = "alternative"  # no value
-    PATTERN = "leaves_a_pattern"  # share of the excess that the finding explains
-    SMALL_SHARE = "small_share"  # share of the excess that the finding explains
-    NOT_SIGNIFICANT = "not_significant"  # log10 p, corrected for all that was tried
-    MEMORY = "another_memory"  # no value
-    NOT_DETERMINED = "nonlinear_part_not_determined"  # no value
-    SINGLE_STEP = "may_be_a_single_step"  # no value
-    NEIGHBOUR = "two_steps_close_together"  # no value
-    TOGETHER = "beside_an_ambiguous_one"  # no value
 
 
 @dataclass(frozen=True, slots=True)
 class Reason:
-    """A reason as it is: its code, the effect or curve that it is about, and the value computed, if any."""
+    """A reason as it is: its code, the effect or function that it is about, and the value computed, if any."""
 
     code: Because
     what: str = ""
     value: float | None = None
 
 
+def probability_of(log_p: float) -> float:
+    """Return the posterior probability of an effect by ln p of its test, corrected for all that was tried.
+
+    The Bayes factor for the null hypothesis is at least -e p ln p (Sellke, Bayarri and Berger 2001, The American
+    Statistician 55:62, for p < 1/e); a correction for all trials is a prior probability of one half of each.
+    """
+    return 1 / (1 - np.exp(1 + log_p) * log_p) if log_p < -1 else 0.5
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Finding:
     """An effect found: its coefficients by key with 1 sigma, in ``unit``, and how sure its name is.
 
-    ``aliases`` could take its place; ``separate_by`` is the measurement that separates them. ``log_p`` is
-    adjusted for all that was tried, None where it was not tested; ``gain`` is what rows held out gained by it (ln
-    predictive density); ``sign_flip_p`` checks it without a distribution (`procedures.diagnosis.sign_flip_test`),
-    None where signs could not tell. ``share`` (0 to 1) is how much of what noise does not explain it does, on
-    rows held out (`procedures.diagnosis.explained_share`), None where none were held out. ``reasons`` say why it
-    is ambiguous. ``same_here`` are effects whose columns are this one's in a recording at one attitude that
-    calibrates nothing: the finding is of the output there, whatever its name.
+    ``probability`` is that of the name, ``shares`` those of all names that the cause may have, its own included;
+    ``joint`` is the probability that one of them acts. ``aliases`` are the other names; ``separate_by`` is the
+    measurement that separates them. ``log_p`` is adjusted for all that was tried, None where no p was computed.
+    ``errors`` are those held out of what the effect acts on, without and with it. ``share`` (0 to 1) is by how
+    much of their squares it reduces them. ``same_here`` are effects whose columns are this one's in a recording at
+    one attitude that calibrates nothing: the finding is of the output there, whatever its name.
     """
 
     effect: str
@@ -74,38 +73,37 @@ class Finding:
     std: FloatArray
     unit: str
     where: Mapping[str, object]
-    confidence: Confidence
-    aliases: tuple[str, ...]
+    probability: float
     separate_by: str
-    log_p: float | None
-    gain: float
+    log_p: float | None = None
     shape: str = ""
-    sign_flip_p: float | None = None
     share: float | None = None
-    reasons: tuple[Reason, ...] = ()
+    aliases: tuple[str, ...] = ()
+    shares: Mapping[str, float] = field(default_factory=dict)
+    joint: float | None = None
+    errors: tuple["ResidualRms", ...] = ()
     same_here: tuple[str, ...] = ()
 
-    def doubted(self, code: Because, what: str = "", value: float | None = None) -> "Finding":
-        """Return the finding as ambiguous, for one reason more."""
-        return replace(self, confidence="ambiguous", reasons=(*self.reasons, Reason(code, what, value)))
+    @property
+    def confidence(self) -> Confidence:
+        """The word for the probability of the name."""
+        return word(self.probability)
+
+    def or_else(self, *names: str) -> "Finding":
+        """Return the finding as one of several causes that are as likely."""
+        return replace(
+            self, aliases=names, probability=self.probability / (1 + len(names)), joint=self.probability
+        )
 
 
 @dataclass(frozen=True, slots=True)
 class EffectTest:
-    """An effect that was tried: statistic (chi-square over its coefficients), ln p, and ln p adjusted by Holm."""
+    """An effect that was tested: statistic (chi-square over its coefficients), ln p, and ln p adjusted by Holm."""
 
     effect: str
     statistic: float
     log_p: float
     log_p_adjusted: float
-
-
-@dataclass(frozen=True, slots=True)
-class TooLarge:
-    """An effect that would explain what is left but for its size: so many ``times`` what is plausible."""
-
-    effect: str
-    times: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,25 +177,38 @@ class BenchAlone:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Unnamed:
+    """A cause that no name is likely for: ``what`` it looks like, how probable that is, what it may be instead.
+
+    ``note`` says where and how, ``shares`` are by name the probabilities of all that it may be. ``errors`` are
+    held out of the rows on which it acts, without and with it.
+    """
+
+    what: str
+    probability: float
+    joint: float
+    note: str
+    shares: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Diagnosis:
     """The whole: ``before`` and ``after`` are the fits without and with the effects, with the evidence of each.
 
-    ``log_p`` is the global test's after all accepted effects. ``added`` are the effects in the model, ``values``
-    their coefficients (k,) each as they were fitted. ``unexplained`` is what stays by triad within the dwells
-    (`procedures.diagnosis.unexplained_residual.within_dwells`), and by how much it may have moved the values
-    (`procedures.diagnosis.moved_by_curves`), None where the global test leaves nothing;
-    ``unexplained_before`` is the same without the effects. ``left`` says where what the
-    global test leaves shows most (`procedures.diagnosis.left_pattern`).
+    ``log_p`` is the global test's after all named causes. ``added`` are the effects in the model, ``values``
+    their coefficients (k,) each as they were fitted. ``unnamed`` are the causes without a name,
+    ``probabilities`` those of every name that was considered, ``not_separable`` the names that the model's own
+    parameters take wholly, with the measurement that separates each. ``unexplained`` is what stays by triad within
+    the dwells (`procedures.diagnosis.unexplained_residual.within_dwells`), None where the global test leaves
+    nothing; ``unexplained_before`` is the same without the effects. ``left`` says where what is left shows most
+    (`procedures.diagnosis.left_pattern`).
     ``clock`` is the relative 1 sigma of the clock's rate by which times were put right, None where they were not;
     it is in the sigmas of both solutions. ``on_table`` are the gyroscopes that rate tables turned, ``folded`` the
-    samples by the phase of each periodic finding. ``too_large``
-    are effects that nothing but their size speaks against, where more than noise is left. ``declared`` are the
-    effects that were in the model from the start, ``declared_before`` the same without the findings; warnings of
-    both solutions say which could not be. ``bench_alone`` is solved with what was found
-    of bench and procedure, where an effect of the instrument is in doubt beside it. ``looked_at`` are the
-    campaigns without what was cut out of their soaks. ``unnamed`` say which findings something without a name
-    predicts better: the cause is then another, whatever the global test says. ``in_samples`` say what periodic
-    errors leave in the samples.
+    samples by the phase of each periodic finding. ``declared`` are the effects that were in the model from the
+    start, ``declared_before`` the same without the findings; warnings of both solutions say which could not be.
+    ``bench_alone`` is solved with what was found of bench and procedure, where an effect of the instrument is in
+    doubt beside it. ``looked_at`` are the campaigns without what was cut out of their soaks. ``beside`` are
+    reasons that are no cause in the model: rests that move, what periodic errors leave in the samples.
     """
 
     verdict: Verdict
@@ -211,6 +222,9 @@ class Diagnosis:
     solution: Solution
     log_p: float
     next_measurement: str
+    unnamed: tuple[Unnamed, ...] = ()
+    probabilities: Mapping[str, float] = field(default_factory=dict)
+    not_separable: Mapping[str, str] = field(default_factory=dict)
     added: tuple[Candidate, ...] = ()
     values: tuple[FloatArray, ...] = ()
     unexplained: ByTriad | None = None
@@ -218,14 +232,12 @@ class Diagnosis:
     left: tuple[LeftPattern, ...] = ()
     clock: float | None = None
     on_table: tuple[TableSensor, ...] = ()
-    too_large: tuple[TooLarge, ...] = ()
     folded: tuple[FoldedResidual, ...] = ()
     declared: tuple[DeclaredEffect, ...] = ()
     declared_before: tuple[DeclaredEffect, ...] = ()
     bench_alone: BenchAlone | None = None
     looked_at: tuple[Campaign, ...] = ()
-    unnamed: tuple[Reason, ...] = ()
-    in_samples: tuple[Reason, ...] = ()
+    beside: tuple[Reason, ...] = ()
 
     @property
     def reasons(self) -> tuple[Reason, ...]:
@@ -233,10 +245,12 @@ class Diagnosis:
         found = list[Reason]()
         if self.log_p < UNEXPLAINED_LOG_P:
             found.append(Reason(Because.RESIDUAL, value=self.log_p / log(10)))
-        found += (*self.unnamed, *self.in_samples)
-        for code, confidence in ((Because.AMBIGUOUS, "ambiguous"), (Because.LIKELY, "likely")):
+        found += [Reason(Because.NAMELESS, each.what, each.joint) for each in self.unnamed]
+        found += self.beside
+        for code, confidence in ((Because.AMBIGUOUS, "possible"), (Because.LIKELY, "likely")):
             if code is Because.AMBIGUOUS or not found:
-                found += [Reason(code, each.effect) for each in self.findings if each.confidence == confidence]
+                said = [each for each in self.findings if each.confidence == confidence]
+                found += [Reason(code, each.effect, each.probability) for each in said]
         return tuple(found)
 
     @property
@@ -245,13 +259,14 @@ class Diagnosis:
         return bool(self.solution.accelerometer or self.solution.gyroscope or self.on_table)
 
 
-def verdict_with_excess(findings: Sequence[Finding]) -> Verdict:
-    """Return the verdict where more than noise is left: whether a finding explains at least half of the excess."""
-    return (
-        "partly"
-        if any((each.share or 0.0) >= PARTLY_SHARE for each in findings if not each.effect.endswith(WITHOUT_CAUSE))
-        else "unexplained"
-    )
+def verdict_of(findings: Sequence[Finding], *, is_left: bool) -> Verdict:
+    """Return the verdict; ``is_left`` says that the findings leave more than noise."""
+    words = {each.confidence for each in findings}
+    if is_left:
+        return "partly" if words - {"possible"} else "unexplained"
+    if "possible" in words:
+        return "ambiguous"
+    return "likely" if "likely" in words else "established" if words else "consistent"
 
 
 def combine_diagnoses(bench: Diagnosis, tables: Diagnosis) -> Diagnosis:
@@ -260,14 +275,15 @@ def combine_diagnoses(bench: Diagnosis, tables: Diagnosis) -> Diagnosis:
     The p-value is the smaller one times two (Bonferroni).
     """
     findings = _told_once(bench.findings, tables.findings)
-    verdict = max((bench.verdict, tables.verdict), key=WEAKEST_LAST.index)
-    verdict = verdict_with_excess(findings) if verdict in {"partly", "unexplained"} else verdict
+    is_left = bool({bench.verdict, tables.verdict} & {"partly", "unexplained"})
     next_measurement = "; ".join(filter(None, (bench.next_measurement, tables.next_measurement)))
     return replace(
-        bench, verdict=verdict, findings=findings, tried=(*bench.tried, *tables.tried),
-        errors=(*bench.errors, *tables.errors), log_p=min(min(bench.log_p, tables.log_p) + log(2), 0.0),  # of two
+        bench, verdict=verdict_of(findings, is_left=is_left), findings=findings,
+        tried=(*bench.tried, *tables.tried), errors=(*bench.errors, *tables.errors),
+        log_p=min(min(bench.log_p, tables.log_p) + log(2), 0.0),  # of two
         next_measurement=next_measurement, left=(*bench.left, *tables.left), on_table=tables.on_table,
-        too_large=(*bench.too_large, *tables.too_large), unnamed=(*bench.unnamed, *tables.unnamed),
+        unnamed=(*bench.unnamed, *tables.unnamed), beside=(*bench.beside, *tables.beside),
+        probabilities={**tables.probabilities, **bench.probabilities},
     )  # fmt: skip
 
 
@@ -281,7 +297,7 @@ def with_file_names(tables: Diagnosis) -> Diagnosis:
 
 
 def _told_once(bench: Sequence[Finding], tables: Sequence[Finding]) -> tuple[Finding, ...]:
-    sure = {each.effect for each in bench if each.confidence != "ambiguous"}
+    sure = {each.effect for each in bench if each.confidence != "possible"}
     added = [each for each in tables if each.effect not in sure]
-    better = {each.effect for each in added if each.confidence != "ambiguous"}
+    better = {each.effect for each in added if each.confidence != "possible"}
     return (*(each for each in bench if each.effect not in better), *added)

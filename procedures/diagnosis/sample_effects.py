@@ -14,15 +14,14 @@ from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.coherent_lines import coherent_line
 from procedures.diagnosis.held_samples import Scales, records_at_rest
 from procedures.diagnosis.result import (
-    WEAKEST_LAST,
     Because,
-    Confidence,
     Diagnosis,
     Finding,
     FoldedResidual,
     Reason,
     ResidualRms,
-    Verdict,
+    probability_of,
+    verdict_of,
 )
 from procedures.diagnosis.sample_blocks import (
     Columns,
@@ -45,7 +44,6 @@ from procedures.statistics.spectrum import lines_of
 from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
 
 MAX_LOG_P = np.log(1e-3)
-ESTABLISHED_LOG_P = np.log(1e-5)
 MIN_SHARE = 1e-5  # of a sensor's variance, held out
 BESIDE_A_LINE = 0.005  # of its frequency
 MIN_LINE_SHARE = 0.02  # of a line in time, below which it is only told with the noise
@@ -109,16 +107,14 @@ def with_sample_effects(found: Diagnosis, campaigns: Sequence[Campaign], scales:
     new = tuple(each for each in seen.findings if not any(_is_same(each, one) for one in found.findings))
     if not new and not seen.left:
         return found
-    verdict: Verdict = max((found.verdict, *(each.confidence for each in new)), key=WEAKEST_LAST.index)
-    if seen.left:
-        verdict = max((verdict, "partly" if new else "unexplained"), key=WEAKEST_LAST.index)
+    findings, is_left = (*found.findings, *new), found.verdict in {"partly", "unexplained"} or bool(seen.left)
     return replace(
         found,
-        verdict=verdict,
-        findings=(*found.findings, *new),
+        verdict=verdict_of(findings, is_left=is_left),
+        findings=findings,
         errors=(*found.errors, *seen.errors),
         folded=seen.folded,
-        in_samples=seen.left,
+        beside=(*found.beside, *seen.left),
     )
 
 
@@ -332,18 +328,18 @@ def _finding(blocks: SampleBlocks, candidate: Candidate, triad: str, fits: dict[
         unit, where["channel"] = f"{unit}/unit", candidate.about.removesuffix(" itself")
     elif effect != "disturbance.line":
         where["channel"] = candidate.phase.channel
-    confidence: Confidence = "established" if log_p < ESTABLISHED_LOG_P else "likely"
     aliases: tuple[str, ...] = ()
     separate = SEPARATE
     if effect == "disturbance.line" and candidate.phase is not None:
         hertz = candidate.phase.step / blocks.period
         if turning := steady_channels(blocks, hertz):
-            aliases, confidence = ("auxiliary.periodic",), "ambiguous"
+            aliases = ("auxiliary.periodic",)
             separate = f"{', '.join(turning)} at another speed"
-    return Finding(
-        effect, kind, tuple(names), np.concatenate(value), np.concatenate(std), unit, where, confidence, aliases,
-        separate, float(log_p), 0.0, _shape(blocks, candidate, fits), None, max(f.share for f in fits.values()),
+    one = Finding(
+        effect, kind, tuple(names), np.concatenate(value), np.concatenate(std), unit, where, probability_of(log_p),
+        separate, float(log_p), _shape(blocks, candidate, fits), max(f.share for f in fits.values()),
     )  # fmt: skip
+    return one.or_else(*aliases) if aliases else one
 
 
 def recordings(blocks: SampleBlocks) -> list[str]:

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.special import ive
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.diagnosis.result import Finding
+from procedures.diagnosis.result import Finding, probability_of
 from procedures.diagnosis.sample_blocks import SampleBlocks
 from procedures.frames import AXES, TRIADS
 from procedures.statistics.spectrum import (
@@ -36,7 +36,6 @@ NEAR = 12  # neighbours on either side that tell what noise has
 NEIGHBOURS_DOF = 10.0  # of their median, for each piece: 18 values that hang together under Hann's window
 MIN_ODDS = 20.0
 MIN_SHARE = 1e-3  # of a sensor's variance
-ESTABLISHED_LOG_P = np.log(1e-5)
 SEPARATE = "another sample rate, and another bench"
 
 
@@ -157,7 +156,7 @@ def _findings(
     stretches = f"{line.at / seconds:.4g} +- {0.5 / seconds:.2g} Hz in {line.pieces} stretches of {seconds:.4g} s"
     yield Finding(
         EFFECT, "procedure", tuple(triad[0] + AXES[blocks.sensors[s].axis] for s in told), factor * amplitude,
-        factor * std, unit, {"file": names}, "established" if line.log_p < ESTABLISHED_LOG_P else "likely", (),
-        SEPARATE, line.log_p, 0.0, f"{stretches}; it may be any multiple of {1 / blocks.period:.5g} Hz away",
+        factor * std, unit, {"file": names}, probability_of(line.log_p),
+        SEPARATE, line.log_p, f"{stretches}; it may be any multiple of {1 / blocks.period:.5g} Hz away",
         share=min(max(shares.values()), 1.0),
     )  # fmt: skip

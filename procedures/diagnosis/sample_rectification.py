@@ -15,7 +15,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.diagnosis.result import Confidence, Finding, FoldedResidual
+from procedures.diagnosis.result import Finding, FoldedResidual, probability_of
 from procedures.diagnosis.sample_blocks import LEFT_OUT, SampleBlocks, Scores, detrended, fit_scores
 from procedures.frames import AXES
 from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
@@ -24,7 +24,6 @@ EFFECT = "{}.vibration_rectification"
 STRETCH_S, MIN_STRETCH = 1.0, 32  # samples at the least
 GROUPS, MIN_GROUP, MAX_GROUP = 24, 16, 64  # of stretches that are compared; stretches in one
 BINS = 20  # by variance, of a plot
-ESTABLISHED_LOG_P = np.log(1e-5)
 MOST = {"accelerometer": 1.0, "gyroscope": 5e4}  # g/g^2, deg/h/g^2: more no sensor rectifies
 Shaken = tuple[int, Sequence[int]]
 """A sensor, and those that say how it is shaken."""
@@ -66,16 +65,14 @@ def _rectified(
     if not fits:
         return
     log_p, value = min(fit.log_p for fit in fits.values()), np.concatenate([fit.value for fit in fits.values()])
-    confidence: Confidence = "established" if log_p < ESTABLISHED_LOG_P else "likely"
     is_too_large = float(np.max(np.abs(factor * value))) > MOST[triad]  # knocks shake and move at once
-    yield Finding(
+    found = Finding(
         EFFECT.format(triad), "instrument", tuple(AXES[blocks.sensors[s].axis] for s in fits), factor * value,
         factor * np.array([np.sqrt(fit.covariance[0, 0]) for fit in fits.values()]), unit,
-        {"file": names},
-        "ambiguous" if is_too_large else confidence, ("disturbance.dwell",) if is_too_large else (),
-        SEPARATE, log_p, 0.0,
+        {"file": names}, probability_of(log_p), SEPARATE, log_p,
         share=max(fit.share for fit in fits.values()),
     )  # fmt: skip
+    yield found.or_else("disturbance.dwell") if is_too_large else found
 
 
 def by_variance(blocks: SampleBlocks, is_usable: Sequence[bool], finding: Finding) -> Iterator[FoldedResidual]:

@@ -22,7 +22,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, TurnRecord
 from procedures.diagnosis.held_samples import HeldChannel, Scales, held_channels
-from procedures.diagnosis.result import Confidence, Finding, ResidualRms
+from procedures.diagnosis.result import Finding, ResidualRms, probability_of
 from procedures.diagnosis.sample_blocks import AUXILIARY, LEFT_OUT, Fitted, Scores
 from procedures.diagnosis.sample_harmonics import ORDERS, likeliest
 from procedures.diagnosis.sample_phases import NATURAL, NEAR_NATURAL, WRAP_SHARE
@@ -33,7 +33,7 @@ HARMONICS = (8, 32, 128)  # looked at: more where so many are likeliest
 RESOLVED = 0.25  # turns of the highest harmonic in a sample, at most
 BLOCKS, MIN_BLOCK = 96, 64  # of all turns; samples
 MIN_WRAPS = 4  # of a channel, in all
-MAX_LOG_P, ESTABLISHED_LOG_P = np.log(1e-3), np.log(1e-5)
+MAX_LOG_P = np.log(1e-3)
 MIN_SHARE = 1e-5  # of a sensor's variance, held out
 ALONG = 1e-3  # of the turns' rms, by which an angle that turns along leaves a straight line of psi
 ONCE = 0.1  # turns of psi: a harmonic so near to one is not told from the Earth's rate
@@ -210,13 +210,12 @@ def _finding(turns: Sequence[Turning], angle: Angle, fits: dict[int, Fitted]) ->
     value = np.concatenate([fit.value for fit in fits.values()]) * DEG_H_PER_DEG_S
     std = np.concatenate([np.sqrt(np.diag(fit.covariance)) for fit in fits.values()]) * DEG_H_PER_DEG_S
     log_p = min(fit.log_p for fit in fits.values())
-    confidence: Confidence = "established" if log_p < ESTABLISHED_LOG_P else "likely"
     used = angle.harmonics(HARMONICS[-1])[: max(fit.order for fit in fits.values())]
     shape = f"period {angle.period:.6g} of {angle.name} while it turns, harmonics {', '.join(map(str, used))}"
     where: dict[str, object] = {"file": [turn.record.name for turn in turns][:3], "channel": angle.name}
     return Finding(
-        "auxiliary.periodic", "procedure", tuple(names), value, std, "deg/h", where, confidence, (), SEPARATE,
-        float(log_p), 0.0, shape, None, max(fit.share for fit in fits.values()),
+        "auxiliary.periodic", "procedure", tuple(names), value, std, "deg/h", where, probability_of(log_p),
+        SEPARATE, float(log_p), shape, max(fit.share for fit in fits.values()),
     )  # fmt: skip
 
 

@@ -18,9 +18,10 @@ from procedures.campaign.observations import channel
 from procedures.counts.rate_output_mean import estimate_rates
 from procedures.counts.sample_records import CountSeries
 from procedures.diagnosis.dwell_headings import HeadingLikelihood
-from procedures.diagnosis.result import Confidence, EffectTest, Finding
+from procedures.diagnosis.result import EffectTest, Finding, probability_of
 from procedures.earth.gyrocompass import first_position
 from procedures.frames import FACES, POSITIONS, face_normal, face_of
+from procedures.inference.priors import LIKELY
 
 EFFECT = "placement.label"
 SEED, DRAWS = 20181218, 400  # of the sample consensus: always the same
@@ -93,11 +94,12 @@ def find_wrong_labels(campaigns: Sequence[Campaign]) -> list[Mislabelled]:
 def _finding(campaigns: Sequence[Campaign], each: Mislabelled) -> Finding:
     record = campaigns[each.campaign].dwells[each.dwell]
     where = {"position": record.position, "file": record.name}
-    confidence: Confidence = "established" if each.is_heading_known and each.log_p < np.log(0.01) else "likely"
-    std = 0.0 if each.is_heading_known else 1.0  # a face's two positions are neighbours
+    sure = probability_of(each.log_p)
+    sure = sure if each.is_heading_known else min(sure, LIKELY)  # a face's two positions are neighbours
+    std = 0.0 if each.is_heading_known else 1.0
     return Finding(
         EFFECT, "procedure", ("actual",), np.array([float(each.position)]), np.array([std]), "position", where,
-        confidence, (), "the dwell again, in the position it was asked for", each.log_p, 0.0,
+        sure, "the dwell again, in the position it was asked for", each.log_p,
     )  # fmt: skip
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from procedures.bench.sign_errors import earth_signs, reversed_axes
 from procedures.campaign.campaign import Campaign, TurnRecord
 from procedures.diagnosis.dwell_headings import scale_factors_from_turns
-from procedures.diagnosis.result import Finding
+from procedures.diagnosis.result import CERTAIN, Finding
 from procedures.diagnosis.wrong_positions import EFFECT, triad_rates
 from procedures.frames import AXES
 
@@ -50,5 +50,5 @@ def _other_way(turn: TurnRecord) -> TurnRecord:
 def _finding(names: Sequence[str]) -> Finding:
     return Finding(
         EFFECT, "procedure", ("direction",), np.array([-1.0]), np.array([0.0]), "direction", {"file": list(names)},
-        "established", (), "the turns again, in the direction they are asked for", None, 0.0,
+        CERTAIN, "the turns again, in the direction they are asked for",
     )  # fmt: skip

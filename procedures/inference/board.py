@@ -51,6 +51,11 @@ class Option:
     note: str = ""
 
     @property
+    def place(self) -> str:
+        """Where it acts, as text."""
+        return "" if self.candidate is None else str(self.candidate.columns.where)
+
+    @property
     def is_bent(self) -> bool:
         """Say whether it has a time constant, or what else is not linear."""
         return self.candidate is not None and bool(self.candidate.columns.nonlinear)
@@ -82,7 +87,7 @@ class Board:
     """The evidence with the model's own parameters integrated out, and every hypothesis beside it.
 
     ``y`` (m,) is the whitened residual in the complement of the model's columns, ``W`` (m, N) all columns there,
-    the last of which is zero, ``H`` (n, N) the same on all rows.
+    the last of which is zero, ``H`` (n, N) the same on all rows. ``basis`` (n, m) spans the complement.
     """
 
     evidence: Evidence
@@ -91,6 +96,7 @@ class Board:
     W: FloatArray
     hypotheses: tuple[Hypothesis, ...]
     options: tuple[Option, ...]
+    basis: FloatArray
 
     @cached_property
     def separable(self) -> Mapping[str, bool]:

@@ -5,7 +5,7 @@ of this one kind. A hypothesis has options, each with its share of the prior: wh
 constant, in all sensors or in one.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -59,6 +59,35 @@ class Library:
                 ways[i] = replace(exact, masks=ways[i].masks)
         return Library(self.hypotheses, tuple(ways))
 
+    def with_functions(self, nameless: Mapping[str, Sequence[tuple[float, FloatArray, str]]]) -> "Library":
+        """Return the library with functions without a name: their shares, whitened columns (n, k) and notes."""
+        hypotheses, ways = list(self.hypotheses), list(self.ways)
+        for name, options in nameless.items():
+            total = sum(share for share, _, _ in options)
+            ways += [
+                Way(len(hypotheses), H, [(float(np.log(share / total)), np.arange(H.shape[1]))], note=note)
+                for share, H, note in options
+            ]
+            if options:
+                hypotheses.append(_without_name(name, "nameless", priors.ODDS_NAMELESS, priors.OF_NAMELESS))
+        return Library(tuple(hypotheses), tuple(ways))
+
+    def with_terms(self, evidence: Evidence, terms: Iterable[tuple[str, Candidate, float]]) -> "Library":
+        """Return the library with terms by name, each one way in which it acts, with ln of its prior odds."""
+        hypotheses, ways = list(self.hypotheses), list(self.ways)
+        for name, candidate, log_odds in terms:
+            ways.append(_way(evidence, len(hypotheses), candidate, 0.0))
+            hypotheses.append(Hypothesis(name, "term", log_odds, priors.OF_NAMELESS, candidate.effect))
+        return Library(tuple(hypotheses), tuple(ways))
+
+    def with_noise(self, classes: Iterable[tuple[str, FloatArray]]) -> "Library":
+        """Return the library with classes of rows that may be noisier than stated: columns (n, k), one a row."""
+        hypotheses, ways = list(self.hypotheses), list(self.ways)
+        for name, E in classes:
+            ways.append(Way(len(hypotheses), E, [(0.0, np.arange(E.shape[1]))]))
+            hypotheses.append(_without_name(name, "noise", priors.ODDS_NAMED, priors.OF_SPREAD))
+        return Library(tuple(hypotheses), tuple(ways))
+
     def on(self, evidence: Evidence) -> Board:
         """Return every hypothesis beside an evidence of the same rows."""
         white = evidence.A / evidence.sigma[:, None]
@@ -81,17 +110,19 @@ class Library:
         W = np.hstack([*parts, np.zeros((basis.shape[1], 1))])
         H = np.hstack([*rows, np.zeros((len(white), 1))])
         y = basis.T @ (evidence.residual / evidence.sigma)
-        return Board(evidence, H, y, W, self.hypotheses, _plainest(W, options))
+        return Board(evidence, H, y, W, self.hypotheses, _plainest(W, options, self.hypotheses), basis)
 
 
-def _plainest(W: FloatArray, options: Sequence[Option]) -> tuple[Option, ...]:
+def _plainest(W: FloatArray, options: Sequence[Option], hypotheses: Sequence[Hypothesis]) -> tuple[Option, ...]:
     """Return the options without those that do what a plainer effect does.
 
     A lag of a second, a settling of a week and a function of two temperatures do what a coefficient of temperature
     or a drift does: that is the name they then have.
     """
     spans = {
-        id(each.candidate): each.columns for each in sorted(options, key=lambda o: len(o.columns)) if each.is_plain
+        id(each.candidate): each.columns
+        for each in sorted(options, key=lambda o: len(o.columns))
+        if each.is_plain and hypotheses[each.hypothesis].kind != "term"
     }
     owner = np.repeat(np.arange(len(options)), [len(each.columns) for each in options])
     every = np.concatenate([np.zeros(0, dtype=np.int64), *(each.columns for each in options)])
@@ -114,25 +145,18 @@ def _is_same(one: Candidate, other: Candidate) -> bool:
 
 def library_of(evidence: Evidence, pool: Mapping[str, Sequence[Candidate]]) -> Library:
     """Return every hypothesis beside an evidence; ``pool`` are by name the ways in which effects may act."""
+    walks = {f"a random walk of the bias, {triad}": walk(evidence, triad) for triad in TRIADS}
+    return named(evidence, pool).with_functions(functions(evidence) | walks).with_noise(_noise(evidence))
+
+
+def named(evidence: Evidence, pool: Mapping[str, Sequence[Candidate]]) -> Library:
+    """Return the hypotheses that have a name; ``pool`` are by name the ways in which effects may act."""
     hypotheses, ways = list[Hypothesis](), list[Way]()
     for name, candidates in pool.items():
         tried = [each for each in candidates if each.is_tried and not each.effect.is_bench_parameter]
         if tried:
             hypotheses.append(_named(name, tried))
             ways += _named_ways(evidence, len(hypotheses) - 1, tried)
-    nameless = functions(evidence)
-    nameless |= {f"a random walk of the bias, {triad}": walk(evidence, triad) for triad in TRIADS}
-    for name, options in nameless.items():
-        total = sum(share for share, _, _ in options)
-        ways += [
-            Way(len(hypotheses), H, [(float(np.log(share / total)), np.arange(H.shape[1]))], note=note)
-            for share, H, note in options
-        ]
-        if options:
-            hypotheses.append(_without_name(name, "nameless", priors.ODDS_NAMELESS, priors.OF_NAMELESS))
-    for name, E in _noise(evidence):
-        ways.append(Way(len(hypotheses), E, [(0.0, np.arange(E.shape[1]))]))
-        hypotheses.append(_without_name(name, "noise", priors.ODDS_NAMED, priors.OF_SPREAD))
     return Library(tuple(hypotheses), tuple(ways))
 
 

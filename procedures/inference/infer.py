@@ -5,15 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.candidates import Candidate, Candidates
-from procedures.diagnosis.checks_before_effects import CheckedCampaigns
-from procedures.diagnosis.diagnose import put_right
-from procedures.diagnosis.disturbed_soaks import without_knocks
 from procedures.diagnosis.linear_model import Term
 from procedures.diagnosis.model_with_effects import BaseModel
 from procedures.diagnosis.refit import Refit, terms_at
-from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
 from procedures.errors import DoesNotFit
 from procedures.inference.board import Board
@@ -25,13 +20,18 @@ from procedures.inference.search import Model, Search
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Inferred:
-    """What was inferred: the posterior, the board it is of, the refit with the best model's effects in."""
+    """What was inferred: the posterior, the board it is of, the base model and the refit with the best effects in.
+
+    ``refit`` has fits averaged over the models, ``first`` is the base model without any effect, ``pool`` holds the
+    ways in which effects may act.
+    """
 
     posterior: Posterior
     board: Board
+    first: Refit
     refit: Refit
     subject: BaseModel
-    checked: CheckedCampaigns
+    pool: Candidates
 
     @property
     def not_separable(self) -> tuple[str, ...]:
@@ -39,16 +39,11 @@ class Inferred:
         return tuple(name for name, is_seen in self.board.separable.items() if not is_seen)
 
 
-def infer(campaigns: Sequence[Campaign], effects: Sequence[Effect] = EFFECTS) -> Inferred:
-    """Return the causes that the residual of one unit's campaigns shows, each with its probability."""
-    checked, bench = put_right(without_knocks(campaigns).campaigns)
-    return inferred(bench, [each for each in effects if each.name not in checked.settled], checked)
-
-
-def inferred(subject: BaseModel, effects: Sequence[Effect], checked: CheckedCampaigns) -> Inferred:
+def infer(subject: BaseModel, effects: Sequence[Effect]) -> Inferred:
     """Search, linearise where the best model stands, and search again until its names stay."""
-    now = subject.refit(())
-    library = library_of(now.evidence, Candidates(now.evidence, now.fits, effects))
+    now = first = subject.refit(())
+    pool = Candidates(now.evidence, now.fits, effects)
+    library = library_of(now.evidence, pool)
     search = Search(library.on(now.evidence))
     best, tried = search.run(), set[tuple[str, ...]]()
     while (names := _names(search.board, best)) not in tried and (wanted := _candidates(search.board, best)):
@@ -61,7 +56,7 @@ def inferred(subject: BaseModel, effects: Sequence[Effect], checked: CheckedCamp
         best = search.run()
     found = posterior(search)
     fits = now.fits if now.bare is None else averaged_fits(search, now.bare, found.causes)
-    return Inferred(found, search.board, replace(now, fits=fits), subject, checked)
+    return Inferred(found, search.board, first, replace(now, fits=fits), subject, pool)
 
 
 def _bent(now: Refit) -> list[Candidate]:

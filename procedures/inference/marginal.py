@@ -99,7 +99,7 @@ def ranked(board: Board, members: Sequence[Member]) -> Ranked:
     for block in board.blocks:
         of = np.moveaxis(across[:, block.columns], 0, 2)  # (b, k, s)
         G, g = block.G - of @ held.inverse @ np.swapaxes(of, 1, 2), block.g - of @ held.c
-        values = _gains(board, held.squares, G, g, block)
+        values = gains_of(board, held.squares, G, g, block)
         most = np.argmax(values, axis=1)
         at = np.arange(len(most))
         shares = np.array([board.options[i].log_share for i in block.options])
@@ -113,7 +113,7 @@ def ranked(board: Board, members: Sequence[Member]) -> Ranked:
     return Ranked(gains, best, amplitude, total)
 
 
-def _gains(board: Board, squares: float, G: FloatArray, g: FloatArray, block: Block) -> FloatArray:
+def gains_of(board: Board, squares: float, G: FloatArray, g: FloatArray, block: Block) -> FloatArray:
     """Return the gain (b, amplitudes) of options with G (b, k, k) and g (b, k)."""
     if G.shape[1] == 1:
         size, along = np.maximum(G[:, 0], 0.0), g

@@ -1,6 +1,10 @@
 """Every chosen number of the inference, with unit and reason; guards against a division by zero are elsewhere."""
 
+from typing import Literal
+
 import numpy as np
+
+Confidence = Literal["established", "likely", "possible"]
 
 # What acts.
 # Of about forty names in the catalogue, a unit on its bench shows between none and two. A term of the bench or of
@@ -8,6 +12,10 @@ import numpy as np
 ODDS_NAMED = 0.01
 # About twenty families hold what no catalogue lists. Together they act a tenth as often as the catalogue.
 ODDS_NAMELESS = 0.002
+# The library of terms holds laws that no catalogue lists: all together they are as likely as the functions are.
+ODDS_TERMS = 0.04
+# Every factor and parameter makes a term of the library so much less likely [nats]: the simplest first.
+SIMPLER = 2.0
 # Where one coefficient of an error term acts, another of it acts in one of four cases.
 ODDS_ANOTHER = 0.3
 
@@ -36,6 +44,7 @@ BREADTH = 3  # models of one size from which the next are grown
 LARGEST = 8  # causes in a model: a unit with more needs a repair, no diagnosis
 
 ESTABLISHED, LIKELY = 0.99, 0.9  # probability from which a cause is called so
+PRESENT = 0.5  # probability from which a cause changes the verdict: likelier than not
 
 
 def grid(low: float, high: float) -> np.ndarray:
@@ -49,3 +58,10 @@ OF_SPREAD = grid(1 / FACTOR, FACTOR)  # of the standard deviation of a scatter, 
 OF_NAMELESS = grid(1.0, SPAN)  # of what one sigma of all rows together is
 WINDOW = -2 * np.log(NEGLIGIBLE)  # nats below the best model: a hundred such models are negligible
 HALF_PERIODS = round(2 * max(BENDS))  # columns of a smooth function
+
+
+def word(probability: float) -> Confidence:
+    """Return the word for the probability of a cause."""
+    if probability >= ESTABLISHED:
+        return "established"
+    return "likely" if probability >= LIKELY else "possible"

@@ -68,6 +68,19 @@ class Search:
         least = self.best.log_odds - priors.WINDOW
         return sorted((m for m in self.models.values() if m.log_odds >= least), key=lambda m: -m.log_odds)
 
+    def elsewhere(self) -> list[Model]:
+        """Return the best model with each of its members at every other place that is as likely."""
+        found, best = list[Model](), self.best
+        for i, member in enumerate(best.members):
+            rest, option = best.members[:i] + best.members[i + 1 :], self.board.options[member.option]
+            beside = self.beside(rest)
+            for number in self.board.options_of[option.hypothesis].tolist():
+                less = float(beside.best[number] - beside.best[member.option])
+                if less > -priors.WINDOW and self.board.options[number].place != option.place:
+                    moved = Member(number, float(beside.amplitude[number]))
+                    found.append(Model((*rest, moved), best.log_odds + less, best.names))
+        return found
+
     def _keep(self, model: Model) -> None:
         known = self.models.get(model.names)
         if known is None or known.log_odds < model.log_odds:

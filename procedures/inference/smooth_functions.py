@@ -13,10 +13,9 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.diagnosis.left_directions import time_in_history, warmth_of_turning
-from procedures.diagnosis.random_walk import walk_columns
+from procedures.diagnosis.random_walk import PARTS, walk_columns
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.diagnosis.row_sums import row_sums
-from procedures.diagnosis.walk_rivals import PARTS
 from procedures.effects.effect import REFERENCE_C, Excitation
 from procedures.effects.temperature_history import REVERSAL_K, sensor_temperature
 from procedures.frames import AXES, TRIADS
@@ -90,7 +89,7 @@ def _of_sensors(parts: list[FloatArray], note: str) -> Options:
     return found
 
 
-def _waves(x: FloatArray, by: FloatArray | float = 1.0) -> list[Way]:
+def waves(x: FloatArray, by: FloatArray | float = 1.0) -> list[Way]:
     """Return a smooth function of x (n,) or (n, 3) in [0, 1] at each bend, times ``by``."""
     k = np.arange(1, priors.HALF_PERIODS + 1)
     values = [np.cos(np.pi * each * x) * by for each in k.tolist()]
@@ -112,8 +111,8 @@ def _coordinates(seen: Excitation, output: FloatArray, triad: str) -> dict[str, 
     kind = np.array([step.kind for step in seen.steps])[seen.step]
     turning, resting = np.isin(kind, ("turn", "move", "rate")), np.isin(kind, ("dwell", "rest", "soak"))
     found, f, time = dict[str, list[Way]](), np.nan_to_num(seen.f), (time_in_history(seen) + 1) / 2
-    found["time"] = _waves(time)
-    found["time times the output"] = _waves(time[:, None], output)
+    found["time"] = waves(time)
+    found["time times the output"] = waves(time[:, None], output)
     T = seen.temperature
     if np.isfinite(T).any() and np.nanmax(T) - np.nanmin(T) > REVERSAL_K:
         spread, x = max(float(np.nanstd(T)), 1e-9), np.nan_to_num(_unit(T))
@@ -129,9 +128,9 @@ def _coordinates(seen: Excitation, output: FloatArray, triad: str) -> dict[str, 
         )
         vectors = [each[:, [i]] for each in (f, B) for i in range(each.shape[1])]
         products = [at, rate, at * rate, at**2, rate**2]
-        found["temperature"] = [*_waves(x), _equal("lags", history), _equal("products", products)]
+        found["temperature"] = [*waves(x), _equal("lags", history), _equal("products", products)]
         found["temperature times the output"] = [
-            *_waves(x[:, None], output), _equal("lags", [each * output for each in history])
+            *waves(x[:, None], output), _equal("lags", [each * output for each in history])
         ]  # fmt: skip
         about = (T - REFERENCE_C) / spread  # the model takes what is constant, but no vector
         found["temperature and attitude"] = [
@@ -177,7 +176,7 @@ def _of_input(u: FloatArray) -> list[Way]:
     """Return functions of a sensor's own input u (n, 3), nan where there is none: waves, zones, a range's end."""
     size, known = max(float(np.nanmax(np.abs(u))), 1e-12), np.isfinite(u)
     x, median = np.nan_to_num(u / size), max(float(np.median(np.abs(u[known]))), 1e-12)
-    found = _waves(np.where(known, (x + 1) / 2, 0.0), 1.0 * known)
+    found = waves(np.where(known, (x + 1) / 2, 0.0), 1.0 * known)
     for width in (priors.KNEES[0] * median / size, median / size, priors.KNEES[0]):
         near = np.where(known, np.exp(-0.5 * (x / width) ** 2), 0.0)
         found.append(_equal(f"zone {width:.2g}", [near, near * x / width]))

@@ -16,11 +16,12 @@ from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.linear_model import Term
 from procedures.diagnosis.residual_rows import KINDS, Evidence
 from procedures.effects.effect import Columns, Effect, Excitation, ExcitationStep
-from procedures.frames import TRIADS, rotation
+from procedures.frames import AXES, TRIADS, rotation
+from procedures.inference.smooth_functions import waves
 
 WINDOW_S, BLIND_WINDOW_S, MAX_WINDOWS = 1.0, 4.0, 600  # without truth drift must outgrow the accelerometers
-STRETCHES = 10  # left out in turn: what neighbours share, a whole stretch does not repeat
-SIGMA = 1e-6  # rad: nothing is known of the noise, which is found from the scatter
+STRETCHES = 10  # parts of a log, by which its rows are named
+NOISE_DOF = 1.0  # nothing is known of the noise but its scatter from window to window
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,9 +123,24 @@ def evidence_of(
     return made, pool
 
 
-def stretches(evidence: Evidence) -> list[IntArray]:
-    """Return the numbers (m,) of the rows of each stretch."""
-    return [np.flatnonzero(evidence.step == number) for number in range(STRETCHES)]
+def functions_of_time(evidence: Evidence) -> dict[str, list[tuple[float, FloatArray, str]]]:
+    """Return by name what may act without a name: of each kind of rows and axis, a smooth function of time.
+
+    Neighbouring windows share what a mixer leaves of one manoeuvre: beside a function of time they are no
+    independent witnesses of an effect.
+    """
+    found = dict[str, list[tuple[float, FloatArray, str]]]()
+    for number, triad in enumerate(TRIADS):
+        for axis in range(3):
+            rows = np.flatnonzero((evidence.triad == number) & (evidence.axis == axis))
+            options = list[tuple[float, FloatArray, str]]()
+            for note, values, std in waves((np.arange(len(rows)) + 0.5) / max(len(rows), 1)):
+                H = np.zeros((len(evidence.residual), len(values)))
+                H[rows] = np.stack(values, axis=1) * std
+                options.append((1.0, H / np.linalg.norm(H), note))
+            if len(rows):
+                found[f"a function of time, {triad} {AXES[axis]}"] = options
+    return found
 
 
 def _evidence(residual: FloatArray, A: FloatArray, triad: IntArray, stretch: IntArray) -> Evidence:
@@ -134,10 +150,21 @@ def _evidence(residual: FloatArray, A: FloatArray, triad: IntArray, stretch: Int
     excitation = Excitation(nothing, nothing, nothing, nothing, nothing, nothing, none, none, none, none, {},
                 np.zeros(0, np.int64), none_3x3, none_3x3, none_3x3, steps)  # fmt: skip
     return Evidence(
-        residual=residual, sigma=np.full(n, SIGMA), A=A, triad=triad, kind=np.full(n, KINDS.index("rate")),
+        residual=residual, sigma=_scatter(residual, triad), A=A, triad=triad, kind=np.full(n, KINDS.index("rate")),
         step=stretch, axis=np.arange(n) % 3, is_range=np.zeros(n, bool), x=np.zeros(A.shape[1]),
-        columns_of=tuple(np.zeros(0, np.int64) for _ in TRIADS), weights=(), excitation=excitation,  # type: ignore[arg-type]
+        columns_of=(np.zeros(0, np.int64), np.zeros(0, np.int64)), weights=(), excitation=excitation,
+        noise_dof=NOISE_DOF,
     )  # fmt: skip
+
+
+def _scatter(residual: FloatArray, triad: IntArray) -> FloatArray:
+    """Return 1 sigma (n,) of rows by how much neighbouring windows differ, of each kind of rows."""
+    sigma = np.ones(len(residual))
+    for number in np.unique(triad):
+        rows = triad == number
+        apart = np.diff(residual[rows].reshape(-1, 3), axis=0)
+        sigma[rows] = max(float(np.sqrt(np.mean(apart**2) / 2)), np.finfo(float).tiny)
+    return sigma
 
 
 def _candidate(effect: AttitudeEffect, H: FloatArray, parameters: int) -> Candidate:

@@ -36,7 +36,7 @@ def _finding(one: Proposal, best: NextMeasurement | None) -> dict[str, Any]:
         "unit": one.term.unit, **({"units": units} if units else {}), "where": {}, "confidence": PROPOSED,
         "share": float(one.share), "aliases": [], "separate_by": next_said(one, best),
         **({"next": {"measurement": best.name, "minutes": best.minutes, "parts": best.parted}} if best else {}),
-        "log10_p": float(np.log10(one.p)), "searched_p": one.p,
+        "probability": float(one.probability),
         "term": list(one.term.terms), "latex": notation(one.term),
         "readings": [
             {"term": list(each.term.terms), "unit": each.term.unit, "latex": notation(each.term),

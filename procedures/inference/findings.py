@@ -1,0 +1,88 @@
+"""What a posterior says as findings: names with their probability, sizes, and the error held out without each."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from procedures.arrays import FloatArray, IntArray
+from procedures.diagnosis.held_out_errors import errors_of_fits, left_out_groups
+from procedures.diagnosis.linear_model import fit_linear, predict_left_out
+from procedures.diagnosis.refit import Refit
+from procedures.diagnosis.result import Finding, ResidualRms, Unnamed
+from procedures.effects.effect import Effect
+from procedures.frames import FACES
+from procedures.inference import priors
+from procedures.inference.infer import Inferred
+from procedures.inference.posterior import Cause, Coefficients
+
+
+def findings_of(found: Inferred) -> tuple[tuple[Finding, ...], tuple[Unnamed, ...]]:
+    """Return the causes that have a likely name, and those that have none."""
+    named, unnamed = list[Finding](), list[Unnamed]()
+    left_out = left_out_groups(found.refit.evidence)
+    for cause in found.posterior.causes:
+        if cause.coefficients is None or cause.nameless >= priors.PRESENT:
+            unnamed.append(Unnamed(cause.form, cause.nameless, cause.joint, cause.note, cause.shares))
+        else:
+            named.append(_finding(found, cause, cause.coefficients, left_out))
+    return tuple(named), tuple(unnamed)
+
+
+def _finding(found: Inferred, cause: Cause, of: Coefficients, left_out: Sequence[IntArray]) -> Finding:
+    effect, columns = of.candidate.effect, of.candidate.columns
+    names, value, std = _sizes(of)
+    errors, share = _without(found.refit, effect, columns.where, left_out)
+    name = cause.hypothesis.name
+    return Finding(
+        name, effect.kind, names, value, std, columns.unit or effect.unit, _where(cause), cause.probability,
+        _what_separates(found.refit, effect), shape=columns.shape, share=share,
+        aliases=tuple(each for each in cause.shares if each != name), shares=cause.shares, joint=cause.joint,
+        errors=errors, same_here=found.pool.same_as(of.candidate),
+    )  # fmt: skip
+
+
+def _sizes(of: Coefficients) -> tuple[tuple[str, ...], FloatArray, FloatArray]:
+    """Return names, values and 1 sigma of the coefficients that act, last what is not linear."""
+    acts = of.std > 0
+    names = tuple(name for name, one in zip(of.names, acts.tolist(), strict=True) if one)
+    bent = np.array([value for value, _ in of.nonlinear.values()])
+    spread = np.array([log_std for _, log_std in of.nonlinear.values()])
+    value, std = np.append(of.value[acts], bent), np.append(of.std[acts], bent * spread)
+    return (*names, *of.nonlinear), value, std
+
+
+def _where(cause: Cause) -> Mapping[str, object]:
+    """Return where the likeliest name acts; of several positions that it may be, all."""
+    if not cause.places:
+        return {}
+    where = dict(cause.places[0][0])
+    several = list(dict.fromkeys(each["position"] for each, _ in cause.places if "position" in each))
+    return where | ({"position": several} if len(several) > 1 else {})
+
+
+def _what_separates(now: Refit, effect: Effect) -> str:
+    """Return the measurement that would separate an effect from what looks like it; not one that is there."""
+    is_certified = all(len(each.fixture.faces) == len(FACES) for each in now.fits.campaigns)
+    return (is_certified and effect.separate_by_certified) or effect.separate_by
+
+
+def _without(
+    now: Refit, effect: Effect, where: Mapping[str, object], left_out: Sequence[IntArray]
+) -> tuple[tuple[ResidualRms, ...], float | None]:
+    """Return the errors held out of the rows on which an effect acts, without and with it, and the share it takes.
+
+    All other effects are in the model both times. A scatter predicts nothing: it has none.
+    """
+    own = [i for i, each in enumerate(now.added) if (each.effect.name, each.columns.where) == (effect.name, where)]
+    if effect.is_scatter or not own:
+        return (), None
+    evidence, terms = now.evidence, [each.term for each in now.added]
+    after = fit_linear(evidence, terms)
+    before = fit_linear(evidence, [each for i, each in enumerate(terms) if i not in own], factor=after.factor)
+    acts = np.any(np.hstack([terms[i].H for i in own]) != 0, axis=1)
+    errors = errors_of_fits(evidence, evidence, before, after, left_out, acts)
+    squares = [np.square(predict_left_out(evidence, fit, left_out)[1]) for fit in (before, after)]
+    rows = acts & evidence.is_data & np.isfinite(squares[0]) & np.isfinite(squares[1])
+    whole = float(np.sum(squares[0][rows]))
+    share = 1 - float(np.sum(squares[1][rows])) / whole if whole > 0 else None
+    return errors, None if share is None else max(share, 0.0)
