@@ -161,7 +161,7 @@ def _finalists(model: Board, rows: Rows, terms: Sequence[LibraryTerm]) -> list[L
 
 
 def _gains(model: Board, W: FloatArray) -> FloatArray:
-    """Return ln of the marginal likelihood (t,) of terms, or their best sensor, of columns W (n, t, k) in sigmas."""
+    """Return ln of the marginal likelihood (t,) of terms W (n, t, k) in sigmas, or their best sensor."""
     inside = np.tensordot(model.basis, W, axes=(0, 0))  # (m, t, k)
     sensors = len(inside[0, 0]) // 3
     found = np.full(W.shape[1], -np.inf)

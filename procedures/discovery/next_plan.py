@@ -89,8 +89,8 @@ def _measured(found: Discovery, one: Proposal, name: str, option: Option) -> Nex
 def _coefficients(evidence: Evidence, others: Sequence[Term], W: FloatArray) -> FloatArray:
     fit = fit_as_is(evidence, others)
     wide = np.concatenate((W, np.zeros((len(fit.Q) - len(W), W.shape[1]))))
-    found: FloatArray = np.linalg.lstsq(wide - fit.Q @ (fit.Q.T @ wide), fit.whole, rcond=1e-6)[0]
-    return found
+    found = np.linalg.lstsq(wide - fit.Q @ (fit.Q.T @ wide), fit.whole, rcond=1e-6)[0]
+    return np.asarray(found, np.float64)
 
 
 def _left(M: FloatArray, v: FloatArray) -> float:

@@ -39,7 +39,8 @@ class Option:
     """One way in which a hypothesis may hold: ln of its share, its columns of `Board.W`, what it is made of.
 
     ``scale`` (k,) is 1 sigma of the coefficients at amplitude 1, in the effect's unit; ``mask`` which of the
-    candidate's coefficients they are.
+    candidate's coefficients they are. ``taken`` (k, p) are the rows of an orthonormal basis of the model's columns
+    where each column of the option is one row alone, as of wider noise: then ``W'W = I - taken taken'``.
     """
 
     hypothesis: int
@@ -49,6 +50,7 @@ class Option:
     mask: IntArray | None = None
     scale: FloatArray | None = None
     note: str = ""
+    taken: FloatArray | None = None
 
     @property
     def place(self) -> str:
@@ -116,13 +118,15 @@ class Board:
 
     @cached_property
     def blocks(self) -> Sequence[Block]:
-        """All options, those of about as many columns together."""
+        """All options, those of about as many columns together; but those of single rows."""
         return list(_blocks(self))
 
 
 def _blocks(board: Board) -> Iterator[Block]:
     kinds = dict[tuple[int, bool], list[int]]()
     for i, option in enumerate(board.options):
+        if option.taken is not None:
+            continue
         effect = board.hypotheses[option.hypothesis].effect
         k = 1 << max(len(option.columns) - 1, 0).bit_length()
         kinds.setdefault((k, effect is not None and effect.is_loss), []).append(i)

@@ -44,6 +44,8 @@ def _finding(found: Inferred, cause: Cause, of: Coefficients, left_out: Sequence
 def _sizes(of: Coefficients) -> tuple[tuple[str, ...], FloatArray, FloatArray]:
     """Return names, values and 1 sigma of the coefficients that act, last what is not linear."""
     acts = of.std > 0
+    if not of.candidate.effect.is_scatter:
+        acts &= of.candidate.term.H[:, : len(acts)].any(axis=0)
     names = tuple(name for name, one in zip(of.names, acts.tolist(), strict=True) if one)
     bent = np.array([value for value, _ in of.nonlinear.values()])
     spread = np.array([log_std for _, log_std in of.nonlinear.values()])

@@ -15,12 +15,18 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.linear_model import Term, variance_classes
 from procedures.diagnosis.residual_rows import KINDS, Evidence
+from procedures.effects.effect import Columns
 from procedures.frames import AXES, TRIADS
 from procedures.inference import priors
 from procedures.inference.board import Board, Hypothesis, Option
 from procedures.inference.smooth_functions import functions, walk
 
 CUBIC = 4  # neighbours that a cubic goes through
+OF_ROWS = {
+    "mean": "positions", "slope": "drifts within positions", "curvature": "drifts within positions",
+    "turn": "rotations", "move": "transfers", "norm": "rests", "soak": "soaks", "level": "soaks",
+    "rate": "rate points", "prior": "stated values",
+}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,7 +34,7 @@ class Way:
     """Columns H (n, k) of a hypothesis, in sigmas of the rows, each times 1 sigma of its coefficient.
 
     That is ``scale`` (k,). ``masks`` are which of them act together, with ln of the share; where there is no
-    ``candidate``, only all do.
+    ``candidate``, only all do. ``rows`` (k,) are those that the columns are, each one alone.
     """
 
     hypothesis: int
@@ -37,6 +43,7 @@ class Way:
     candidate: Candidate | None = None
     scale: FloatArray | None = None
     note: str = ""
+    rows: IntArray | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,7 +91,7 @@ class Library:
         """Return the library with classes of rows that may be noisier than stated: columns (n, k), one a row."""
         hypotheses, ways = list(self.hypotheses), list(self.ways)
         for name, E in classes:
-            ways.append(Way(len(hypotheses), E, [(0.0, np.arange(E.shape[1]))]))
+            ways.append(Way(len(hypotheses), E, [(0.0, np.arange(E.shape[1]))], rows=np.argmax(E, axis=0)))
             hypotheses.append(_without_name(name, "noise", priors.ODDS_NAMED, priors.OF_SPREAD))
         return Library(tuple(hypotheses), tuple(ways))
 
@@ -98,14 +105,16 @@ class Library:
         rows, parts, options, width = list[FloatArray](), list[FloatArray](), list[Option](), 0
         for way, first, end in zip(self.ways, sizes, sizes[1:], strict=False):
             H, W, masks = way.H, every[:, first:end], way.masks
-            if way.candidate is None:
+            if way.candidate is None and way.rows is None:
                 V = principal(W)
                 H, W, masks = H @ V, W @ V, [(way.masks[0][0], np.arange(V.shape[1]))]
             rows.append(H)
             parts.append(W)
             for share, mask in masks:
                 scale = None if way.scale is None else way.scale[mask]
-                options.append(Option(way.hypothesis, share, width + mask, way.candidate, mask, scale, way.note))
+                taken = None if way.rows is None else Q[way.rows, : white.shape[1]]
+                own = Option(way.hypothesis, share, width + mask, way.candidate, mask, scale, way.note, taken)
+                options.append(own)
             width += W.shape[1]
         W = np.hstack([*parts, np.zeros((basis.shape[1], 1))])
         H = np.hstack([*rows, np.zeros((len(white), 1))])
@@ -153,7 +162,12 @@ def named(evidence: Evidence, pool: Mapping[str, Sequence[Candidate]]) -> Librar
     """Return the hypotheses that have a name; ``pool`` are by name the ways in which effects may act."""
     hypotheses, ways = list[Hypothesis](), list[Way]()
     for name, candidates in pool.items():
-        tried = [each for each in candidates if each.is_tried and not each.effect.is_bench_parameter]
+        if candidates and candidates[0].effect.is_bench_parameter:
+            tried = [
+                each for each in (beyond_its_prior(evidence, each) for each in candidates) if each is not None
+            ]
+        else:
+            tried = [each for each in candidates if each.is_tried]
         if tried:
             hypotheses.append(_named(name, tried))
             ways += _named_ways(evidence, len(hypotheses) - 1, tried)
@@ -215,6 +229,23 @@ def _between(candidates: Sequence[Candidate]) -> Iterator[Candidate]:
                 yield replace(line[i], columns=columns, term=Term(H, line[i].term.plausible))
 
 
+def beyond_its_prior(evidence: Evidence, parameter: Candidate) -> Candidate | None:
+    """Return that a bench parameter varies more than its prior says: a scatter of its prior rows, as stated there.
+
+    None of one that has no prior rows.
+    """
+    stated = evidence.is_range & np.any(evidence.A[:, parameter.taken] != 0, axis=1)
+    rows = np.flatnonzero(stated & (np.count_nonzero(evidence.A, axis=1) == 1))
+    if not len(rows):
+        return None
+    per_unit = np.max(np.abs(evidence.A[rows]), axis=1)
+    one = float(np.median(evidence.sigma[rows] / per_unit))
+    effect = replace(parameter.effect, is_scatter=True, plausible=one)
+    H = np.eye(len(evidence.sigma))[:, rows] * (evidence.sigma[rows] / one)
+    columns = Columns(tuple(str(i) for i in range(len(rows))))
+    return Candidate(effect, columns, Term(H, np.full(len(rows), one)), np.zeros_like(parameter.taken))
+
+
 def masks(way: Candidate) -> Iterator[tuple[float, IntArray]]:
     """Yield ln of a share, and the indices (k,) of coefficients that act: all, one sensor's, or one alone."""
     names = way.columns.coefficients[: len(way.columns.coefficients) - len(way.columns.nonlinear)]
@@ -249,4 +280,7 @@ def _noise(evidence: Evidence) -> Iterator[tuple[str, FloatArray]]:
         rows = np.flatnonzero(shared == number)
         triad, kind = divmod(number - 1, len(KINDS))
         if len(rows) > len(AXES):
-            yield f"wider noise of {KINDS[kind]} rows, {TRIADS[triad]}", np.eye(len(shared))[:, rows]
+            yield (
+                f"a scatter of {OF_ROWS[KINDS[kind]]} beyond noise, {TRIADS[triad]}",
+                np.eye(len(shared))[:, rows],
+            )

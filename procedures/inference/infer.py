@@ -1,6 +1,7 @@
 """From campaigns to causes: rows, hypotheses, search, and the model linearised again where it stands."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -56,6 +57,10 @@ def infer(subject: BaseModel, effects: Sequence[Effect]) -> Inferred:
         best = search.run()
     found = posterior(search)
     fits = now.fits if now.bare is None else averaged_fits(search, now.bare, found.causes)
+    wanted = _candidates(search.board, best)
+    if {each.effect.name for each in now.added} != {each.effect.name for each in wanted}:
+        with suppress(DoesNotFit):  # two linearisations that lead to each other: the model of the last one
+            now = subject.refit(wanted)
     return Inferred(found, search.board, first, replace(now, fits=fits), subject, pool)
 
 
@@ -71,14 +76,17 @@ def _bent(now: Refit) -> list[Candidate]:
 
 
 def _candidates(board: Board, best: Model) -> list[Candidate]:
-    """Return the named effects of a model, their coefficients held by the amplitudes at which they stand."""
+    """Return the named effects of a model, their coefficients held by the amplitudes at which they stand.
+
+    Bench parameters are in the base model: that one is beyond its prior is in the average over the models alone.
+    """
     return [found for each in best.members if (found := _candidate(board, each)) is not None]
 
 
 def _candidate(board: Board, member: Member) -> Candidate | None:
     option = board.options[member.option]
     way = option.candidate
-    if way is None or option.mask is None or option.scale is None:
+    if way is None or option.mask is None or option.scale is None or way.effect.is_bench_parameter:
         return None
     k = len(way.columns.coefficients) - len(way.columns.nonlinear)
     plausible = way.effect.plausible_of(way.columns)[:k] * np.sqrt(

@@ -21,7 +21,7 @@ import numpy as np
 from scipy.special import log_ndtr
 
 from procedures.arrays import FloatArray
-from procedures.inference.board import Block, Board
+from procedures.inference.board import Block, Board, Option
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,6 +106,12 @@ def ranked(board: Board, members: Sequence[Member]) -> Ranked:
         gains[block.options] = shares + log_mean(values)
         best[block.options] = shares + values[at, most]
         amplitude[block.options] = block.amplitudes[at, most]
+    for i, option in enumerate(board.options):
+        if option.taken is not None:
+            values = _gains_of_rows(board, held, option, across[:, option.columns])
+            most = int(np.argmax(values))
+            gains[i] = option.log_share + log_mean(values)
+            best[i], amplitude[i] = option.log_share + values[most], _amplitudes(board, option)[most]
     total = np.array([
         each.log_odds + (log_sum(gains[own]) if len(own) else -np.inf)
         for each, own in zip(board.hypotheses, board.options_of, strict=True)
@@ -126,6 +132,30 @@ def gains_of(board: Board, squares: float, G: FloatArray, g: FloatArray, block: 
     found = -0.5 * np.sum(np.log(spread), axis=2)
     found += tail(board, squares - explained) - tail(board, np.array(squares))
     gains: FloatArray = found + _log_positive(G, g, block.amplitudes) if block.is_loss else found
+    return gains
+
+
+def _amplitudes(board: Board, option: Option) -> FloatArray:
+    return board.hypotheses[option.hypothesis].amplitudes
+
+
+def _gains_of_rows(board: Board, held: Held, option: Option, across: FloatArray) -> FloatArray:
+    """Return the gain (amplitudes,) of an option whose columns are single rows, beside what is held.
+
+    Then G = I - U U' with few columns U: but for these directions it has the eigenvalue 1. ``across`` (s, k) is
+    S'W.
+    """
+    assert option.taken is not None
+    g = board.W[:, option.columns].T @ board.y - across.T @ held.c
+    root = np.linalg.cholesky(held.inverse) if len(held.inverse) else held.inverse
+    X, sigma, _ = np.linalg.svd(np.hstack((option.taken, across.T @ root)), full_matrices=False)
+    size, along = np.maximum(1 - sigma**2, 0.0), X.T @ g
+    rest, number = max(float(g @ g - along @ along), 0.0), len(g) - len(size)
+    s2 = _amplitudes(board, option)[:, None] ** 2
+    spread = 1 + s2 * size
+    explained = np.sum(s2 * along**2 / spread, axis=1) + (s2 * rest / (1 + s2))[:, 0]
+    volume = np.sum(np.log(spread), axis=1) + number * np.log1p(s2[:, 0])
+    gains: FloatArray = -0.5 * volume + tail(board, held.squares - explained) - tail(board, np.array(held.squares))
     return gains
 
 

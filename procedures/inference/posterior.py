@@ -40,10 +40,10 @@ class Cause:
     """Something that acts: its likeliest name and that name's ``probability``, and the names it may have.
 
     ``shares`` holds by name the probability that this cause is it, of named and nameless hypotheses; ``joint`` is
-    the probability that one of them acts, ``nameless`` the share without a name, ``form`` the likeliest of these
-    and ``note`` where and how it acts. ``coefficients`` are those of the likeliest name, None where there is none.
-    ``places`` are where the likeliest
-    name may act, as a position or a channel, with the share of each, the likeliest first.
+    the probability that one of them acts, ``evidence`` ln of the odds that one does against none. ``nameless`` is
+    the share without a name, ``form`` the likeliest of these and ``note`` where and how it acts. ``coefficients``
+    are those of the likeliest name, None where there is none. ``places`` are where the likeliest name may act, as
+    a position or a channel, with the share of each, the likeliest first.
     """
 
     hypothesis: Hypothesis
@@ -54,6 +54,7 @@ class Cause:
     coefficients: Coefficients | None
     form: str
     note: str
+    evidence: float
     places: tuple[tuple[Mapping[str, object], float], ...] = ()
 
 
@@ -104,10 +105,11 @@ def posterior(search: Search) -> Posterior:
             board.hypotheses[top], float(min(probabilities[top], shares[top])), of_group,
             {board.hypotheses[j].name: float(shares[j]) for j in order}, nameless, found,
             board.hypotheses[form].name, board.options[beside.member(board, form).option].note,
+            float(log_sum(total)),
             tuple(_places(board, beside, top)),
         ))  # fmt: skip
     every = {h.name: float(p) for h, p in zip(board.hypotheses, probabilities, strict=True)}
-    return Posterior(tuple(sorted(causes, key=lambda each: -each.joint)), every, best)
+    return Posterior(tuple(sorted(causes, key=lambda each: -each.evidence)), every, best)
 
 
 def _acting(board: Board, members: Sequence[Member]) -> Iterator[tuple[int, list[Member]]]:

@@ -111,14 +111,18 @@ def _coordinates(seen: Excitation, output: FloatArray, triad: str) -> dict[str, 
     kind = np.array([step.kind for step in seen.steps])[seen.step]
     turning, resting = np.isin(kind, ("turn", "move", "rate")), np.isin(kind, ("dwell", "rest", "soak"))
     found, f, time = dict[str, list[Way]](), np.nan_to_num(seen.f), (time_in_history(seen) + 1) / 2
-    found["time"] = waves(time)
-    found["time times the output"] = waves(time[:, None], output)
+    is_timed = bool(np.isfinite(seen.t).all())  # a rate table may have no time
+    if is_timed:
+        found["time"] = waves(time)
+        found["time times the output"] = waves(time[:, None], output)
     T = seen.temperature
     if np.isfinite(T).any() and np.nanmax(T) - np.nanmin(T) > REVERSAL_K:
         spread, x = max(float(np.nanstd(T)), 1e-9), np.nan_to_num(_unit(T))
         at = (T - np.nanmean(T)) / spread
-        rate = seen.temperature_rate / max(float(np.nanstd(seen.temperature_rate)), 1e-12)
-        past = [T, *(sensor_temperature(seen, tau) for tau in priors.TIMES_S)]
+        rate = np.nan_to_num(seen.temperature_rate)
+        rate = rate / max(float(np.std(rate)), 1e-12)
+        times = priors.TIMES_S if is_timed else ()
+        past = [T, *(sensor_temperature(seen, tau) for tau in times)]
         steps = [a - b for a, b in pairwise(past)] + [past[-1] - np.nanmean(past[-1])]
         history = [each[:, None] / max(float(np.nanstd(each)), 1e-12) for each in steps]
         B = (
@@ -166,9 +170,10 @@ def _coordinates(seen: Excitation, output: FloatArray, triad: str) -> dict[str, 
         found["the other axes' rates"] = [
             _equal("even and odd", [g for v in around for g in (v**2, v * np.abs(v))])
         ]
-        warmth = [warmth_of_turning(seen, turning, tau) for tau in priors.TIMES_S]
-        warmth = [each / max(float(np.max(np.abs(each))), 1e-300) for each in warmth]
-        found["the warmth of turning"] = [_equal("fades", warmth)]
+        if is_timed:
+            warmth = [warmth_of_turning(seen, turning, tau) for tau in priors.TIMES_S]
+            warmth = [each / max(float(np.max(np.abs(each))), 1e-300) for each in warmth]
+            found["the warmth of turning"] = [_equal("fades", warmth)]
     return found
 
 

@@ -44,7 +44,7 @@ def diagnose(
         bool, option("--discover", "", "Search ten thousand terms for an error term that the catalogue lacks.")
     ] = False,
     plan: Annotated[Path | None, option("--plan", "FILE", "Write the next measurement as plan/1.")] = None,
-    json: Annotated[Path | None, option("--json", "OUT", "Write diagnosis/1 here instead of a summary.")] = None,
+    json: Annotated[Path | None, option("--json", "OUT", "Write diagnosis/2 here instead of a summary.")] = None,
     html: Annotated[Path | None, option("--html", "FILE", "Write a page with plots here.")] = None,
     partial: Annotated[
         bool, option("--partial", "", "Report the findings even if no triad can be solved; always for logs.")
@@ -54,8 +54,8 @@ def diagnose(
     """Find the error terms that the model lacks, in a campaign or any log, and add them to the model.
 
     The verdict is one of consistent, established, likely, ambiguous, partly, unexplained. Each finding has its
-    coefficients with standard uncertainty u (ug, arcsec, ppm, deg/h), its confidence, the share that it explains,
-    the alternatives, and the measurement that separates them. The error before and after is that of held-out
+    coefficients with standard uncertainty u (ug, arcsec, ppm, deg/h), the probability of its name, the
+    alternatives, and the measurement that separates them. The error before and after is that of held-out
     positions, rotations and rests; with --validate also that of another campaign, with the coefficients found
     here.
 
@@ -179,7 +179,7 @@ def _say(
         ):  # a gyroscope is solved there, and other triads are not asked for
             lines = [line for line in lines if not line.endswith(NOT_SOLVED)]
         text += "".join(f"\n{line}" for line in ([""] if lines else []) + lines)
-    hand_out(document, text, json, f"diagnosis of {unit}, diagnosis/1")
+    hand_out(document, text, json, f"diagnosis of {unit}, diagnosis/2")
     if html is not None:
         from station.results.diagnosis.diagnosis_html import write_page
 

@@ -4,18 +4,18 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from station.demo.unit import COEFFICIENT, EFFECT, KEY
-from station.results.diagnosis.diagnosis_wording import p_text
+from station.results.diagnosis.diagnosis_wording import probability_text
 
 SHOWN = 4.0  # standard uncertainties from which on a coefficient is shown that was not planted
 NOTABLE = 2.0  # standard uncertainties from which on an error is commented
 
 
 def findings_lines(diagnosis: Mapping[str, Any]) -> Iterator[str]:
-    """Yield the lines of a `diagnosis/1`."""
+    """Yield the lines of a `diagnosis/2`."""
     causes = [each for each in diagnosis["findings"] if each["kind"] != "bench"]
     for each in causes:
         yield f"error found that the model lacked: {each['effect']}"
-        yield f"  {each['confidence']}, {p_text(each['log10_p'])}"
+        yield f"  {each['confidence']}, probability {probability_text(each['probability'])}"
         yield from _coefficients(each)
     if not causes:
         yield "no error was found that the model lacked; use longer dwells (--dwell-s 60)"

@@ -25,7 +25,7 @@ def contradiction_of(document: Mapping[str, Any], *, is_certified: bool = False)
     cube's own faces are not tilted by more than `PLAUSIBLE_FACE_TILT_RAD`. A model that is then made to fit takes
     the tilt for the bench's or the sensor's, and neither its sigmas nor the limits can tell. So it is where a seat
     would explain what is left, but for its size. Empty where they do not contradict, or where the diagnosis knows
-    why, and that is not a face tilted as none is. ``document`` is a ``diagnosis/1``; where the cube
+    why, and that is not a face tilted as none is. ``document`` is a ``diagnosis/2``; where the cube
     ``is_certified``, all six faces of it, its faces may not be off at all.
 
     Nor is a step relied on that is far beyond its noise where nothing explains it: uncertainty takes what is left
@@ -72,7 +72,7 @@ def _off_certificate(document: Mapping[str, Any]) -> Iterator[float]:
     """
     for finding in document["findings"]:
         is_sensor = QUADRATIC in finding["aliases"] and "channel" not in finding["where"]
-        if finding["effect"] in OF_FACES and finding["confidence"] == "ambiguous" and not is_sensor:
+        if finding["effect"] in OF_FACES and finding["confidence"] == "possible" and not is_sensor:
             yield max(abs(each["value"]) for each in finding["coefficients"].values())
 
 

@@ -1,4 +1,4 @@
-"""What stands in a `diagnosis/1` beside its findings: the noise at rest, and how what is left widens U."""
+"""What stands in a `diagnosis/2` beside its findings: the noise at rest, and how what is left widens U."""
 
 from collections.abc import Sequence
 from typing import Any

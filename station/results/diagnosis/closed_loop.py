@@ -36,7 +36,7 @@ CARRIED_CONFIDENCES = ("established", "likely")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ClosedLoop:
-    """A diagnosis with its `diagnosis/1`, and the solution that a calibration takes from it.
+    """A diagnosis with its `diagnosis/2`, and the solution that a calibration takes from it.
 
     ``effects`` are those of the instrument that the solution holds, as `calibration/1` carries them.
     """

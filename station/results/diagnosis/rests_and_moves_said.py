@@ -1,4 +1,4 @@
-"""Rests and moves of a sequence that is not solved, as `diagnosis/1` and as lines."""
+"""Rests and moves of a sequence that is not solved, as `diagnosis/2` and as lines."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from math import sqrt

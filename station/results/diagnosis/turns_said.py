@@ -1,4 +1,4 @@
-"""Turns of what is not solved, as `diagnosis/1` and as lines."""
+"""Turns of what is not solved, as `diagnosis/2` and as lines."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any

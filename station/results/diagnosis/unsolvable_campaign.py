@@ -33,7 +33,7 @@ MAX_TILT = 0.5  # rad: beyond, the vertical is not where the face says
 
 
 def partial_document(campaigns: Sequence[LoadedCampaign], missing: NotObservable) -> dict[str, Any] | None:
-    """Return what can be said as `diagnosis/1`, None if nothing can; ``missing`` tells what stays open."""
+    """Return what can be said as `diagnosis/2`, None if nothing can; ``missing`` tells what stays open."""
     tilts = [found for loaded in campaigns for found in levelling(loaded.campaign)]
     channels = channels_of(campaigns, ())
     recorded = [loaded.campaign for loaded in campaigns]
@@ -48,7 +48,7 @@ def partial_document(campaigns: Sequence[LoadedCampaign], missing: NotObservable
         "error": [],
         "parameters": [],
         **without_solution(campaigns),
-        "tried": [],
+        "tests": [],
         "next_measurement": needed,
         **moved,
         **({"channels": channels} if channels else {}),
@@ -135,7 +135,8 @@ def _finding(name: str, face: str, tilt: FloatArray, needed: str) -> dict[str, A
         "unit": "rad",
         "where": {"file": name},
         "levelling_deg": float(np.degrees(np.arctan(np.linalg.norm(tilt)))),
-        "confidence": "ambiguous",
+        "confidence": "possible",
+        "probability": 0.5,
         "aliases": list(ALSO_IN_A_TILT),
         "separate_by": needed,
     }
