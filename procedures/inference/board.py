@@ -10,6 +10,7 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.effects.effect import Effect
+from procedures.statistics.singular_values import left_singular
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -102,8 +103,16 @@ class Board:
 
     @cached_property
     def separable(self) -> Mapping[str, bool]:
-        """Say of every name whether any of its options leaves something beside the model's own parameters."""
-        seen = np.linalg.norm(self.W, axis=0)
+        """Say of every name whether any of its options shows beside the model's own parameters, if these were free.
+
+        What only the ranges of bench parameters show, as a quadratic term beside faces without a certificate, is
+        not separable from them here.
+        """
+        data = ~self.evidence.is_range
+        A = (self.evidence.A / self.evidence.sigma[:, None])[data]
+        U, size = left_singular(A)
+        Q = U[:, size > np.finfo(float).eps * len(A) * np.max(size, initial=0.0)]
+        seen = np.linalg.norm(self.H[data] - Q @ (Q.T @ self.H[data]), axis=0)
         found = dict.fromkeys((each.name for each in self.hypotheses), False)
         for option in self.options:
             at = self.hypotheses[option.hypothesis]

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
+from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.held_out_errors import errors_of_fits, left_out_groups
 from procedures.diagnosis.linear_model import fit_linear, predict_left_out
 from procedures.diagnosis.refit import Refit
@@ -30,7 +31,7 @@ def findings_of(found: Inferred) -> tuple[tuple[Finding, ...], tuple[Unnamed, ..
 
 def _finding(found: Inferred, cause: Cause, of: Coefficients, left_out: Sequence[IntArray]) -> Finding:
     effect, columns = of.candidate.effect, of.candidate.columns
-    names, value, std = _sizes(of)
+    names, value, std = _sizes(found.refit, of)
     errors, share = _without(found.refit, effect, columns.where, left_out)
     name = cause.hypothesis.name
     return Finding(
@@ -41,16 +42,27 @@ def _finding(found: Inferred, cause: Cause, of: Coefficients, left_out: Sequence
     )  # fmt: skip
 
 
-def _sizes(of: Coefficients) -> tuple[tuple[str, ...], FloatArray, FloatArray]:
-    """Return names, values and 1 sigma of the coefficients that act, last what is not linear."""
-    acts = of.std > 0
-    if not of.candidate.effect.is_scatter:
-        acts &= of.candidate.term.H[:, : len(acts)].any(axis=0)
-    names = tuple(name for name, one in zip(of.names, acts.tolist(), strict=True) if one)
+def _sizes(now: Refit, of: Coefficients) -> tuple[tuple[str, ...], FloatArray, FloatArray]:
+    """Return names, values and 1 sigma of the coefficients that act, last what is not linear.
+
+    Between the points of a grid a time constant is known as well as the fit where the model stands with it says.
+    """
+    acts, std = of.std > priors.NEGLIGIBLE * np.max(of.std, initial=0.0), of.std
     bent = np.array([value for value, _ in of.nonlinear.values()])
     spread = np.array([log_std for _, log_std in of.nonlinear.values()])
-    value, std = np.append(of.value[acts], bent), np.append(of.std[acts], bent * spread)
-    return (*names, *of.nonlinear), value, std
+    own = [i for i, each in enumerate(now.added) if _is_same(each, of.candidate)]
+    if not of.candidate.effect.is_scatter:
+        acts &= of.candidate.term.H[:, : len(acts)].any(axis=0)
+    if bent.size and len(own) == 1:
+        k, fitted = len(std), np.sqrt(np.diag(now.linear.coefficients(own[0])[1]))
+        std, spread = np.maximum(std, fitted[:k]), np.hypot(spread, fitted[k:])
+        bent = np.array(list(now.added[own[0]].columns.nonlinear.values()))
+    names = tuple(name for name, one in zip(of.names, acts.tolist(), strict=True) if one)
+    return (*names, *of.nonlinear), np.append(of.value[acts], bent), np.append(std[acts], bent * spread)
+
+
+def _is_same(one: Candidate, other: Candidate) -> bool:
+    return one.effect.name == other.effect.name and one.columns.where == other.columns.where
 
 
 def _where(cause: Cause) -> Mapping[str, object]:

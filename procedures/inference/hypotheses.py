@@ -53,6 +53,11 @@ class Library:
     hypotheses: tuple[Hypothesis, ...]
     ways: tuple[Way, ...]
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The hypotheses' names, in their order."""
+        return tuple(each.name for each in self.hypotheses)
+
     def with_adopted(self, evidence: Evidence, adopted: Sequence[Candidate]) -> "Library":
         """Return the library with the columns of some candidates where the model stands with them in it."""
         ways, number = list(self.ways), {each.name: i for i, each in enumerate(self.hypotheses)}
@@ -183,7 +188,8 @@ def _named(name: str, ways: Sequence[Candidate]) -> Hypothesis:
     amplitudes = priors.OF_SPREAD if effect.is_scatter else priors.OF_NAMED
     log_odds, has_places = float(np.log(priors.ODDS_NAMED)), any(way.columns.where for way in ways)
     again = log_odds if has_places else float(np.log(priors.ODDS_ANOTHER))
-    is_single = effect.is_scatter or len(ways[0].columns.coefficients) == 1
+    is_bent = any(way.columns.nonlinear for way in ways)  # with two knees it would be any curve
+    is_single = effect.is_scatter or len(ways[0].columns.coefficients) == 1 or is_bent
     return Hypothesis(name, effect.kind, log_odds, amplitudes, effect, None if is_single else again)
 
 
@@ -247,7 +253,10 @@ def beyond_its_prior(evidence: Evidence, parameter: Candidate) -> Candidate | No
 
 
 def masks(way: Candidate) -> Iterator[tuple[float, IntArray]]:
-    """Yield ln of a share, and the indices (k,) of coefficients that act: all, one sensor's, or one alone."""
+    """Yield ln of a share, and the indices (k,) of coefficients that act.
+
+    These are all, those of one sensor, those of each sensor's own axis (of a matrix), or one alone.
+    """
     names = way.columns.coefficients[: len(way.columns.coefficients) - len(way.columns.nonlinear)]
     every = np.arange(len(names))
     if way.effect.is_scatter or len(names) == 1:
@@ -258,6 +267,8 @@ def masks(way: Candidate) -> Iterator[tuple[float, IntArray]]:
     levels = [[every]]
     if 1 < len(own) < len(names):
         levels.append(own)
+        along = np.array([i for i in every if names[i] == 2 * names[i][0]], dtype=np.int64)
+        levels += [[along]] if len(along) > 1 else []
     levels.append([every[i : i + 1] for i in every])
     for level in levels:
         for mask in level:

@@ -13,8 +13,8 @@ from procedures.diagnosis.refit import Refit, terms_at
 from procedures.effects.effect import Effect
 from procedures.errors import DoesNotFit
 from procedures.inference.board import Board
-from procedures.inference.hypotheses import library_of
-from procedures.inference.marginal import Member
+from procedures.inference.hypotheses import Library, library_of
+from procedures.inference.marginal import Member, log_sum, tail
 from procedures.inference.posterior import Posterior, averaged_fits, posterior
 from procedures.inference.search import Model, Search
 
@@ -45,7 +45,7 @@ def infer(subject: BaseModel, effects: Sequence[Effect]) -> Inferred:
     now = first = subject.refit(())
     pool = Candidates(now.evidence, now.fits, effects)
     library = library_of(now.evidence, pool)
-    search = Search(library.on(now.evidence))
+    search = begin = Search(library.on(now.evidence))
     best, tried = search.run(), set[tuple[str, ...]]()
     while (names := _names(search.board, best)) not in tried and (wanted := _candidates(search.board, best)):
         tried.add(names)
@@ -56,12 +56,59 @@ def infer(subject: BaseModel, effects: Sequence[Effect]) -> Inferred:
         search = Search(library.with_adopted(now.evidence, _bent(now)).on(now.evidence))
         best = search.run()
     found = posterior(search)
+    for curved in [each for each in now.added if each.effect.added is not None]:
+        search, now, found = _beside_rivals(subject, library, begin, (search, now, found), curved)
+    best = search.best
     fits = now.fits if now.bare is None else averaged_fits(search, now.bare, found.causes)
     wanted = _candidates(search.board, best)
     if {each.effect.name for each in now.added} != {each.effect.name for each in wanted}:
         with suppress(DoesNotFit):  # two linearisations that lead to each other: the model of the last one
             now = subject.refit(wanted)
     return Inferred(found, search.board, first, replace(now, fits=fits), subject, pool)
+
+
+def _beside_rivals(
+    subject: BaseModel, library: Library, begin: Search, held: tuple[Search, Refit, Posterior], curved: Candidate
+) -> tuple[Search, Refit, Posterior]:
+    """Hold an effect that is not linear in its coefficients against what else the cause may be.
+
+    Where the model stands with it in, the data are those that it leaves: others are judged fairly only where the
+    model stands with them in its place. The likelier one's model is returned, with the shares of both.
+    """
+    search, now, found = held
+    cause = next((each for each in posterior(begin).causes if curved.effect.name in each.shares), None)
+    rivals = (
+        [name for name in cause.shares if name in library.names and name != curved.effect.name] if cause else []
+    )
+    stands = {curved.effect.name: held}
+    for name in rivals:
+        number = library.names.index(name)
+        member = begin.beside(()).member(begin.board, number)
+        rival = _candidate(begin.board, member)
+        if rival is None:
+            continue
+        with suppress(DoesNotFit):
+            refit = subject.refit([*(each for each in now.added if each is not curved), rival])
+            other = Search(library.with_adopted(refit.evidence, _bent(refit)).on(refit.evidence))
+            other.run()
+            stands[name] = (other, refit, posterior(other))
+    densities = np.array([_log_density(each) for each, _, _ in stands.values()])
+    shares = dict(zip(stands, np.exp(densities - log_sum(densities)).tolist(), strict=True))
+    likeliest = max(shares, key=lambda name: shares[name])
+    search, now, found = stands[likeliest]
+    causes = tuple(
+        replace(each, probability=each.joint * shares[likeliest], shares=each.shares | shares)
+        if each.hypothesis.name == likeliest
+        else each
+        for each in found.causes
+    )
+    return search, now, replace(found, causes=causes)
+
+
+def _log_density(search: Search) -> float:
+    """Return ln of the marginal density of the data of a search's best model, but for what all have in common."""
+    y = search.board.y
+    return search.best.log_odds + float(tail(search.board, np.array(y @ y)))
 
 
 def _bent(now: Refit) -> list[Candidate]:

@@ -102,7 +102,9 @@ class Search:
         return polished
 
     def _children(self, parent: Model) -> Iterable[Model]:
-        """Yield a model with each hypothesis more."""
+        """Yield a model with each hypothesis more, while it is no larger than may be."""
+        if len(parent.members) >= priors.LARGEST:
+            return
         beside = self.beside(parent.members)
         for i, total in enumerate(beside.total.tolist()):
             again = self._again(i) if i in parent.names else 0.0
@@ -144,12 +146,30 @@ class Search:
             for child in self._children(smaller):
                 if child.log_odds > least:
                     self._keep(child)
+            if len(gone) == 1 and not self.board.hypotheses[_of(self.board, model.members[gone[0]])].is_named:
+                self._two_for_one(smaller, least)
             # of options that overlap, those that were the best beside what is gone may be so again
             as_it_stood = Model(rest, smaller.log_odds, smaller.names)
             for base in [smaller] if set(rest) == set(smaller.members) else [smaller, as_it_stood]:
                 for child in sorted(self._children(base), key=lambda each: -each.log_odds)[: priors.BREADTH]:
                     if child.log_odds > least:
                         self._keep(self.polished(child.members))
+
+    def _two_for_one(self, smaller: Model, least: float) -> None:
+        """Keep what two causes with names do in the place of a function without one."""
+        named = (child for child in self._children(smaller) if _is_last_named(self.board, child))
+        for child in sorted(named, key=lambda each: -each.log_odds)[: priors.BREADTH]:
+            for pair in sorted(self._children(child), key=lambda each: -each.log_odds)[: priors.BREADTH]:
+                if pair.log_odds > least:
+                    self._keep(self.polished(pair.members))
+
+
+def _of(board: Board, member: Member) -> int:
+    return board.options[member.option].hypothesis
+
+
+def _is_last_named(board: Board, model: Model) -> bool:
+    return board.hypotheses[_of(board, model.members[-1])].is_named
 
 
 def log_total(models: Iterable[Model]) -> float:

@@ -25,7 +25,7 @@ def finding_of(found: Diagnosis, name: str) -> Finding:
 
 
 def is_claimed(finding: Finding) -> bool:
-    return finding.kind == "instrument" and finding.confidence != "ambiguous"
+    return finding.kind == "instrument" and finding.confidence != "possible"
 
 
 def level(seed: int) -> Truth:
@@ -37,7 +37,7 @@ def test_a_clean_unit_on_a_true_bench_is_consistent() -> None:
     found = diagnose(certified(level(0), 0))
     assert found.verdict == "consistent"
     assert found.findings == ()
-    assert len(found.tried) > 10
+    assert len(found.probabilities) > 10
     assert all(each.before == each.after for each in found.errors)
 
 
@@ -45,11 +45,13 @@ def test_a_recorded_campaign_of_a_faulty_bench_names_the_bench_alone() -> None:
     folder = DATA / "campaigns/bench_only"
     if not folder.is_dir():
         pytest.skip(f"no shared data at {DATA}: set STATION_DATA")
-    findings = diagnose([read_campaign(folder).campaign]).findings
-    groups = [{each.effect, *each.aliases} for each in findings]
-    assert any("slab.tilt" in group for group in groups)
-    assert any({"fixture.parallelism", "fixture.face_tilt"} & group for group in groups)
-    assert not any(is_claimed(each) for each in findings)
+    found = diagnose([read_campaign(folder).campaign])
+    assert not any(is_claimed(each) for each in found.findings)
+    assert found.verdict == "consistent"  # slab and faces are parameters of the model
+    sigma = np.sqrt(np.diag(found.solution.covariance))
+    tilts = [i for i, name in enumerate(found.solution.names) if name.startswith(("slab", "fixture"))]
+    assert tilts
+    assert np.isfinite(sigma[tilts]).all()
 
 
 TWO = {"accelerometer.relaxation": {"x": 6e-6, "tau_s": 20.0}, **LEANING}
@@ -59,7 +61,7 @@ def test_two_effects_at_once_are_both_named_with_their_sizes() -> None:
     found = diagnose(certified(unit(5, effects=TWO), 5))
     for name in TWO:
         finding = finding_of(found, name)
-        assert set(finding.aliases) <= {"gyroscope.magnetic", "accelerometer.bias_drift"}
+        assert all(alias.startswith("a function of") for alias in finding.aliases)
         sizes = np.array([TWO[name].get(key, 0.0) for key in finding.coefficients])
         if name == "gyroscope.g_sensitivity":
             assert np.max(np.abs(finding.value - sizes) / finding.std) < 4
@@ -168,7 +170,7 @@ def test_certified_quadratic_is_not_its_faces_though_they_look_alike() -> None:
 def test_uncertified_quadratic_goes_by_the_name_of_its_faces() -> None:
     finding = quadratic(False)
     assert finding.kind == "bench"
-    assert finding.confidence == "ambiguous"
+    assert finding.confidence == "possible"
     assert "accelerometer.quadratic" in finding.aliases
     assert finding.separate_by
 
@@ -214,7 +216,7 @@ def test_six_turns_that_close_worse_are_a_group_led_by_the_closure_and_widen_the
     truth = unit(3, effects={"procedure.closure": {"value": 0.08}})
     diagnosis = diagnose(plain(truth, 3))
     (closure,) = (each for each in diagnosis.findings if each.effect in SCATTERS)
-    assert (closure.effect, closure.confidence) == ("procedure.closure", "ambiguous")
+    assert (closure.effect, closure.confidence) == ("procedure.closure", "possible")
     assert "gyroscope.scale_asymmetry" in closure.aliases
     assert "three times the revolutions" in closure.separate_by
     assert not instrument_findings(diagnosis)

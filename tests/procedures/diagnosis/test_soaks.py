@@ -51,7 +51,7 @@ def test_a_drift_and_a_settling_are_named(
     """No thermometer was read: a drift may be a temperature as well."""
     found = diagnosed(tmp_path, of(TIME))
     assert found.findings[0].effect == effect
-    assert found.findings[0].confidence == "ambiguous"
+    assert found.findings[0].confidence == "possible"
     assert "gyroscope.bias_temperature" in found.findings[0].aliases
 
 
@@ -60,7 +60,7 @@ def test_a_walk_is_never_sure_to_be_anything_else(tmp_path: Path, seed: int) -> 
     steps = np.random.default_rng(50 + seed).standard_normal(len(TIME))
     found = diagnosed(tmp_path, np.cumsum(steps) * STEP / np.sqrt(len(TIME)), seed)
     for each in found.findings:
-        assert each.confidence == "ambiguous"
+        assert each.confidence == "possible"
         assert "gyroscope.bias_walk" in (each.effect, *each.aliases)
 
 
@@ -115,7 +115,7 @@ def test_a_walk_is_found_of_its_size_foretells_better_and_is_no_sure_name(tmp_pa
     found = diagnose([soak(tmp_path, noise(9) + walk(9))])
     (finding,) = (each for each in found.findings if each.effect == "accelerometer.bias_walk")
     assert abs(np.log(finding.value[0] / WALK)) < 3 * finding.std[0] / finding.value[0] < 1
-    assert finding.confidence == "ambiguous"
+    assert finding.confidence == "possible"
     assert {"accelerometer.bias_drift", "accelerometer.bias_temperature"} == set(finding.aliases)
     assert finding.share > 0.5
     (error,) = (each for each in found.errors if each.quantity == "accelerometer soaks")

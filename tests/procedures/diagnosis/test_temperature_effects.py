@@ -81,7 +81,7 @@ def test_a_drift_of_a_unit_without_a_thermometer_may_be_its_temperature() -> Non
     series = replace(soak.series, temperature=np.full(len(T), np.nan))
     (finding,) = diagnose([replace(whole, soaks=(replace(soak, series=series),))]).findings
     assert finding.effect == "accelerometer.bias_drift"
-    assert finding.confidence == "ambiguous"
+    assert finding.confidence == "possible"
     assert "accelerometer.bias_temperature" in finding.aliases
 
 
@@ -89,7 +89,7 @@ def test_a_drift_of_a_unit_without_a_thermometer_may_be_its_temperature() -> Non
 
 
 def sure(found: Diagnosis) -> set[str]:
-    return {each.effect for each in found.findings if each.kind == "instrument" and each.confidence != "ambiguous"}
+    return {each.effect for each in found.findings if each.kind == "instrument" and each.confidence != "possible"}
 
 
 def twice(first: float, second: float) -> np.ndarray:
@@ -174,7 +174,7 @@ def test_what_no_effect_does_is_not_explained_beside_one_that_is(
     assert found.verdict in {"partly", "unexplained"}
     assert found.reasons
     gyro = next(each for each in found.findings if each.effect == "gyroscope.bias_temperature")
-    assert gyro.confidence != "ambiguous"  # what the accelerometers do says nothing of it
+    assert gyro.confidence != "possible"  # what the accelerometers do says nothing of it
 
 
 # Positions while the unit warms up, with and without a soak: temperature or drift

@@ -64,7 +64,7 @@ def test_parallelism_holds_the_truth_whichever_seating_is_taken() -> None:
     found = diagnose(plain(truth, 11))
     (seating,) = [each for each in found.findings if each.effect == "placement.dwell"]
     assert set(np.atleast_1d(seating.where["position"])) == {7, 8}
-    assert not [each for each in found.findings if each.kind == "instrument" and each.confidence != "ambiguous"]
+    assert not [each for each in found.findings if each.kind == "instrument" and each.confidence != "possible"]
     faces = truth.faces_rad.reshape(3, 2, 2).sum(axis=1)
     off = (found.solution.parallelism.value - faces) / found.solution.parallelism.std
     assert np.all(np.abs(off) < 4)

@@ -51,7 +51,7 @@ LEFT = {
 
 def faces_off(*aliases: str, **more: Any) -> dict[str, Any]:
     finding = {
-        "effect": "fixture.parallelism", "confidence": "ambiguous", "aliases": list(aliases), "where": {},
+        "effect": "fixture.parallelism", "confidence": "possible", "aliases": list(aliases), "where": {},
         "coefficients": {"x.y": {"value": 1e-6}, "y.z": {"value": -1e-4}},
     }  # fmt: skip
     return {"verdict": "ambiguous", "error": [], "findings": [finding | more]}
@@ -59,7 +59,7 @@ def faces_off(*aliases: str, **more: Any) -> dict[str, Any]:
 
 def face_tilted(value: float, std: float, *aliases: str) -> dict[str, Any]:
     tilt = {
-        "effect": "fixture.face_tilt", "confidence": "ambiguous", "where": {},
+        "effect": "fixture.face_tilt", "confidence": "possible", "where": {},
         "aliases": ["accelerometer.quadratic", *aliases],
         "coefficients": {"y_up.x": {"value": -value, "std": std}, "x_up.z": {"value": 1e-5, "std": std}},
     }  # fmt: skip

@@ -83,7 +83,7 @@ def test_what_was_judged_then_is_judged_now_and_what_has_no_value_is_not_measure
     assert conformity({}, {}) is None
 
 
-QUADRATIC = {"effect": "accelerometer.quadratic", "confidence": "ambiguous", "aliases": ["fixture.parallelism"]}
+QUADRATIC = {"effect": "accelerometer.quadratic", "confidence": "possible", "aliases": ["fixture.parallelism"]}
 WARNING = "the residual is larger (chi-square 90 at 30): the uncertainties are too small; run `station diagnose`"
 K2 = "accelerometer.quadratic"
 

@@ -79,7 +79,7 @@ def compared(now: tuple[str, list[dict[str, Any]]], before: tuple[str, list[dict
 
 
 def test_what_came_what_went_and_what_is_surer_is_said() -> None:
-    before = [finding("slab.tilt"), finding("accelerometer.quadratic", "ambiguous", "fixture.parallelism")]
+    before = [finding("slab.tilt"), finding("accelerometer.quadratic", "possible", "fixture.parallelism")]
     now = [finding("accelerometer.quadratic"), finding("gyroscope.magnetic", "likely")]
     entry = compared(("likely", now), ("ambiguous", before))
     assert list(diagnosis_remarks(entry)) == [
