@@ -103,7 +103,7 @@ class Board:
 
     @cached_property
     def separable(self) -> Mapping[str, bool]:
-        """Say of every name whether any of its options shows beside the model's own parameters, if these were free.
+        """Say of every name whether any of its options shows beside the model's own parameters, were these free.
 
         What only the ranges of bench parameters show, as a quadratic term beside faces without a certificate, is
         not separable from them here.

@@ -47,12 +47,13 @@ def _sizes(now: Refit, of: Coefficients) -> tuple[tuple[str, ...], FloatArray, F
 
     Between the points of a grid a time constant is known as well as the fit where the model stands with it says.
     """
-    acts, std = of.std > priors.NEGLIGIBLE * np.max(of.std, initial=0.0), of.std
+    std, seen = of.std, np.ones(len(of.std), dtype=bool)
     bent = np.array([value for value, _ in of.nonlinear.values()])
     spread = np.array([log_std for _, log_std in of.nonlinear.values()])
     own = [i for i, each in enumerate(now.added) if _is_same(each, of.candidate)]
     if not of.candidate.effect.is_scatter:
-        acts &= of.candidate.term.H[:, : len(acts)].any(axis=0)
+        seen = of.candidate.term.H[:, : len(std)].any(axis=0)
+    acts = seen & (std > priors.NEGLIGIBLE * np.max(std[seen], initial=0.0))
     if bent.size and len(own) == 1:
         k, fitted = len(std), np.sqrt(np.diag(now.linear.coefficients(own[0])[1]))
         std, spread = np.maximum(std, fitted[:k]), np.hypot(spread, fitted[k:])

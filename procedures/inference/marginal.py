@@ -73,11 +73,13 @@ class Held:
     def of(cls, board: Board, members: Sequence[Member]) -> "Held":
         """Hold members."""
         S = stacked(board, members)
-        M, b, yy = np.eye(S.shape[1]) + S.T @ S, S.T @ board.y, float(board.y @ board.y)
-        inverse = np.asarray(np.linalg.inv(M), np.float64)
+        b, yy = S.T @ board.y, float(board.y @ board.y)
+        size, V = np.linalg.eigh(S.T @ S)  # large members that are nearly the same leave no digits of the 1
+        size = np.maximum(size, 0.0)
+        inverse = (V / (1 + size)) @ V.T
         c = inverse @ b
         squares = yy - float(b @ c)
-        logdet = float(np.linalg.slogdet(M)[1])
+        logdet = float(np.sum(np.log1p(size)))
         gain = -0.5 * logdet + float(tail(board, np.array(squares)) - tail(board, np.array(yy)))
         return cls(S, inverse, c, squares, gain)
 
@@ -96,9 +98,12 @@ def ranked(board: Board, members: Sequence[Member]) -> Ranked:
     held, n = Held.of(board, members), len(board.options)
     gains, best, amplitude = np.full(n, -np.inf), np.full(n, -np.inf), np.zeros(n)
     across = held.S.T @ board.W
+    variances, V = np.linalg.eigh(held.inverse)
+    taken = across.T @ (V * np.sqrt(np.maximum(variances, 0.0)))  # (N, s): what the members take of each column
+    shift = across.T @ held.c
     for block in board.blocks:
-        of = np.moveaxis(across[:, block.columns], 0, 2)  # (b, k, s)
-        G, g = block.G - of @ held.inverse @ np.swapaxes(of, 1, 2), block.g - of @ held.c
+        of = taken[block.columns]  # (b, k, s)
+        G, g = block.G - of @ np.swapaxes(of, 1, 2), block.g - shift[block.columns]
         values = gains_of(board, held.squares, G, g, block)
         most = np.argmax(values, axis=1)
         at = np.arange(len(most))
@@ -108,7 +113,7 @@ def ranked(board: Board, members: Sequence[Member]) -> Ranked:
         amplitude[block.options] = block.amplitudes[at, most]
     for i, option in enumerate(board.options):
         if option.taken is not None:
-            values = _gains_of_rows(board, held, option, across[:, option.columns])
+            values = _gains_of_rows(board, held, option, taken[option.columns], shift[option.columns])
             most = int(np.argmax(values))
             gains[i] = option.log_share + log_mean(values)
             best[i], amplitude[i] = option.log_share + values[most], _amplitudes(board, option)[most]
@@ -139,16 +144,17 @@ def _amplitudes(board: Board, option: Option) -> FloatArray:
     return board.hypotheses[option.hypothesis].amplitudes
 
 
-def _gains_of_rows(board: Board, held: Held, option: Option, across: FloatArray) -> FloatArray:
+def _gains_of_rows(
+    board: Board, held: Held, option: Option, by_members: FloatArray, shift: FloatArray
+) -> FloatArray:
     """Return the gain (amplitudes,) of an option whose columns are single rows, beside what is held.
 
-    Then G = I - U U' with few columns U: but for these directions it has the eigenvalue 1. ``across`` (s, k) is
-    S'W.
+    Then G = I - U U' with few columns U: but for these directions it has the eigenvalue 1. ``by_members`` (k, s)
+    is what the members take of the columns, ``shift`` (k,) what they explain of W'y.
     """
     assert option.taken is not None
-    g = board.W[:, option.columns].T @ board.y - across.T @ held.c
-    root = np.linalg.cholesky(held.inverse) if len(held.inverse) else held.inverse
-    X, sigma, _ = np.linalg.svd(np.hstack((option.taken, across.T @ root)), full_matrices=False)
+    g = board.W[:, option.columns].T @ board.y - shift
+    X, sigma, _ = np.linalg.svd(np.hstack((option.taken, by_members)), full_matrices=False)
     size, along = np.maximum(1 - sigma**2, 0.0), X.T @ g
     rest, number = max(float(g @ g - along @ along), 0.0), len(g) - len(size)
     s2 = _amplitudes(board, option)[:, None] ** 2

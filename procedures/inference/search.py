@@ -121,11 +121,12 @@ class Search:
     def polished(self, members: Sequence[Member]) -> Model:
         """Return a model with every member's option and amplitude the best beside the others."""
         now, of = list(members), [self.board.options[each.option].hypothesis for each in members]
-        before = list[Member]()
-        while before != now:  # each change is likelier than what was
+        for _ in range(priors.LARGEST):  # each change is likelier than what was, but for rounding
             before = list(now)
             for i, hypothesis in enumerate(of):
                 now[i] = self.beside(now[:i] + now[i + 1 :]).member(self.board, hypothesis)
+            if before == now:
+                break
         log_odds = Held.of(self.board, now).gain
         for i, hypothesis in enumerate(of):
             beside = self.beside(now[:i] + now[i + 1 :])
@@ -135,9 +136,11 @@ class Search:
         return Model(tuple(now), log_odds, tuple(sorted(of)))
 
     def _around(self, model: Model) -> None:
-        """Take each member, and each pair, out of a model, and try everything in its place."""
+        """Take each member that something else may be, and each pair of few, out and try everything."""
         n = len(model.members)
-        out = [(), *((i,) for i in range(n)), *((i, j) for i in range(n) for j in range(i))]
+        open_to = [i for i in range(n) if self._has_rivals(model, i)]
+        pairs = [(i, j) for i in range(n) for j in range(i)] if n <= priors.BREADTH else []
+        out = [(), *((i,) for i in open_to), *pairs]
         for gone in out:
             rest = tuple(each for k, each in enumerate(model.members) if k not in gone)
             smaller = self.polished(rest)
@@ -154,6 +157,14 @@ class Search:
                 for child in sorted(self._children(base), key=lambda each: -each.log_odds)[: priors.BREADTH]:
                     if child.log_odds > least:
                         self._keep(self.polished(child.members))
+
+    def _has_rivals(self, model: Model, i: int) -> bool:
+        """Say whether something else, or two causes for a function without a name, may be in a member's place."""
+        own = _of(self.board, model.members[i])
+        if not self.board.hypotheses[own].is_named:
+            return True
+        total = self.beside(model.members[:i] + model.members[i + 1 :]).total
+        return bool(np.any(np.delete(total, own) > total[own] - 2 * priors.WINDOW))
 
     def _two_for_one(self, smaller: Model, least: float) -> None:
         """Keep what two causes with names do in the place of a function without one."""

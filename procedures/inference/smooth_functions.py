@@ -21,6 +21,7 @@ from procedures.effects.temperature_history import REVERSAL_K, sensor_temperatur
 from procedures.frames import AXES, TRIADS
 from procedures.inference import priors
 
+MOST_STEPS = 40  # of a walk; more are told apart by no campaign
 Options = list[tuple[float, FloatArray, str]]  # share of the prior, whitened columns (n, k), what it is
 Way = tuple[str, list[FloatArray], list[float]]  # what it is, values (n,) or (n, 3) at the nodes, their 1 sigma
 
@@ -43,6 +44,8 @@ def functions(evidence: Evidence) -> dict[str, Options]:
 def walk(evidence: Evidence, triad: str) -> Options:
     """Return a random walk of a triad's biases, of all sensors or of one."""
     H = walk_columns(evidence, triad, PARTS) / evidence.sigma[:, None]
+    every = -(-H.shape[1] // (3 * MOST_STEPS))  # of a long recording a coarser walk, of the same variance
+    H = H.reshape(len(H), -1, 3)[:, ::every].reshape(len(H), -1) * np.sqrt(every) if every > 1 else H
     return _of_sensors([H[:, i::3] for i in range(3)], "walk") if H.shape[1] else []
 
 
