@@ -186,8 +186,7 @@ def outcome(found: Diagnosis) -> dict[str, Any]:
     said = {each.name: getattr(found, each.name) for each in fields(found) if each.name not in rows}
     kept = ("accelerometer", "gyroscope", "slab_tilt", "parallelism", "quality")
     said["solution"] = {name: getattr(found.solution, name) for name in kept}
-    tried = (each for each in found.tried if each.effect != "clock.rate")  # its chance counts the whole catalogue
-    said["tried"] = {each.effect: [each.statistic, each.log_p] for each in tried}
+    said["probabilities"] = {name: p for name, p in found.probabilities.items() if p > 0.01}
     return said | {"values": found.values, "added": [each.effect.name for each in found.added]}
 
 

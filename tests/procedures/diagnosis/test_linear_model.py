@@ -133,6 +133,9 @@ def test_the_gyroscopes_fit_moves_by_what_the_design_says_of_dwells_and_turns(nu
     np.testing.assert_allclose((after.joint.fit.x - before.fit.x) / std, expected, atol=0.05)
 
 
+SEEDS = range(3)
+
+
 def test_whitened_residuals_of_sound_campaigns_have_unit_variance() -> None:
     squares: dict[str, list[float]] = {}
     for seed in SEEDS:

@@ -86,8 +86,8 @@ def test_what_came_what_went_and_what_is_surer_is_said() -> None:
         "diagnosis: ambiguous before, likely now",
         "found now: gyroscope.magnetic, likely",
         "no more found: slab.tilt, established",
-        "accelerometer.quadratic: ambiguous (or fixture.parallelism) before, established now",
+        "accelerometer.quadratic: possible (or fixture.parallelism) before, established now",
     ]
     assert entry["diagnosis"]["changed"] == [
-        {"effect": "accelerometer.quadratic", "before": "ambiguous (or fixture.parallelism)", "now": "established"}
+        {"effect": "accelerometer.quadratic", "before": "possible (or fixture.parallelism)", "now": "established"}
     ]
