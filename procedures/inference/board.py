@@ -10,6 +10,7 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.effects.effect import Effect
+from procedures.inference import priors
 from procedures.statistics.singular_values import left_singular
 
 
@@ -112,7 +113,9 @@ class Board:
         A = (self.evidence.A / self.evidence.sigma[:, None])[data]
         U, size = left_singular(A)
         Q = U[:, size > np.finfo(float).eps * len(A) * np.max(size, initial=0.0)]
+        whole = np.linalg.norm(self.H[data], axis=0)
         seen = np.linalg.norm(self.H[data] - Q @ (Q.T @ self.H[data]), axis=0)
+        seen = np.where(seen > priors.NEGLIGIBLE * whole, seen, 0.0)
         found = dict.fromkeys((each.name for each in self.hypotheses), False)
         for option in self.options:
             at = self.hypotheses[option.hypothesis]

@@ -47,7 +47,7 @@ def _sizes(now: Refit, of: Coefficients) -> tuple[tuple[str, ...], FloatArray, F
 
     Between the points of a grid a time constant is known as well as the fit where the model stands with it says.
     """
-    std, seen = of.std, np.ones(len(of.std), dtype=bool)
+    std, seen = of.std, of.std >= 0
     bent = np.array([value for value, _ in of.nonlinear.values()])
     spread = np.array([log_std for _, log_std in of.nonlinear.values()])
     own = [i for i, each in enumerate(now.added) if _is_same(each, of.candidate)]

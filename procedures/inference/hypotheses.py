@@ -148,7 +148,7 @@ def _plainest(W: FloatArray, options: Sequence[Option], hypotheses: Sequence[Hyp
         most = np.maximum(most, sums @ taken / whole)
     return tuple(
         each for each, share in zip(options, most, strict=True)
-        if share < 1 - priors.NEGLIGIBLE or each.is_plain or not (each.is_bent or each.candidate is None)
+        if share < 1 - priors.UNRESOLVED or each.is_plain or not (each.is_bent or each.candidate is None)
     )  # fmt: skip
 
 

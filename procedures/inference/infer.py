@@ -12,6 +12,7 @@ from procedures.diagnosis.model_with_effects import BaseModel
 from procedures.diagnosis.refit import Refit, terms_at
 from procedures.effects.effect import Effect
 from procedures.errors import DoesNotFit
+from procedures.inference import priors
 from procedures.inference.board import Board
 from procedures.inference.hypotheses import Library, library_of
 from procedures.inference.marginal import Member, log_sum, tail
@@ -97,12 +98,16 @@ def _beside_rivals(
     likeliest = max(shares, key=lambda name: shares[name])
     search, now, found = stands[likeliest]
     causes = tuple(
-        replace(each, probability=each.joint * shares[likeliest], shares=each.shares | shares)
+        replace(each, probability=each.joint * shares[likeliest], shares=_notable(each.shares | shares))
         if each.hypothesis.name == likeliest
         else each
         for each in found.causes
     )
     return search, now, replace(found, causes=causes)
+
+
+def _notable(shares: dict[str, float]) -> dict[str, float]:
+    return {name: share for name, share in shares.items() if share >= priors.NEGLIGIBLE}
 
 
 def _log_density(search: Search) -> float:

@@ -22,7 +22,7 @@ UNIT = {"model": "FOG-3", "serial": "S1"}
 def _adopted(folder: Path, files: dict[str, str], verdict: str, entry: dict[str, Any], *, is_found: bool) -> Path:
     solution: dict[str, Any] = {"provenance": {**UNIT, "files": files}}
     finding = {**entry, "effect": entry["name"], "confidence": "proposed"}
-    document: dict[str, Any] = {"format": "diagnosis/1", "verdict": verdict, "solution": solution}
+    document: dict[str, Any] = {"format": "diagnosis/2", "verdict": verdict, "solution": solution}
     document |= {"findings": [finding] if is_found else []}
     solution |= {} if is_found else {"effects": [entry]}
     (folder / "diagnosis.json").write_text(json.dumps(document))
