@@ -64,7 +64,8 @@ class Finding:
     measurement that separates them. ``log_p`` is adjusted for all that was tried, None where no p was computed.
     ``errors`` are those held out of what the effect acts on, without and with it. ``share`` (0 to 1) is by how
     much of their squares it reduces them. ``same_here`` are effects whose columns are this one's in a recording at
-    one attitude that calibrates nothing: the finding is of the output there, whatever its name.
+    one attitude that calibrates nothing: the finding is of the output there, whatever its name. ``times_expected``
+    is the largest coefficient over the size that its catalogue expects.
     """
 
     effect: str
@@ -84,6 +85,7 @@ class Finding:
     joint: float | None = None
     errors: tuple["ResidualRms", ...] = ()
     same_here: tuple[str, ...] = ()
+    times_expected: float | None = None
 
     @property
     def confidence(self) -> Confidence:

@@ -68,4 +68,5 @@ EFFECT = Effect(
     added=added,
     shown=shown,
     fitted=fitted,
+    is_loss=True,
 )

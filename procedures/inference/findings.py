@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from procedures.arrays import FloatArray, IntArray
+from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.held_out_errors import errors_of_fits, left_out_groups
 from procedures.diagnosis.linear_model import fit_linear, predict_left_out
@@ -38,7 +38,7 @@ def _finding(found: Inferred, cause: Cause, of: Coefficients, left_out: Sequence
         name, effect.kind, names, value, std, columns.unit or effect.unit, _where(cause), cause.probability,
         _what_separates(found.refit, effect), shape=columns.shape, share=share,
         aliases=tuple(each for each in cause.shares if each != name), shares=cause.shares, joint=cause.joint,
-        errors=errors, same_here=found.pool.same_as(of.candidate),
+        errors=errors, same_here=found.pool.same_as(of.candidate), times_expected=_times_expected(of),
     )  # fmt: skip
 
 
@@ -47,12 +47,13 @@ def _sizes(now: Refit, of: Coefficients) -> tuple[tuple[str, ...], FloatArray, F
 
     Between the points of a grid a time constant is known as well as the fit where the model stands with it says.
     """
-    std, seen = of.std, of.std >= 0
+    std = of.std
+    seen: BoolArray = np.isfinite(std)
     bent = np.array([value for value, _ in of.nonlinear.values()])
     spread = np.array([log_std for _, log_std in of.nonlinear.values()])
     own = [i for i, each in enumerate(now.added) if _is_same(each, of.candidate)]
     if not of.candidate.effect.is_scatter:
-        seen = of.candidate.term.H[:, : len(std)].any(axis=0)
+        seen &= np.any(of.candidate.term.H[:, : len(std)], axis=0)
     acts = seen & (std > priors.NEGLIGIBLE * np.max(std[seen], initial=0.0))
     if bent.size and len(own) == 1:
         k, fitted = len(std), np.sqrt(np.diag(now.linear.coefficients(own[0])[1]))
@@ -60,6 +61,15 @@ def _sizes(now: Refit, of: Coefficients) -> tuple[tuple[str, ...], FloatArray, F
         bent = np.array(list(now.added[own[0]].columns.nonlinear.values()))
     names = tuple(name for name, one in zip(of.names, acts.tolist(), strict=True) if one)
     return (*names, *of.nonlinear), np.append(of.value[acts], bent), np.append(std[acts], bent * spread)
+
+
+def _times_expected(of: Coefficients) -> float:
+    """Return the largest coefficient over the size that the catalogue states, both as they are shown."""
+    effect, k = of.candidate.effect, len(of.value)
+    expected = effect.plausible_of(of.candidate.columns)[:k]
+    if effect.shown is not None:
+        expected, _ = effect.shown(expected, np.zeros(k))
+    return float(np.max(np.abs(of.value) / np.abs(expected[: len(of.value)]), initial=0.0))
 
 
 def _is_same(one: Candidate, other: Candidate) -> bool:

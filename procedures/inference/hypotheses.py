@@ -19,7 +19,7 @@ from procedures.effects.effect import Columns
 from procedures.frames import AXES, TRIADS
 from procedures.inference import priors
 from procedures.inference.board import Board, Hypothesis, Option
-from procedures.inference.smooth_functions import functions, walk
+from procedures.inference.smooth_functions import UNRECORDED, functions, walk
 
 CUBIC = 4  # neighbours that a cubic goes through
 OF_ROWS = {
@@ -81,7 +81,9 @@ class Library:
                 for share, H, note in options
             ]
             if options:
-                hypotheses.append(_without_name(name, "nameless", priors.ODDS_NAMELESS, priors.OF_NAMELESS))
+                # what is known to act and was not recorded is as likely as what has a name
+                odds = priors.ODDS_NAMED if name.startswith(UNRECORDED) else priors.ODDS_NAMELESS
+                hypotheses.append(_without_name(name, "nameless", odds, priors.OF_NAMELESS))
         return Library(tuple(hypotheses), tuple(ways))
 
     def with_terms(self, evidence: Evidence, terms: Iterable[tuple[str, Candidate, float]]) -> "Library":

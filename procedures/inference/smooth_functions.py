@@ -21,6 +21,7 @@ from procedures.effects.temperature_history import REVERSAL_K, sensor_temperatur
 from procedures.frames import AXES, TRIADS
 from procedures.inference import priors
 
+UNRECORDED = "a temperature that was not recorded"
 MOST_STEPS = 40  # of a walk; more are told apart by no campaign
 Options = list[tuple[float, FloatArray, str]]  # share of the prior, whitened columns (n, k), what it is
 Way = tuple[str, list[FloatArray], list[float]]  # what it is, values (n,) or (n, 3) at the nodes, their 1 sigma
@@ -35,9 +36,10 @@ def functions(evidence: Evidence) -> dict[str, Options]:
         ).any():
             continue
         output = np.nan_to_num((seen.accel_output, seen.gyro_output)[number])
-        for name, ways in _coordinates(seen, output, triad).items():
+        for coordinate, ways in _coordinates(seen, output, triad).items():
+            name = coordinate if coordinate == UNRECORDED else f"a function of {coordinate}"
             if options := _options(evidence, number, ways):
-                found[f"a function of {name}, {triad}"] = options
+                found[f"{name}, {triad}"] = options
     return found
 
 
@@ -114,11 +116,14 @@ def _coordinates(seen: Excitation, output: FloatArray, triad: str) -> dict[str, 
     kind = np.array([step.kind for step in seen.steps])[seen.step]
     turning, resting = np.isin(kind, ("turn", "move", "rate")), np.isin(kind, ("dwell", "rest", "soak"))
     found, f, time = dict[str, list[Way]](), np.nan_to_num(seen.f), (time_in_history(seen) + 1) / 2
-    is_timed = bool(np.isfinite(seen.t).all())  # a rate table may have no time
-    if is_timed:
-        found["time"] = waves(time)
-        found["time times the output"] = waves(time[:, None], output)
     T = seen.temperature
+    is_timed = bool(np.isfinite(seen.t).all())  # a rate table may have no time
+    if is_timed and not np.isfinite(T).any():
+        found[UNRECORDED] = [_equal("ramp", [time]), *waves(time)]
+    elif is_timed:
+        found["time"] = waves(time)
+    if is_timed:
+        found["time times the output"] = waves(time[:, None], output)
     if np.isfinite(T).any() and np.nanmax(T) - np.nanmin(T) > REVERSAL_K:
         spread, x = max(float(np.nanstd(T)), 1e-9), np.nan_to_num(_unit(T))
         at = (T - np.nanmean(T)) / spread

@@ -45,7 +45,7 @@ def contradiction_of(document: Mapping[str, Any], *, is_certified: bool = False)
 
 
 def _beyond_any_face(document: Mapping[str, Any]) -> Iterator[float]:
-    """Yield tilts [rad] that are surely larger than a face's own, or a seat's, however sure the diagnosis is of them.
+    """Yield tilts [rad] that are surely larger than those of a cube's own faces, however sure the diagnosis is.
 
     Where some faces stood once, their tilts and the misalignments hardly know each other: two cubes that stand
     askew, also about the vertical, then fit with faces tilted by a third of a degree and a residual of nothing.

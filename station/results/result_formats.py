@@ -53,9 +53,10 @@ RESULTS: dict[str, ResultFormat] = {
             "findings": "the causes that have a name: `effect`, `kind`, `coefficients`, `unit`, `where`, "
             "`probability` of the name, `confidence` (`established` from 0.99, `likely` from 0.9, `possible`), "
             "`joint_probability` that one of the names in `shares` acts, `aliases` (the other names), "
-            "`separate_by`, `error` held out without and with it, `share` of its square, `same_here`; of one that "
-            "was tested before the inference `log10_p`; of a user-defined term `term`, `sha256`, `definition`; of "
-            "a proposed one `latex`, `readings`, `held_out_sigmas`",
+            "`separate_by`, `times_expected` (largest coefficient over its expected size), `error` held out "
+            "without and with it, `share` of its square, `same_here`; of one that was tested before the "
+            "inference `log10_p`; of a user-defined term `term`, `sha256`, `definition`; of a proposed one "
+            "`latex`, `readings`, `held_out_sigmas`",
             "unnamed": "causes that no known error term explains: `what` each looks like, `note`, `probability`, "
             "`joint_probability`, `shares`",
             "probabilities": "of every error term that was considered",

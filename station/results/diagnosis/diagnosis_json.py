@@ -123,6 +123,7 @@ def finding_document(finding: Finding) -> dict[str, Any]:
         "separate_by": finding.separate_by,
         **({"error": [error_document(each, LEFT_OUT) for each in finding.errors]} if finding.errors else {}),
         **({} if finding.log_p is None else {"log10_p": float(finding.log_p) / log(10)}),
+        **({} if finding.times_expected is None else {"times_expected": float(finding.times_expected)}),
         **({"same_here": list(finding.same_here)} if finding.same_here else {}),
         **({"shape": finding.shape} if finding.shape else {}),
     }

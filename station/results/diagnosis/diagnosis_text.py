@@ -162,7 +162,11 @@ def cause_rows(document: Mapping[str, Any]) -> list[tuple[str, str, str]]:
         held_out = reduction_said(finding).partition(" from ")[2].replace(" to ", " -> ")
         rows.append((finding["effect"], probability_text(finding["probability"]), held_out))
     for one in document.get("unnamed", ()):
-        rows.append((f"unnamed: {unnamed_said(one)}", probability_text(one["joint_probability"]), ""))
+        names = [
+            name for name, p in one["shares"].items() if not name.startswith(("a ", one["what"])) and p > 0.05
+        ]
+        other = f"; or {', '.join(names)}" if names else ""
+        rows.append((f"unnamed: {unnamed_said(one)}{other}", probability_text(one["joint_probability"]), ""))
     return rows
 
 

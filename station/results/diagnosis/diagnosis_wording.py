@@ -22,6 +22,7 @@ LEFT_TITLE = "largest residuals"
 UNEXPLAINED = "unexplained"  # as `procedures.uncertainty.sources` names it
 OTHERS_TITLE = "other error terms considered, with their probability"
 NEGLIGIBLE = 0.01  # a probability that is not listed
+BEYOND_BELIEF = 10.0  # times its expected size, from which on a coefficient is questioned
 MIN_LOG10_P = -300  # below which a p-value is only known to be below
 
 
@@ -261,6 +262,8 @@ def notes(finding: Mapping[str, Any]) -> list[str]:
     if (angle := finding.get("levelling_deg")) is not None:
         along = [f"{degrees(c['value']):.2f} along {n[-1]}" for n, c in finding["coefficients"].items()]
         found.append(f"the face is {angle:.2f} deg off the vertical: {', '.join(along)}")
+    if (times := finding.get("times_expected", 0.0)) > BEYOND_BELIEF:
+        found.append(f"it is {significant(times)} times the expected size: check the unit and the channel")
     if shape := finding.get("shape"):
         found.append(f"shape: {shape}")
     if same := finding.get("same_here"):

