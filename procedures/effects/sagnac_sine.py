@@ -69,4 +69,5 @@ EFFECT = Effect(
     shown=shown,
     fitted=fitted,
     is_loss=True,
+    driver="input",
 )

@@ -63,6 +63,7 @@ ACCELEROMETER = Effect(
     columns=lambda seen: [accelerometer_at(seen, way) for way in first_ways(seen)],
     separate_by="a heating run with ramps and long plateaus, up and down",
     at=accelerometer_at,
+    driver="temperature",
 )
 GYROSCOPE = replace(
     ACCELEROMETER,

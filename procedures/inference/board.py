@@ -1,6 +1,6 @@
 """Hypotheses beside the evidence: columns in the complement of the model's own, and the prior of each."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -20,7 +20,7 @@ class Hypothesis:
 
     ``kind`` is that of its effect, ``nameless`` for a function that no catalogue holds, ``noise`` for a class of
     rows. ``log_again`` is ln of the odds that it acts once more, in another place or by another coefficient; None
-    where it acts once.
+    where it acts once. ``driver`` is what drives a curve of free shape, "" of all else.
     """
 
     name: str
@@ -29,6 +29,7 @@ class Hypothesis:
     amplitudes: FloatArray
     effect: Effect | None = None
     log_again: float | None = None
+    driver: str = ""
 
     @property
     def is_named(self) -> bool:
@@ -131,22 +132,27 @@ class Board:
     @cached_property
     def blocks(self) -> Sequence[Block]:
         """All options, those of about as many columns together; but those of single rows."""
-        return list(_blocks(self))
+        return list(_blocks(self, range(len(self.options))))
+
+    @cached_property
+    def blocks_of(self) -> Sequence[Sequence[Block]]:
+        """Every hypothesis' own options as `blocks`."""
+        return [list(_blocks(self, own.tolist())) for own in self.options_of]
 
 
-def _blocks(board: Board) -> Iterator[Block]:
+def _blocks(board: Board, options: Iterable[int]) -> Iterator[Block]:
     kinds = dict[tuple[int, bool], list[int]]()
-    for i, option in enumerate(board.options):
+    for i in options:
+        option = board.options[i]
         if option.taken is not None:
             continue
         effect = board.hypotheses[option.hypothesis].effect
         k = 1 << max(len(option.columns) - 1, 0).bit_length()
         kinds.setdefault((k, effect is not None and effect.is_loss), []).append(i)
-    along = board.W.T @ board.y
     for (k, is_loss), which in kinds.items():
         columns = np.full((len(which), k), board.W.shape[1] - 1)
         for row, i in zip(columns, which, strict=True):
             row[: len(board.options[i].columns)] = board.options[i].columns
         W = np.moveaxis(board.W[:, columns], 0, 2)  # (b, k, m)
         amplitudes = np.array([board.hypotheses[board.options[i].hypothesis].amplitudes for i in which])
-        yield Block(np.array(which), columns, W @ np.swapaxes(W, 1, 2), along[columns], amplitudes, is_loss)
+        yield Block(np.array(which), columns, W @ np.swapaxes(W, 1, 2), W @ board.y, amplitudes, is_loss)

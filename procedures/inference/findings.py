@@ -54,7 +54,9 @@ def _sizes(now: Refit, of: Coefficients) -> tuple[tuple[str, ...], FloatArray, F
     own = [i for i, each in enumerate(now.added) if _is_same(each, of.candidate)]
     if not of.candidate.effect.is_scatter:
         seen &= np.any(of.candidate.term.H[:, : len(std)], axis=0)
-    acts = seen & (std > priors.NEGLIGIBLE * np.max(std[seen], initial=0.0))
+    expected = of.candidate.effect.plausible_of(of.candidate.columns)[: len(std)]
+    known = np.divide(std, expected, out=np.zeros_like(std), where=expected > 0)
+    acts = seen & (known > priors.NEGLIGIBLE * np.max(known[seen], initial=0.0))
     if bent.size and len(own) == 1:
         k, fitted = len(std), np.sqrt(np.diag(now.linear.coefficients(own[0])[1]))
         std, spread = np.maximum(std, fitted[:k]), np.hypot(spread, fitted[k:])

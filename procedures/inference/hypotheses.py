@@ -19,7 +19,7 @@ from procedures.effects.effect import Columns
 from procedures.frames import AXES, TRIADS
 from procedures.inference import priors
 from procedures.inference.board import Board, Hypothesis, Option
-from procedures.inference.smooth_functions import UNRECORDED, functions, walk
+from procedures.inference.smooth_functions import Function, driver_in, functions, unrecorded, walk
 
 CUBIC = 4  # neighbours that a cubic goes through
 OF_ROWS = {
@@ -71,19 +71,19 @@ class Library:
                 ways[i] = replace(exact, masks=ways[i].masks)
         return Library(self.hypotheses, tuple(ways))
 
-    def with_functions(self, nameless: Mapping[str, Sequence[tuple[float, FloatArray, str]]]) -> "Library":
+    def with_functions(
+        self, nameless: Mapping[str, Function], odds: float = priors.ODDS_NAMELESS, kind: str = "nameless"
+    ) -> "Library":
         """Return the library with functions without a name: their shares, whitened columns (n, k) and notes."""
         hypotheses, ways = list(self.hypotheses), list(self.ways)
-        for name, options in nameless.items():
+        for name, (options, driver) in nameless.items():
             total = sum(share for share, _, _ in options)
             ways += [
                 Way(len(hypotheses), H, [(float(np.log(share / total)), np.arange(H.shape[1]))], note=note)
                 for share, H, note in options
             ]
             if options:
-                # what is known to act and was not recorded is as likely as what has a name
-                odds = priors.ODDS_NAMED if name.startswith(UNRECORDED) else priors.ODDS_NAMELESS
-                hypotheses.append(_without_name(name, "nameless", odds, priors.OF_NAMELESS))
+                hypotheses.append(_without_name(name, kind, odds, priors.OF_NAMELESS, driver))
         return Library(tuple(hypotheses), tuple(ways))
 
     def with_terms(self, evidence: Evidence, terms: Iterable[tuple[str, Candidate, float]]) -> "Library":
@@ -126,11 +126,13 @@ class Library:
         W = np.hstack([*parts, np.zeros((basis.shape[1], 1))])
         H = np.hstack([*rows, np.zeros((len(white), 1))])
         y = basis.T @ (evidence.residual / evidence.sigma)
-        return Board(evidence, H, y, W, self.hypotheses, _plainest(W, options, self.hypotheses), basis)
+        return Board(evidence, H, y, W, self.hypotheses, _plainest(W, y, options, self.hypotheses), basis)
 
 
-def _plainest(W: FloatArray, options: Sequence[Option], hypotheses: Sequence[Hypothesis]) -> tuple[Option, ...]:
-    """Return the options without those that do what a plainer effect does.
+def _plainest(
+    W: FloatArray, y: FloatArray, options: Sequence[Option], hypotheses: Sequence[Hypothesis]
+) -> tuple[Option, ...]:
+    """Return the options without those that do what a plainer effect does, as far as the data y (m,) show.
 
     A lag of a second, a settling of a week and a function of two temperatures do what a coefficient of temperature
     or a drift does: that is the name they then have.
@@ -150,8 +152,16 @@ def _plainest(W: FloatArray, options: Sequence[Option], hypotheses: Sequence[Hyp
         most = np.maximum(most, sums @ taken / whole)
     return tuple(
         each for each, share in zip(options, most, strict=True)
-        if share < 1 - priors.UNRESOLVED or each.is_plain or not (each.is_bent or each.candidate is None)
+        if each.is_plain or not (each.is_bent or hypotheses[each.hypothesis].kind == "nameless")
+        or share < 1 - priors.UNRESOLVED
+        or (1 - share) * _explained(W[:, each.columns], y) > priors.WINDOW
     )  # fmt: skip
+
+
+def _explained(W: FloatArray, y: FloatArray) -> float:
+    """Return the squares of y (m,) that columns W (m, k) explain."""
+    found: FloatArray = W @ np.linalg.lstsq(W, y)[0]
+    return float(found @ found)
 
 
 def _is_same(one: Candidate, other: Candidate) -> bool:
@@ -162,7 +172,10 @@ def _is_same(one: Candidate, other: Candidate) -> bool:
 def library_of(evidence: Evidence, pool: Mapping[str, Sequence[Candidate]]) -> Library:
     """Return every hypothesis beside an evidence; ``pool`` are by name the ways in which effects may act."""
     walks = {f"a random walk of the bias, {triad}": walk(evidence, triad) for triad in TRIADS}
-    return named(evidence, pool).with_functions(functions(evidence) | walks).with_noise(_noise(evidence))
+    found = named(evidence, pool).with_functions(functions(evidence) | walks)
+    # what is known to act and was not recorded is as likely as what has a name
+    found = found.with_functions(unrecorded(evidence), priors.ODDS_NAMED, "unrecorded")
+    return found.with_noise(_noise(evidence))
 
 
 def named(evidence: Evidence, pool: Mapping[str, Sequence[Candidate]]) -> Library:
@@ -181,8 +194,8 @@ def named(evidence: Evidence, pool: Mapping[str, Sequence[Candidate]]) -> Librar
     return Library(tuple(hypotheses), tuple(ways))
 
 
-def _without_name(name: str, kind: str, odds: float, amplitudes: FloatArray) -> Hypothesis:
-    return Hypothesis(name, kind, float(np.log(odds)), amplitudes)
+def _without_name(name: str, kind: str, odds: float, amplitudes: FloatArray, driver: str = "") -> Hypothesis:
+    return Hypothesis(name, kind, float(np.log(odds)), amplitudes, driver=driver)
 
 
 def _named(name: str, ways: Sequence[Candidate]) -> Hypothesis:
@@ -192,7 +205,8 @@ def _named(name: str, ways: Sequence[Candidate]) -> Hypothesis:
     again = log_odds if has_places else float(np.log(priors.ODDS_ANOTHER))
     is_bent = any(way.columns.nonlinear for way in ways)  # with two knees it would be any curve
     is_single = effect.is_scatter or len(ways[0].columns.coefficients) == 1 or is_bent
-    return Hypothesis(name, effect.kind, log_odds, amplitudes, effect, None if is_single else again)
+    driver = driver_in(name.split(".")[0], effect.driver)
+    return Hypothesis(name, effect.kind, log_odds, amplitudes, effect, None if is_single else again, driver)
 
 
 def _named_ways(evidence: Evidence, number: int, candidates: Sequence[Candidate]) -> list[Way]:

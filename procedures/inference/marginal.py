@@ -93,15 +93,24 @@ def tail(board: Board, squares: FloatArray) -> FloatArray:
     return found
 
 
-def ranked(board: Board, members: Sequence[Member]) -> Ranked:
-    """Return what every hypothesis is worth beside members."""
+def ranked(board: Board, members: Sequence[Member], only: int | None = None) -> Ranked:
+    """Return what every hypothesis, or ``only`` one, is worth beside members."""
     held, n = Held.of(board, members), len(board.options)
     gains, best, amplitude = np.full(n, -np.inf), np.full(n, -np.inf), np.zeros(n)
-    across = held.S.T @ board.W
+    blocks = board.blocks if only is None else board.blocks_of[only]
+    every = np.arange(n) if only is None else board.options_of[only]
     variances, V = np.linalg.eigh(held.inverse)
-    taken = across.T @ (V * np.sqrt(np.maximum(variances, 0.0)))  # (N, s): what the members take of each column
-    shift = across.T @ held.c
-    for block in board.blocks:
+    if only is None:
+        W = board.W
+        columns = np.arange(W.shape[1])
+    else:
+        columns = np.unique(np.concatenate([board.options[i].columns for i in every.tolist()]))
+        W = board.W[:, columns]
+    across = held.S.T @ W
+    taken, shift = np.zeros((board.W.shape[1], len(V))), np.zeros(board.W.shape[1])
+    taken[columns] = across.T @ (V * np.sqrt(np.maximum(variances, 0.0)))  # what the members take of each column
+    shift[columns] = across.T @ held.c
+    for block in blocks:
         of = taken[block.columns]  # (b, k, s)
         G, g = block.G - of @ np.swapaxes(of, 1, 2), block.g - shift[block.columns]
         values = gains_of(board, held.squares, G, g, block)
@@ -111,7 +120,8 @@ def ranked(board: Board, members: Sequence[Member]) -> Ranked:
         gains[block.options] = shares + log_mean(values)
         best[block.options] = shares + values[at, most]
         amplitude[block.options] = block.amplitudes[at, most]
-    for i, option in enumerate(board.options):
+    for i in every.tolist():
+        option = board.options[i]
         if option.taken is not None:
             values = _gains_of_rows(board, held, option, taken[option.columns], shift[option.columns])
             most = int(np.argmax(values))

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from procedures.arrays import FloatArray, IntArray
+from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.calibration.joint_calibration import CampaignFits
 from procedures.diagnosis.candidates import Candidate
 from procedures.dwells_and_turns.twelve_position import TriadFit
@@ -79,7 +79,7 @@ def posterior(search: Search) -> Posterior:
     held = np.zeros((len(models), len(board.hypotheses)), dtype=bool)
     for i, model in enumerate(models):
         held[i, list(model.names)] = True
-    probabilities = weights @ held
+    probabilities = weights @ (held & ~_bent_further(board, held))
     best, causes = search.best, list[Cause]()
     for hypothesis, own in _acting(board, best.members):
         rest = [each for each in best.members if each not in own]
@@ -110,6 +110,19 @@ def posterior(search: Search) -> Posterior:
         ))  # fmt: skip
     every = {h.name: float(p) for h, p in zip(board.hypotheses, probabilities, strict=True)}
     return Posterior(tuple(sorted(causes, key=lambda each: -each.evidence)), every, best)
+
+
+def _bent_further(board: Board, held: BoolArray) -> BoolArray:
+    """Return in which models (m, h) a curve of the catalogue needs a function of the same driver beside it.
+
+    Together they are another curve: the name is not what acts, as its law does not hold alone.
+    """
+    nameless = np.array([not each.is_named for each in board.hypotheses])
+    drivers = np.array([each.driver for each in board.hypotheses])
+    found = np.zeros_like(held)
+    for i in np.flatnonzero(~nameless & (drivers != "")).tolist():
+        found[:, i] = held[:, nameless & (drivers == drivers[i])].any(axis=1)
+    return found
 
 
 def _acting(board: Board, members: Sequence[Member]) -> Iterator[tuple[int, list[Member]]]:

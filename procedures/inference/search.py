@@ -33,6 +33,7 @@ class Search:
     board: Board
     models: dict[Names, Model] = field(default_factory=dict)
     _ranked: dict[tuple[Member, ...], Ranked] = field(default_factory=dict)
+    _alone: dict[tuple[tuple[Member, ...], int], Ranked] = field(default_factory=dict)
 
     def beside(self, members: Sequence[Member]) -> Ranked:
         """Return what every hypothesis is worth beside members."""
@@ -40,6 +41,15 @@ class Search:
         if key not in self._ranked:
             self._ranked[key] = ranked(self.board, key)
         return self._ranked[key]
+
+    def alone(self, members: Sequence[Member], hypothesis: int) -> Ranked:
+        """Return what one hypothesis is worth beside members; of all others nothing is said."""
+        key = tuple(sorted(members, key=lambda each: each.option))
+        if key in self._ranked:
+            return self._ranked[key]
+        if (key, hypothesis) not in self._alone:
+            self._alone[key, hypothesis] = ranked(self.board, key, hypothesis)
+        return self._alone[key, hypothesis]
 
     def run(self, begin: Sequence[Member] = ()) -> Model:
         """Return the best model; `models` holds all others."""
@@ -124,12 +134,12 @@ class Search:
         for _ in range(priors.LARGEST):  # each change is likelier than what was, but for rounding
             before = list(now)
             for i, hypothesis in enumerate(of):
-                now[i] = self.beside(now[:i] + now[i + 1 :]).member(self.board, hypothesis)
+                now[i] = self.alone(now[:i] + now[i + 1 :], hypothesis).member(self.board, hypothesis)
             if before == now:
                 break
         log_odds = Held.of(self.board, now).gain
         for i, hypothesis in enumerate(of):
-            beside = self.beside(now[:i] + now[i + 1 :])
+            beside = self.alone(now[:i] + now[i + 1 :], hypothesis)
             at = beside.best[now[i].option]
             volume = beside.total[hypothesis] - at + self.board.options[now[i].option].log_share
             log_odds += float(volume) + (self._again(hypothesis) if hypothesis in of[:i] else 0.0)

@@ -5,13 +5,14 @@ A function of a coordinate x in [0, 1] is a sum of cosines cos(pi k x) whose var
 for waves. It acts on a triad's three sensors or on one, on the bias or on the scale factor.
 """
 
+from collections.abc import Callable
 from functools import lru_cache
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from procedures.arrays import FloatArray
+from procedures.arrays import BoolArray, FloatArray
 from procedures.diagnosis.left_directions import time_in_history, warmth_of_turning
 from procedures.diagnosis.random_walk import PARTS, walk_columns
 from procedures.diagnosis.residual_rows import Evidence
@@ -21,34 +22,61 @@ from procedures.effects.temperature_history import REVERSAL_K, sensor_temperatur
 from procedures.frames import AXES, TRIADS
 from procedures.inference import priors
 
-UNRECORDED = "a temperature that was not recorded"
 MOST_STEPS = 40  # of a walk; more are told apart by no campaign
+SAME_ATTITUDE = 0.1  # of the elements of two rotation matrices, six degrees: placements scatter by less
 Options = list[tuple[float, FloatArray, str]]  # share of the prior, whitened columns (n, k), what it is
+# What drives a function, by its coordinate: what an effect of the catalogue names as its ``driver``.
+DRIVERS = {
+    "time": "time", "time times the output": "time", "temperature": "temperature",
+    "temperature times the output": "temperature", "specific force": "input", "the input at rest": "input",
+    "the rate": "input", "the time at rest and before": "time at rest",
+}  # fmt: skip
 Way = tuple[str, list[FloatArray], list[float]]  # what it is, values (n,) or (n, 3) at the nodes, their 1 sigma
 
 
-def functions(evidence: Evidence) -> dict[str, Options]:
-    """Return by name every function without a name and its options."""
-    found, seen = dict[str, Options](), evidence.excitation
+class Function(NamedTuple):
+    """A function without a name: its options, and what drives it in its triad, "" where no effect shares that."""
+
+    options: Options
+    driver: str = ""
+
+
+def functions(evidence: Evidence) -> dict[str, Function]:
+    """Return by name every function without a name."""
+    return {f"a function of {name}": found for name, found in _by_name(evidence, _coordinates).items()}
+
+
+def unrecorded(evidence: Evidence) -> dict[str, Function]:
+    """Return by name what is known to change and was not recorded: the temperature, where there is none."""
+    return _by_name(evidence, _unrecorded)
+
+
+def driver_in(triad: str, driver: str) -> str:
+    """Return a driver as it acts in one triad, "" where nothing is known to drive it."""
+    return driver and f"{driver}, {triad}"
+
+
+def _by_name(evidence: Evidence, coordinates: Callable[..., dict[str, list[Way]]]) -> dict[str, Function]:
+    found, seen = dict[str, Function](), evidence.excitation
     for number, triad in enumerate(TRIADS):
         if not (
             evidence.rows("mean", "slope", "turn", "norm", "rate", "soak", "move") & (evidence.triad == number)
         ).any():
             continue
         output = np.nan_to_num((seen.accel_output, seen.gyro_output)[number])
-        for coordinate, ways in _coordinates(seen, output, triad).items():
-            name = coordinate if coordinate == UNRECORDED else f"a function of {coordinate}"
+        for coordinate, ways in coordinates(seen, output, triad).items():
             if options := _options(evidence, number, ways):
-                found[f"{name}, {triad}"] = options
+                driver = driver_in(triad, DRIVERS.get(coordinate, ""))
+                found[f"{coordinate}, {triad}"] = Function(options, driver)
     return found
 
 
-def walk(evidence: Evidence, triad: str) -> Options:
+def walk(evidence: Evidence, triad: str) -> Function:
     """Return a random walk of a triad's biases, of all sensors or of one."""
     H = walk_columns(evidence, triad, PARTS) / evidence.sigma[:, None]
     every = -(-H.shape[1] // (3 * MOST_STEPS))  # of a long recording a coarser walk, of the same variance
     H = H.reshape(len(H), -1, 3)[:, ::every].reshape(len(H), -1) * np.sqrt(every) if every > 1 else H
-    return _of_sensors([H[:, i::3] for i in range(3)], "walk") if H.shape[1] else []
+    return Function(_of_sensors([H[:, i::3] for i in range(3)], "walk") if H.shape[1] else [])
 
 
 def _options(evidence: Evidence, triad: int, ways: list[Way]) -> Options:
@@ -111,6 +139,14 @@ def _unit(x: FloatArray) -> FloatArray:
     return (x - low) / max(float(high - low), 1e-12)
 
 
+def _unrecorded(seen: Excitation, output: FloatArray, triad: str) -> dict[str, list[Way]]:
+    """Return the temperature as a function of time, where time is known and temperature is not."""
+    if np.isfinite(seen.temperature).any() or not np.isfinite(seen.t).all():
+        return {}
+    time = (time_in_history(seen) + 1) / 2
+    return {"a temperature that was not recorded": [_equal("ramp", [time]), *waves(time)]}
+
+
 def _coordinates(seen: Excitation, output: FloatArray, triad: str) -> dict[str, list[Way]]:
     """Return by the name of a coordinate every kind of function of it."""
     kind = np.array([step.kind for step in seen.steps])[seen.step]
@@ -118,11 +154,9 @@ def _coordinates(seen: Excitation, output: FloatArray, triad: str) -> dict[str, 
     found, f, time = dict[str, list[Way]](), np.nan_to_num(seen.f), (time_in_history(seen) + 1) / 2
     T = seen.temperature
     is_timed = bool(np.isfinite(seen.t).all())  # a rate table may have no time
-    if is_timed and not np.isfinite(T).any():
-        found[UNRECORDED] = [_equal("ramp", [time]), *waves(time)]
-    elif is_timed:
-        found["time"] = waves(time)
     if is_timed:
+        if np.isfinite(T).any():
+            found["time"] = waves(time)
         found["time times the output"] = waves(time[:, None], output)
     if np.isfinite(T).any() and np.nanmax(T) - np.nanmin(T) > REVERSAL_K:
         spread, x = max(float(np.nanstd(T)), 1e-9), np.nan_to_num(_unit(T))
@@ -169,6 +203,8 @@ def _coordinates(seen: Excitation, output: FloatArray, triad: str) -> dict[str, 
         east, north = (np.nan_to_num(seen.C_sn[:, :, i]) for i in range(2))
         second = [east, north, east * north, north**2, east**2]
         found["the heading"] = [_equal("first", [east, north]), _equal("second", second)]
+    if attitudes := _attitudes(seen, resting):
+        found["the attitude"] = [_equal("each its own", attitudes)]
     if triad == "accelerometer" and np.isfinite(seen.magnetic).any():  # of a gyroscope it is named
         found["the magnetic field"] = [_equal("linear", [seen.magnetic[:, i] for i in range(3)])]
     if triad == "gyroscope" and turning.any():
@@ -183,6 +219,25 @@ def _coordinates(seen: Excitation, output: FloatArray, triad: str) -> dict[str, 
             warmth = [each / max(float(np.max(np.abs(each))), 1e-300) for each in warmth]
             found["the warmth of turning"] = [_equal("fades", warmth)]
     return found
+
+
+def _attitudes(seen: Excitation, resting: BoolArray) -> list[FloatArray]:
+    """Return which nodes (n,) rest at each attitude, where these are not too many."""
+    known = resting if seen.C_sn is None else resting & np.isfinite(seen.C_sn).all(axis=(1, 2))
+    if seen.C_sn is None or not known.any():
+        return []
+    steps = np.unique(seen.step[known])
+    of_steps = [seen.C_sn[known & (seen.step == step)][0] for step in steps]
+    kinds, found = list[FloatArray](), list[FloatArray]()
+    for step, C in zip(steps, of_steps, strict=True):
+        rests = 1.0 * (known & (seen.step == step))
+        same = [i for i, other in enumerate(kinds) if np.max(np.abs(C - other)) < SAME_ATTITUDE]
+        if same:
+            found[same[0]] += rests
+        else:
+            kinds.append(C)
+            found.append(rests)
+    return found if len(kinds) <= MOST_STEPS else []
 
 
 def _of_input(u: FloatArray) -> list[Way]:

@@ -18,7 +18,7 @@ from procedures.diagnosis.residual_rows import KINDS, Evidence
 from procedures.effects.effect import Columns, Effect, Excitation, ExcitationStep
 from procedures.frames import AXES, TRIADS, rotation
 from procedures.inference.priors import FACTOR
-from procedures.inference.smooth_functions import waves
+from procedures.inference.smooth_functions import Function, waves
 
 WINDOW_S, BLIND_WINDOW_S, MAX_WINDOWS = 1.0, 4.0, 600  # without truth drift must outgrow the accelerometers
 STRETCHES = 10  # parts of a log, by which its rows are named
@@ -126,13 +126,13 @@ def evidence_of(
     return made, pool
 
 
-def functions_of_time(evidence: Evidence) -> dict[str, list[tuple[float, FloatArray, str]]]:
+def functions_of_time(evidence: Evidence) -> dict[str, Function]:
     """Return by name what may act without a name: of each kind of rows and axis, a smooth function of time.
 
     Neighbouring windows share what a mixer leaves of one manoeuvre: beside a function of time they are no
     independent witnesses of an effect.
     """
-    found = dict[str, list[tuple[float, FloatArray, str]]]()
+    found = dict[str, Function]()
     for number, triad in enumerate(TRIADS):
         for axis in range(3):
             rows = np.flatnonzero((evidence.triad == number) & (evidence.axis == axis))
@@ -143,7 +143,7 @@ def functions_of_time(evidence: Evidence) -> dict[str, list[tuple[float, FloatAr
                 H = np.zeros((len(evidence.residual), len(values)))
                 H[rows] = np.stack(values, axis=1) * std
                 options.append((1.0, H / np.linalg.norm(H), note))
-            found[f"a function of time, {triad} {AXES[axis]}"] = options
+            found[f"a function of time, {triad} {AXES[axis]}"] = Function(options)
     return found
 
 
