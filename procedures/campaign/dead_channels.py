@@ -9,7 +9,7 @@ else says so:
 - by the channel's other dwells and their attitudes it should have moved by more than `MIN_MISSED_COUNTS` counts;
 - or it stopped within the step itself (`procedures.campaign.stopped_channels`).
 
-The whole triad is left out of such a step; of a soak the channel alone (`procedures.diagnosis.thermal_soaks`).
+The whole triad is left out of such a step; of a soak the channel alone (`procedures.evidence.thermal_soaks`).
 """
 
 from collections.abc import Sequence

@@ -14,17 +14,17 @@ from procedures.calibration.joint_calibration import CampaignFits, fit_reduced
 from procedures.calibration.reduced_steps import reduce_steps
 from procedures.calibration.solution_values import Solution
 from procedures.campaign.campaign import Campaign
-from procedures.diagnosis.candidates import Candidate, Candidates, raising_does_not_fit
-from procedures.diagnosis.evidence_cache import let_go_at_the_end
-from procedures.diagnosis.linear_model import fit_linear, significance
-from procedures.diagnosis.model_with_effects import BenchModel
-from procedures.diagnosis.refit import Refit
-from procedures.diagnosis.residual_rows import KINDS, Evidence
-from procedures.diagnosis.result import DeclaredEffect, TableSensor
+from procedures.diagnosis.caches import let_go_at_the_end
 from procedures.effects.effect import REFERENCE_C
 from procedures.effects.term.effect_of_term import TermEffect
 from procedures.errors import DoesNotFit
+from procedures.evidence.candidates import Candidate, Candidates, raising_does_not_fit
+from procedures.evidence.linear_model import fit_linear, significance
+from procedures.evidence.refit import Refit
+from procedures.evidence.residual_rows import KINDS, Evidence
 from procedures.frames import TRIADS
+from procedures.inference.base_model import BenchModel
+from procedures.inference.result import DeclaredEffect, TableSensor
 from procedures.statistics.singular_values import left_singular
 
 SAME = 0.98  # correlation, beside the model, from which on two effects are one in a design

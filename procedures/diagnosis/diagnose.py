@@ -12,24 +12,31 @@ from dataclasses import replace
 
 import numpy as np
 
+from procedures.anomalies.checks import CheckedCampaigns, check_campaigns
+from procedures.anomalies.clock_rate_check import find_clock
+from procedures.anomalies.disturbances import find_disturbances, without_disturbances
+from procedures.anomalies.disturbed_soaks import without_knocks
 from procedures.calibration.joint_calibration import CampaignFits, fit_reduced
 from procedures.calibration.reduced_steps import ReducedSteps, reduce_steps
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.dead_channels import without_dead
-from procedures.diagnosis.checks_before_effects import CheckedCampaigns, check_campaigns
-from procedures.diagnosis.clock_rate_check import find_clock
+from procedures.diagnosis.caches import let_go_at_the_end
 from procedures.diagnosis.declared_effects import declare, declared_effects
-from procedures.diagnosis.disturbances import find_disturbances, without_disturbances
-from procedures.diagnosis.disturbed_soaks import without_knocks
-from procedures.diagnosis.evidence_cache import let_go_at_the_end
-from procedures.diagnosis.held_out_errors import left_out_groups, residual_rms
-from procedures.diagnosis.held_samples import known_scales
-from procedures.diagnosis.left_pattern import left_patterns
-from procedures.diagnosis.linear_model import LinearFit, fit_linear
-from procedures.diagnosis.model_with_effects import BaseModel, BenchModel
+from procedures.diagnosis.findings import findings_of
 from procedures.diagnosis.rate_tables import RateTables
-from procedures.diagnosis.refit import Refit
-from procedures.diagnosis.result import (
+from procedures.diagnosis.soaks_alone import SoaksAlone
+from procedures.effects import EFFECTS
+from procedures.effects.effect import Effect
+from procedures.effects.term.effect_of_term import TermEffect
+from procedures.errors import DoesNotFit, MoveContradicts, NotObservable, ProcedureError
+from procedures.evidence.linear_model import LinearFit, fit_linear
+from procedures.evidence.refit import Refit
+from procedures.evidence.residual_patterns import global_log_p, left_patterns, within_dwells
+from procedures.inference.base_model import BaseModel, BenchModel
+from procedures.inference.held_out_errors import left_out_groups, residual_rms
+from procedures.inference.infer import Inferred, infer
+from procedures.inference.priors import PRESENT
+from procedures.inference.result import (
     UNEXPLAINED_LOG_P,
     Because,
     BenchAlone,
@@ -41,17 +48,9 @@ from procedures.diagnosis.result import (
     verdict_of,
     with_file_names,
 )
-from procedures.diagnosis.sample_effects import with_sample_effects
-from procedures.diagnosis.soaks_alone import SoaksAlone
-from procedures.diagnosis.unexplained_residual import global_log_p, within_dwells
-from procedures.effects import EFFECTS
-from procedures.effects.effect import Effect
-from procedures.effects.term.effect_of_term import TermEffect
-from procedures.errors import DoesNotFit, MoveContradicts, NotObservable, ProcedureError
-from procedures.inference.findings import findings_of
-from procedures.inference.infer import Inferred, infer
-from procedures.inference.priors import PRESENT
 from procedures.rests_and_moves.rest_detection import motion_within
+from procedures.samples.held_samples import known_scales
+from procedures.samples.sample_effects import with_sample_effects
 from procedures.uncertainty.clock_rate_sigma import with_clock
 
 REPEAT_CAMPAIGN = (

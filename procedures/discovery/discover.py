@@ -13,23 +13,23 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.diagnosis.candidates import Candidate, Candidates
-from procedures.diagnosis.evidence_cache import let_go_at_the_end
-from procedures.diagnosis.held_out_errors import left_out_groups
-from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear, predict_left_out
-from procedures.diagnosis.residual_rows import Evidence
-from procedures.diagnosis.result import Diagnosis
+from procedures.diagnosis.caches import let_go_at_the_end
 from procedures.discovery.library import LibraryTerm, Rows, library
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Columns
 from procedures.effects.term.effect_of_term import TermEffect
 from procedures.effects.time_constant import LOG_RANGE, with_slope
+from procedures.evidence.candidates import Candidate, Candidates
+from procedures.evidence.linear_model import LinearFit, Term, fit_linear, predict_left_out
+from procedures.evidence.residual_rows import Evidence
 from procedures.frames import AXES
 from procedures.inference import priors
 from procedures.inference.board import Block, Board
+from procedures.inference.held_out_errors import left_out_groups
 from procedures.inference.hypotheses import Library, library_of
 from procedures.inference.marginal import gains_of
 from procedures.inference.posterior import posterior
+from procedures.inference.result import Diagnosis
 from procedures.inference.search import Search
 
 MAX_PROPOSALS = 3

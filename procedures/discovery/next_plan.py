@@ -15,11 +15,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
-from procedures.diagnosis.linear_model import Term
-from procedures.diagnosis.residual_rows import Evidence
 from procedures.discovery.discover import Discovery, Proposal, fit_as_is
 from procedures.discovery.library import Rows
 from procedures.effects.effect import Columns, Excitation, per_axis
+from procedures.evidence.linear_model import Term
+from procedures.evidence.residual_rows import Evidence
 
 PARTED = 16.0  # expected chi-square by which two readings are told apart
 WARMER_K, HEATED_K = 5.0, 15.0

@@ -7,9 +7,9 @@ from functools import cached_property
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.diagnosis.candidates import Candidate
-from procedures.diagnosis.residual_rows import Evidence
 from procedures.effects.effect import Effect
+from procedures.evidence.candidates import Candidate
+from procedures.evidence.residual_rows import Evidence
 from procedures.inference import priors
 from procedures.statistics.singular_values import left_singular
 

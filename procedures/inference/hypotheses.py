@@ -12,10 +12,10 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.diagnosis.candidates import Candidate
-from procedures.diagnosis.linear_model import Term, variance_classes
-from procedures.diagnosis.residual_rows import KINDS, Evidence
 from procedures.effects.effect import Columns
+from procedures.evidence.candidates import Candidate
+from procedures.evidence.linear_model import Term, variance_classes
+from procedures.evidence.residual_rows import KINDS, Evidence
 from procedures.frames import AXES, TRIADS
 from procedures.inference import priors
 from procedures.inference.board import Board, Hypothesis, Option

@@ -6,13 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from procedures.diagnosis.candidates import Candidate, Candidates
-from procedures.diagnosis.linear_model import Term
-from procedures.diagnosis.model_with_effects import BaseModel
-from procedures.diagnosis.refit import Refit, terms_at
 from procedures.effects.effect import Effect
 from procedures.errors import DoesNotFit
+from procedures.evidence.candidates import Candidate, Candidates
+from procedures.evidence.linear_model import Term
+from procedures.evidence.refit import Refit, terms_at
 from procedures.inference import priors
+from procedures.inference.base_model import BaseModel
 from procedures.inference.board import Board
 from procedures.inference.hypotheses import Library, library_of
 from procedures.inference.marginal import Member, log_sum, tail

@@ -7,8 +7,8 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.calibration.joint_calibration import CampaignFits
-from procedures.diagnosis.candidates import Candidate
 from procedures.dwells_and_turns.twelve_position import TriadFit
+from procedures.evidence.candidates import Candidate
 from procedures.inference import priors
 from procedures.inference.board import Board, Hypothesis
 from procedures.inference.marginal import Held, Member, Ranked, log_sum

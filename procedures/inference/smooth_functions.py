@@ -5,7 +5,7 @@ A function of a coordinate x in [0, 1] is a sum of cosines cos(pi k x) whose var
 for waves. It acts on a triad's three sensors or on one, on the bias or on the scale factor.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import lru_cache
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -13,14 +13,50 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
-from procedures.diagnosis.left_directions import time_in_history, warmth_of_turning
-from procedures.diagnosis.random_walk import PARTS, walk_columns
-from procedures.diagnosis.residual_rows import Evidence
-from procedures.diagnosis.row_sums import row_sums
-from procedures.effects.effect import REFERENCE_C, Excitation
-from procedures.effects.temperature_history import REVERSAL_K, sensor_temperature
+from procedures.effects.effect import REFERENCE_C, Columns, Excitation, per_axis
+from procedures.effects.temperature_history import REVERSAL_K, lagged, sensor_temperature
+from procedures.evidence.residual_rows import Evidence
+from procedures.evidence.row_sums import row_sums
 from procedures.frames import AXES, TRIADS
 from procedures.inference import priors
+from procedures.units import S_PER_H
+
+RESTING = ("dwell", "rest")
+
+PARTS = 4  # of a dwell or rest, before each of which a walk steps
+
+
+def walk_columns(evidence: Evidence, triad: str, parts: int = 1) -> FloatArray:
+    """Return what a walk of a triad's biases by 1 [g, deg/s] in an hour's root adds to every row (n, k).
+
+    A column is a step in one sensor, before each step of the recording but the first, as large as its time allows;
+    with ``parts`` also before each part of a dwell or rest, within which a walk makes slopes.
+    """
+    seen, found = evidence.excitation, list[FloatArray]()
+    history = seen.histories
+    for one in np.unique(history):
+        here = history[seen.step] == one
+        for earlier, later in pairwise(sorted(_places(seen, np.flatnonzero(history == one), parts))):
+            if later > earlier:
+                after = here & (seen.t >= later)
+                found.append(np.sqrt((later - earlier) / S_PER_H) * per_axis(after.astype(float)))
+    if not found:
+        return np.zeros((len(evidence.residual), 0))
+    values = np.concatenate(found, axis=2)
+    names = tuple(str(i) for i in range(values.shape[2]))
+    is_accel = triad == "accelerometer"
+    return evidence.column(Columns(names, accel=values) if is_accel else Columns(names, gyro=values))
+
+
+def _places(seen: Excitation, steps: np.ndarray, parts: int) -> Iterator[float]:
+    """Yield the times [s] before which a walk steps: at the beginnings of ``steps``, and in rests."""
+    for number in steps:
+        t = seen.t[seen.step == number]
+        if len(t):
+            first, last = float(np.min(t)), float(np.max(t))
+            several = parts if seen.steps[number].kind in RESTING else 1
+            yield from (first + part / several * (last - first) for part in range(several))
+
 
 MOST_STEPS = 40  # of a walk; more are told apart by no campaign
 SAME_ATTITUDE = 0.1  # of the elements of two rotation matrices, six degrees: placements scatter by less
@@ -250,3 +286,24 @@ def _of_input(u: FloatArray) -> list[Way]:
         found.append(_equal(f"zone {width:.2g}", [near, near * x / width]))
     knees = [np.sign(x) * np.maximum(np.abs(x) - knee, 0.0) for knee in priors.KNEES]
     return [*found, _equal("end of the range", knees)]
+
+
+def warmth_of_turning(seen: Excitation, turning: BoolArray, tau_s: float) -> FloatArray:
+    """Return what turning has warmed (n,), which follows the square of the rate, of any unit."""
+    power, history = np.where(turning, np.sum(seen.omega**2, axis=1), 0.0), seen.histories[seen.step]
+    found = np.zeros(len(seen.t))
+    for one in np.unique(history):
+        order = np.flatnonzero(history == one)
+        order = order[np.argsort(seen.t[order], kind="stable")]
+        found[order] = lagged(seen.t[order], power[order], tau_s)
+    return found
+
+
+def time_in_history(seen: Excitation) -> FloatArray:
+    """Return time (n,) from -1 to 1 within each history."""
+    history, x = seen.histories[seen.step], np.zeros(len(seen.t))
+    for one in np.unique(history):
+        here = history == one
+        t = seen.t[here]
+        x[here] = 2 * (t - t.min()) / max(float(np.ptp(t)), 1e-9) - 1
+    return x

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
-from procedures.diagnosis.plausible_sizes import NAVIGATION_GRADE_STD
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Excitation
+from procedures.evidence.candidates import NAVIGATION_GRADE_STD
 from procedures.planning.campaign_design import CampaignDesign
 from procedures.planning.design_excitation import DesignStep, design_steps, excitation_of, rows_of
 from procedures.planning.design_sigmas import RIDGE, DesignSigmas

@@ -11,8 +11,8 @@ from station.commands import Database, _log_options
 from station.commands._options import Effects, argument, hand_out, option
 
 if TYPE_CHECKING:
-    from procedures.diagnosis.result import Diagnosis
     from procedures.discovery.discover import Discovery
+    from procedures.inference.result import Diagnosis
     from station.files.campaign_folder.loaded_campaign import LoadedCampaign
     from station.files.logs.means_table import MeansTable
     from station.results.diagnosis.next_measurements import Measurement

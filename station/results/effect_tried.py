@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.result import Diagnosis
 from procedures.effects import EFFECTS
+from procedures.inference.result import Diagnosis
 from station.files.campaign_folder.campaign_effects import effects_of
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.files.effect_file import EffectFile

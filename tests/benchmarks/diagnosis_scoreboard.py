@@ -22,9 +22,9 @@ from scipy.stats import beta, binom, binomtest, norm
 from procedures.calibration.solution_values import Solution
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.linear_model import Term
-from procedures.diagnosis.residual_rows import Evidence
 from procedures.effects import EFFECTS
+from procedures.evidence.linear_model import Term
+from procedures.evidence.residual_rows import Evidence
 from tests.benchmarks.diagnosing.coefficients import errors_of
 from tests.benchmarks.diagnosing.planted_worlds import HELD_BY_THE_MODEL, World, worlds
 from tests.benchmarks.diagnosis import APART

@@ -24,11 +24,11 @@ from procedures.attitude.diagnosis.attitude_evidence import (
     windows,
 )
 from procedures.attitude.forward_right_down import inclination
-from procedures.diagnosis.evidence_cache import let_go_at_the_end
-from procedures.diagnosis.result import Finding, ResidualRms, Verdict, verdict_of
+from procedures.diagnosis.caches import let_go_at_the_end
 from procedures.errors import NotObservable
 from procedures.inference.hypotheses import named
 from procedures.inference.posterior import Posterior, posterior
+from procedures.inference.result import Finding, ResidualRms, Verdict, verdict_of
 from procedures.inference.search import Search
 
 FITTED_SHARE = 0.6  # of the rows, in time; the rest judges

@@ -12,10 +12,10 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.attitude.diagnosis.attitude_effects import ATTITUDE_EFFECTS, AttitudeEffect, AttitudeMotion
 from procedures.counts.sample_times import GAP_PERIODS
-from procedures.diagnosis.candidates import Candidate
-from procedures.diagnosis.linear_model import Term
-from procedures.diagnosis.residual_rows import KINDS, Evidence
 from procedures.effects.effect import Columns, Effect, Excitation, ExcitationStep
+from procedures.evidence.candidates import Candidate
+from procedures.evidence.linear_model import Term
+from procedures.evidence.residual_rows import KINDS, Evidence
 from procedures.frames import AXES, TRIADS, rotation
 from procedures.inference.priors import FACTOR
 from procedures.inference.smooth_functions import Function, waves

@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from typing import Any
 
-from procedures.diagnosis.channel_noise import channel_noise
-from procedures.diagnosis.held_samples import known_scales
-from procedures.diagnosis.result import Diagnosis
+from procedures.inference.result import Diagnosis
+from procedures.samples.channel_noise import channel_noise
+from procedures.samples.held_samples import known_scales
 from procedures.uncertainty.budget import ParameterBudget, budget
 from procedures.uncertainty.given_values import GivenValues
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign

@@ -10,9 +10,9 @@ from procedures.calibration.joint_calibration import CampaignFits, leans_of
 from procedures.calibration.solution_values import Solution
 from procedures.calibration.unnoticed_leans import unnoticed_lean_warnings
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.result import Diagnosis, Finding
 from procedures.effects.effect import REFERENCE_C
 from procedures.errors import NotObservable
+from procedures.inference.result import Diagnosis, Finding
 from procedures.uncertainty.budget import ParameterBudget, budget
 from procedures.uncertainty.given_values import GivenValues
 from station.errors import DataRefused

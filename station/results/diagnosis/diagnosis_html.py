@@ -39,8 +39,8 @@ from station.results.noise.noise_html import noise_section
 from station.results.solution_text import effect_lines
 
 if TYPE_CHECKING:
-    from procedures.diagnosis.result import Diagnosis
     from procedures.discovery.discover import Discovery
+    from procedures.inference.result import Diagnosis
 
 
 def write_page(

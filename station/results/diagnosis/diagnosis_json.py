@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 
 from procedures.calibration.solution_values import Solution
-from procedures.diagnosis.left_pattern import LeftPattern
-from procedures.diagnosis.result import (
+from procedures.effects.effect import REFERENCE_C
+from procedures.evidence.residual_patterns import LeftPattern
+from procedures.frames import TRIADS
+from procedures.inference.result import (
     Diagnosis,
     EffectTest,
     Finding,
@@ -18,8 +20,6 @@ from procedures.diagnosis.result import (
     TableSensor,
     Unnamed,
 )
-from procedures.effects.effect import REFERENCE_C
-from procedures.frames import TRIADS
 from station.files.campaign_folder.campaign_effects import effects_of
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.results.declared_effects import effect_entries, own_definition
@@ -151,7 +151,7 @@ def reason_document(reason: Reason) -> dict[str, Any]:
 
 
 def left_document(pattern: LeftPattern) -> dict[str, Any]:
-    """Return where what is left shows, see `procedures.diagnosis.left_pattern`."""
+    """Return where what is left shows, see `procedures.evidence.residual_patterns`."""
     return {
         "by": pattern.by, "what": pattern.what, "size": float(pattern.size),
         "log10_p": float(pattern.log_p) / log(10),

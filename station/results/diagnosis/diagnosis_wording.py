@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from math import degrees
 from typing import TYPE_CHECKING, Any
 
-from procedures.diagnosis.result import Because
+from procedures.inference.result import Because
 from procedures.units import ARCSEC_PER_DEG, ARCSEC_PER_RAD, PPM_PER_ONE, UG_PER_G
 from station.text.rounding import significant
 
@@ -116,7 +116,7 @@ def equation_of(finding: Mapping[str, Any]) -> str:
 
 
 def is_of_samples(finding: Mapping[str, Any]) -> bool:
-    """Say whether a finding is one of `procedures.diagnosis.sample_effects`: it is not in the means."""
+    """Say whether a finding is one of `procedures.samples.sample_effects`: it is not in the means."""
     lagged = finding["effect"] == "auxiliary.channel" and bool(finding.get("shape"))
     return lagged or finding["effect"] in SAMPLE_EFFECTS
 

@@ -6,7 +6,7 @@ from statistics import fmean
 from typing import Any
 
 from procedures.campaign.campaign import Campaign
-from procedures.diagnosis.rests_and_moves_seen import moves_seen, rests_seen
+from procedures.diagnosis.rotation_summary import moves_seen, rests_seen
 
 MAX_MOVES = 20
 

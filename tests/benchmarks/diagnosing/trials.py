@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.result import Diagnosis
+from procedures.inference.result import Diagnosis
 from tests.benchmarks.diagnosing.coefficients import error_of
 from tests.benchmarks.diagnosing.designs import CERTIFIED, DESIGNS, unit
 from tests.benchmarks.diagnosing.outside import outside

@@ -3,9 +3,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from procedures.anomalies.clock_rate_check import find_clock, with_true_clock
 from procedures.calibration.joint_calibration import report, solve
 from procedures.campaign.recorded_clock import clock_rate
-from procedures.diagnosis.clock_rate_check import find_clock, with_true_clock
 from procedures.diagnosis.diagnose import diagnose
 from procedures.uncertainty import sources
 from procedures.uncertainty.budget import budget

@@ -10,8 +10,8 @@ from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.calibration.joint_calibration import CampaignFits, fit
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.result import Diagnosis, Finding
 from procedures.effects.term.effect_of_term import TermEffect
+from procedures.inference.result import Diagnosis, Finding
 from station.files.campaign_folder.campaign_reading import read_campaign
 from tests.benchmarks.diagnosing.designs import WARM, certified, plain, repeated, two_speeds, unit
 from tests.benchmarks.diagnosing.outside import outside

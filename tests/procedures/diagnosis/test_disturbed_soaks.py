@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from procedures.anomalies.disturbed_soaks import QuietSoaks, without_knocks
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, Site, SoakRecord
 from procedures.counts.sample_records import RateSeries
-from procedures.diagnosis.disturbed_soaks import QuietSoaks, without_knocks
 
 RATE, SECONDS = 50, 900
 SIGMA = 0.01  # g and deg/s a sample

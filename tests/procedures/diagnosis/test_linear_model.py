@@ -10,14 +10,14 @@ from scipy import stats
 from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import CampaignFits, fit_reduced
 from procedures.calibration.reduced_steps import ReducedSteps, reduce_steps
-from procedures.diagnosis.held_out_errors import left_out_groups
-from procedures.diagnosis.linear_model import (
+from procedures.evidence.linear_model import (
     Term,
     fit_linear,
     predict_left_out,
     significance,
 )
-from procedures.diagnosis.residual_rows import Evidence, evidence_of
+from procedures.evidence.residual_rows import Evidence, evidence_of
+from procedures.inference.held_out_errors import left_out_groups
 from procedures.statistics.tail_probabilities import log_chi2_sf
 from tests.benchmarks.diagnosing.designs import certified, unit
 from tests.procedures.diagnosis.redrawn import redrawn, seen_by, small

@@ -8,10 +8,10 @@ import pytest
 
 from procedures.campaign.campaign import Campaign, Fixture, RateTable, Site
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.rate_points import LEAST_POINTS
-from procedures.diagnosis.result import Diagnosis, Finding
 from procedures.error_codes import ErrorCode
 from procedures.errors import NotObservable
+from procedures.evidence.rate_points import LEAST_POINTS
+from procedures.inference.result import Diagnosis, Finding
 from tests.paths import DATA
 from tests.refusals import refused
 

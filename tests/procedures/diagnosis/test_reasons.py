@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from procedures.anomalies.channel_faults import clipped_channels
 from procedures.campaign.campaign import Campaign, RestRecord, Site
 from procedures.counts.sample_records import RateSeries
-from procedures.diagnosis.clipped_channels import clipped_channels
-from procedures.diagnosis.result import Finding, probability_of
+from procedures.inference.result import Finding, probability_of
 from station.results.diagnosis.diagnosis_json import finding_document
 from station.results.diagnosis.diagnosis_wording import EXCESS_SAID, verdict_sentence
 

@@ -9,8 +9,8 @@ from scipy.signal import lfilter
 from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.campaign import Campaign, Site, SoakRecord
 from procedures.counts.sample_records import CountSeries, RateSeries
-from procedures.diagnosis.result import Finding
-from procedures.diagnosis.sample_effects import SampleEffects, sample_effects
+from procedures.inference.result import Finding
+from procedures.samples.sample_effects import SampleEffects, sample_effects
 
 N, PERIOD = 30_000, 0.01
 T = PERIOD * np.arange(1, N + 1)

@@ -9,7 +9,7 @@ import pytest
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.result import Diagnosis
+from procedures.inference.result import Diagnosis
 from station import cli
 from station.files.campaign_folder.campaign_reading import read_campaign
 

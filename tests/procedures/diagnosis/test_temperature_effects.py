@@ -13,8 +13,8 @@ from procedures.campaign.campaign import Campaign, DwellRecord, ProcedureSigma, 
 from procedures.campaign.plan_steps import Dwell
 from procedures.counts.sample_records import RateSeries
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.result import Diagnosis
 from procedures.effects.temperature_history import lagged
+from procedures.inference.result import Diagnosis
 
 T = 20 + 25 * np.sin(np.arange(10800) / 1700) + 15 * -np.expm1(-np.arange(10800) / 2000)  # degC, a second each
 NOISE = 2e-4  # g, of a sample

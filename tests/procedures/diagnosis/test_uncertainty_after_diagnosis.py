@@ -10,13 +10,13 @@ from drivers.simulated.bench_in_memory import simulate_campaign
 from procedures.calibration.joint_calibration import CampaignFits, fit_reduced
 from procedures.calibration.reduced_steps import ReducedSteps, reduce_steps
 from procedures.campaign.campaign import Campaign
-from procedures.diagnosis.candidates import Candidate, Candidates
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.refit import Refit, refit
-from procedures.diagnosis.residual_rows import evidence_of
-from procedures.diagnosis.result import Diagnosis, ResidualRms
 from procedures.diagnosis.validation_campaigns import validate
 from procedures.effects import EFFECTS
+from procedures.evidence.candidates import Candidate, Candidates
+from procedures.evidence.refit import Refit, refit
+from procedures.evidence.residual_rows import evidence_of
+from procedures.inference.result import Diagnosis, ResidualRms
 from procedures.uncertainty import sources
 from procedures.uncertainty.budget import ParameterBudget, budget
 from procedures.uncertainty.given_values import GivenValues, Unexplained

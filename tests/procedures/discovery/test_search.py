@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.residual_rows import Evidence, evidence_of
 from procedures.discovery.discover import discover
 from procedures.discovery.library import LibraryTerm, Rows, library
 from procedures.effects.effect import Columns, per_axis
+from procedures.evidence.residual_rows import Evidence, evidence_of
 from tests.benchmarks.discovering.judged import likeness
 from tests.benchmarks.discovering.laws import LAWS
 from tests.benchmarks.discovering.planting import Drawn, bare_evidence, size_of

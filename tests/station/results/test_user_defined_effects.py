@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from procedures.diagnosis.result import Finding
+from procedures.inference.result import Finding
 from station import cli
 from station.files.effect_file import read_effect
 from station.results import effect_tried

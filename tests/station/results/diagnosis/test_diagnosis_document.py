@@ -8,8 +8,8 @@ import pytest
 from matplotlib.figure import Figure
 
 from procedures.campaign.campaign import Campaign, Fixture, ProcedureSigma, Site
-from procedures.diagnosis.result import Because
 from procedures.diagnosis.single_channels import SingleChannel
+from procedures.inference.result import Because
 from procedures.statistics.line_with_correlated_errors import CorrelatedLine
 from procedures.statistics.noise_terms import NoiseTerm
 from procedures.units import DEG_H_PER_DEG_S
