@@ -26,7 +26,7 @@ MIN_KUIPER_STATISTIC = 0.9  # of Kuiper's statistic, below which its leading ter
 
 
 def strip_width(count: FloatArray) -> FloatArray:
-    """Return the width (m,) of the narrowest straight strip about cumulative counts (m, n) of m blocks."""
+    """Return the width (m,) [counts] of the narrowest straight strip about cumulative counts ``count`` (m, n)."""
     x = np.linspace(-1, 1, count.shape[1])
     level = count - count.mean(axis=1, keepdims=True)
     start = level @ x / (x @ x)
@@ -34,7 +34,7 @@ def strip_width(count: FloatArray) -> FloatArray:
 
 
 def bent_strip_width(count: FloatArray) -> FloatArray:
-    """Return the width (m,) of the narrowest strip about a parabola: what a rate that drifts leaves."""
+    """Return the width (m,) [counts] of the narrowest strip about a parabola in ``count`` (m, n) [counts]."""
     x = np.linspace(-1, 1, count.shape[1])
     bend = x**2 - np.mean(x**2)
     level = count - count.mean(axis=1, keepdims=True)

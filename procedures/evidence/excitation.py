@@ -326,7 +326,7 @@ class SteppedRows:
 def stepped_rows(fits: CampaignFits, marked: Callable[..., BoolArray]) -> tuple[SteppedRows, ...]:
     """Return the rows that were freed of steps.
 
-    ``marked`` takes kinds and a triad to marks (n,), as `Evidence.rows` does.
+    ``marked`` takes kinds and a triad to marks (n,), no unit, as `Evidence.rows` does.
     """
     joints = (fits.accelerometer, fits.gyroscope.joint if fits.gyroscope is not None else None)
     found = list[SteppedRows]()

@@ -25,7 +25,7 @@ SPREAD_SHARE = 1e-2  # of the range, within a point: a cubic in it is off by 1e-
 
 
 def averaged(table: RateTable) -> tuple[RateTable, FloatArray]:
-    """Return a table of at most some three thousand points, and of how many rows (n,) each is the mean.
+    """Return a table of at most some three thousand points, and of how many rows (n,) [1] each is the mean.
 
     A table of few rows is returned as it is. Time is the mean of a point's rows, so that it rises.
     """

@@ -20,8 +20,8 @@ SIMPLER = 2.0
 ODDS_ANOTHER = 0.3
 
 # How large it is.
-# The catalogue states the standard deviation of a coefficient, the procedure that of a scatter, and the samples
-# that of the noise. Each is right within a factor of ten.
+# The catalogue states the standard deviation of a coefficient: smaller ones are as likely, larger ones rarer. The
+# procedure states that of a scatter and the samples that of the noise: each is right within a factor of ten.
 FACTOR = 10.0
 # Sizes span three decades: good units show a thousandth of the catalogue's number, which is of the largest. A
 # nameless function spans them from 1 sigma of all rows together, below which nothing shows.
@@ -57,7 +57,18 @@ def grid(low: float, high: float) -> np.ndarray:
     return found
 
 
-OF_NAMED = grid(1 / SPAN, FACTOR)  # of the standard deviation of a coefficient that the catalogue states
+def falling(low: float, high: float) -> np.ndarray:
+    """Return amplitudes (m,) [1] of equal weight: even in the logarithm below 1, beyond it as rare as a Cauchy tail.
+
+    The density of the logarithm is ``1 / (1 + s)``, whose integral is ``ln(s / (1 + s))``.
+    """
+    first, last = (np.log(s / (1 + s)) for s in (low, high))
+    quantiles = np.exp(first + (last - first) * (np.arange(AMPLITUDES) + 0.5) / AMPLITUDES)
+    found: np.ndarray = quantiles / (1 - quantiles)
+    return found
+
+
+OF_NAMED = falling(1 / SPAN, SPAN)  # of the standard deviation of a coefficient that the catalogue states
 OF_SPREAD = grid(1 / FACTOR, FACTOR)  # of the standard deviation of a scatter, or of noise, that is stated
 OF_NAMELESS = grid(1.0, SPAN)  # of what one sigma of all rows together is
 WINDOW = -2 * np.log(NEGLIGIBLE)  # nats below the best model: a hundred such models are negligible

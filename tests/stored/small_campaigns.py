@@ -10,7 +10,7 @@ from drivers.simulated.bench_in_memory import ALL_POSITIONS, SimulatedBench, sim
 from drivers.simulated.truth import Truth
 from procedures.campaign.campaign import Campaign, RateTable, RestRecord, SoakRecord
 from procedures.campaign.plan_steps import Dwell, Turn
-from procedures.diagnosis.result import Diagnosis
+from procedures.inference.result import Diagnosis
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
 from procedures.frames import TURN_START, rotation
