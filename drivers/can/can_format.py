@@ -17,7 +17,7 @@ from drivers.can.payload_checks import CHECKS
 from drivers.can.signal_layout import SignalField, payloads_of
 from drivers.host_times import HINDSIGHT_S
 from drivers.wire import FrameCounters, WireFormat
-from drivers.wire._format import Frames, fits
+from drivers.wire.wire_format import Frames, fits
 from procedures.arrays import IntArray
 from procedures.counts.sample_records import CountBlock, SampleBlock
 

@@ -8,7 +8,7 @@ import zlib
 
 import numpy as np
 
-from drivers.wire._format import FrameKind, Frames, Identity, Octets, WireFormat, fits, seal
+from drivers.wire.wire_format import FrameKind, Frames, Identity, Octets, WireFormat, fits, seal
 from procedures.counts.sample_records import CountBlock
 
 SYNC = b"\xeb\x90"  # IRIG 106's 16-bit frame synchronisation pattern: few partial matches with itself
@@ -145,3 +145,4 @@ FORMAT = WireFormat(
         "ffffffff 14000000 00000080 e909 0001 933a2d85"
     ),
 )
+FORMATS = (FORMAT,)

@@ -5,15 +5,14 @@ import struct
 import numpy as np
 import pytest
 
-from drivers.wire.novatel_log import MODELS, decode, identify, rows, table
-from drivers.wire.novatel_time import WEEK, gps_seconds
+from drivers.wire.novatel_binary import MODELS, WEEK_S, decode, gps_seconds, identify, rows, table
 from procedures.counts.sample_records import CountBlock
 from tests.refusals import refused
 
 
 def block(**changed: object) -> CountBlock:
     given = {
-        "counter": np.array([-1]), "device_time": np.array([2000 * WEEK + 5.25]), "gyro": np.array([[1, 2, 3]]),
+        "counter": np.array([-1]), "device_time": np.array([2000 * WEEK_S + 5.25]), "gyro": np.array([[1, 2, 3]]),
         "accel": np.array([[4, 5, 6]]), "temperature": np.array([np.nan]), "status": np.array([77]),
         "healthy": np.array([True]),
     }  # fmt: skip
@@ -46,7 +45,7 @@ def test_a_row_is_laid_out_as_the_manual_says(is_long: bool, is_typed: bool, siz
         ("gyro", [[2**31 - 1, 2**31, 0]], [[2**31, 0, 0]]),
         ("gyro", [[-(2**31), -(2**31) + 1, 0]], [[0, -(2**31), 0]]),
         ("accel", [[0, 2**31, 0]], [[0, 0, -(2**31) - 1]]),
-        ("device_time", [65535.0 * WEEK], [65536.0 * WEEK]),
+        ("device_time", [65535.0 * WEEK_S], [65536.0 * WEEK_S]),
         ("device_time", [0.0], [-1.0]),
     ],
 )
@@ -72,7 +71,7 @@ def test_the_type_names_the_model_and_its_rate(imu_type: int) -> None:
     assert found.period * MODELS[imu_type].rate_hz == pytest.approx(1.0)
 
 
-WEEK = 604800
+WEEK_S = 604800
 TYPES = {
     1: "HG1700 AG11", 4: "HG1700 AG17", 5: "HG1900 CA29", 8: "LN-200", 11: "HG1700 AG58", 12: "HG1700 AG62",
     13: "iMAR FSAS", 16: "KVH COTS", 20: "HG1930 AA99", 26: "ISA-100C", 27: "HG1900 CA50", 28: "HG1930 CA50",
@@ -90,14 +89,14 @@ def test_types_are_numbered_as_the_driver_has_them() -> None:
 def test_a_week_of_65536_is_held_by_the_log_without_a_type_alone(is_typed: bool) -> None:
     frames = np.zeros(1, table(is_long=False, is_typed=is_typed))
     frames["week"], frames["seconds"] = 65535, 3.0
-    assert decode(frames).device_time.tolist() == [65535 * WEEK + 3.0]
+    assert decode(frames).device_time.tolist() == [65535 * WEEK_S + 3.0]
     if not is_typed:
         frames["week"] = 2**32 - 1
-        assert decode(frames).device_time.tolist() == [(2**32 - 1) * WEEK + 3.0]
+        assert decode(frames).device_time.tolist() == [(2**32 - 1) * WEEK_S + 3.0]
 
 
 def test_the_last_millisecond_of_a_week_is_of_that_week() -> None:
-    time = np.array([2000 * WEEK + WEEK - 0.0005, 2001.0 * WEEK])
+    time = np.array([2000 * WEEK_S + WEEK_S - 0.0005, 2001.0 * WEEK_S])
     block = CountBlock(
         counter=np.array([-1, -1]), device_time=time, gyro=np.zeros((2, 3), np.int64),
         accel=np.zeros((2, 3), np.int64), temperature=np.full(2, np.nan), status=np.zeros(2, np.int64),
@@ -108,7 +107,7 @@ def test_the_last_millisecond_of_a_week_is_of_that_week() -> None:
     assert frames["log_ms"].tolist() == [604_799_999, 0]
 
 
-AT = 2400 * WEEK + 5.25
+AT = 2400 * WEEK_S + 5.25
 
 
 def header(status: int) -> bytes:

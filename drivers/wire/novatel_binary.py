@@ -4,19 +4,68 @@ Short header (12 bytes, ``AA 44 13``): RAWIMUS, RAWIMUSX. Long header (28 bytes,
 The X logs name the IMU type and have an error bit; the others are read as healthy whenever their time is one.
 Sources: OEM7 manual (docs.novatel.com/OEM7), "Binary", "Description of ASCII and Binary Logs with Short Headers",
 "32-Bit CRC" and the logs' own pages; IMU type ids: novatel_oem7_driver, oem7_imu.hpp.
+
+The whole seconds of GPS time are as good as a pulse (PPS), for the receiver stamps samples by it, and UTC differs
+by whole leap seconds. A receiver that does not know the time yet counts from week 0; a long header says how good
+the time is: OEM7 manual, "GPS Reference Time Status" (160 FINE, 170 FINEBACKUPSTEERING, 180 FINESTEERING, 200
+SATTIME). Short headers have no such field.
 """
 
 import zlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import partial
 from types import MappingProxyType
 
 import numpy as np
 
-from drivers.wire._format import FrameKind, Frames, Identity, NominalScale, Octets, WireFormat, fits, seal
-from drivers.wire.novatel_time import LONG_SYNC, gps_seconds
+from drivers.wire.wire_format import (
+    FrameKind,
+    Frames,
+    Identity,
+    NominalScale,
+    Octets,
+    PulseForm,
+    WireFormat,
+    fits,
+    seal,
+)
+from procedures.arrays import FloatArray
 from procedures.counts.sample_records import CountBlock
 from procedures.units import M_PER_FT, RAD_PER_ARCSEC, RAD_PER_DEG, STANDARD_GRAVITY
+
+WEEK_S = 604800  # s
+LONG_SYNC = b"\xaa\x44\x12"
+STATUS_AT = 13  # of the long binary header
+FINE = 160
+STATUS_FIELD = 4  # of the long header's text, by commas
+FINE_WORDS = ([b"FINE"], [b"FINEBACKUPSTEERING"], [b"FINESTEERING"], [b"SATTIME"])
+SIMULATED_WEEK = 2400
+
+
+def gps_seconds(encode: Callable[[CountBlock], bytes], *, is_long: bool, is_text: bool) -> PulseForm:
+    """Return how a log, sent by ``encode``, tells of whole seconds."""
+    is_fine = (_says_fine if is_text else _is_fine) if is_long else (lambda data: True)
+
+    def age(data: bytes, sample_s: float) -> float | None:
+        return sample_s % 1.0 if sample_s >= WEEK_S and is_fine(data) else None
+
+    def mark(block: CountBlock, ages: FloatArray) -> bytes:
+        whole = np.rint(block.device_time - ages)
+        return encode(replace(block, device_time=SIMULATED_WEEK * WEEK_S + whole + ages))
+
+    return PulseForm(age, mark)
+
+
+def _is_fine(data: bytes) -> bool:
+    at = data.rfind(LONG_SYNC, 0, max(len(data) - STATUS_AT, 0)) + STATUS_AT
+    return at >= STATUS_AT and data[at] >= FINE
+
+
+def _says_fine(data: bytes) -> bool:
+    line = data.rpartition(b"*")[0].rpartition(b"#")[2]  # the last whole one
+    return line.split(b",", STATUS_FIELD + 1)[STATUS_FIELD : STATUS_FIELD + 1] in FINE_WORDS
+
 
 KVH_1750 = 33  # what `encode` says it is: a FOG IMU
 ERROR, ENCRYPTED = 0x01, 0x02  # IMU info bits; the rest are reserved
@@ -26,7 +75,6 @@ FINE_STEERING = 180  # OEM7 manual, GPS reference time status
 SHORT_SYNC = b"\xaa\x44\x13"
 LENGTH_AT = 3  # of the short header: the body's; of the long one: the header's own
 CHECK = "CRC-32, reflected polynomial EDB88320, initial 0, no final XOR, over everything before it"
-WEEK = 604800  # s
 INT32 = 2**31
 Z_MINUS_Y_X = np.array([1, -1, 1])  # signs, either way; in int64, as in 32 bits -(-2^31) would overflow
 BAUD = 230400  # 56 bytes x 200 Hz x 10 bits = 112 kbit/s
@@ -82,8 +130,8 @@ def decode(frames: Frames) -> CountBlock:
     """
     seconds = frames["seconds"]
     with np.errstate(invalid="ignore", over="ignore"):
-        is_time = (seconds >= 0) & (seconds < WEEK)
-        time = np.where(is_time, frames["week"].astype(np.int64) * float(WEEK) + seconds, np.nan)
+        is_time = (seconds >= 0) & (seconds < WEEK_S)
+        time = np.where(is_time, frames["week"].astype(np.int64) * WEEK_S + seconds, np.nan)
     healthy = is_time.copy()
     if "info" in (frames.dtype.names or ()):
         healthy &= (frames["info"] & (ERROR | ENCRYPTED)) == 0
@@ -105,8 +153,8 @@ def rows(block: CountBlock, dtype: np.dtype[np.void], message: int) -> Frames:
     """
     if not np.isfinite(block.device_time).all():
         raise ValueError("device_time is not finite; this format sends a time with every frame")
-    week = fits(np.floor_divide(block.device_time, WEEK), 0, 2**16 - 1, "GPS week")
-    seconds = block.device_time - week * float(WEEK)
+    week = fits(np.floor_divide(block.device_time, WEEK_S), 0, 2**16 - 1, "GPS week")
+    seconds = block.device_time - week * WEEK_S
     names = dtype.names or ()
     frames = np.zeros(len(block), dtype)
     frames["sync"] = np.frombuffer(LONG_SYNC if "header" in names else SHORT_SYNC, np.uint8)
