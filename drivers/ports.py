@@ -1,42 +1,16 @@
 """Open a device's URL as a port of bytes: serial line, TCP, CAN bus, replayed file, MAVLink link or camera."""
 
 from contextlib import ExitStack
-from typing import BinaryIO, cast
+from typing import cast
 
 from drivers.camera.http_port import open_http_camera
 from drivers.device_url import DeviceUrl
 from drivers.device_url_parser import CAN, parse_device_url
-from drivers.errors import LinkLost, PortNotFound, ReplayEnded
-from drivers.port_interface import Port
+from drivers.errors import PortNotFound
+from drivers.network_ports import TcpPort, open_tcp
+from drivers.port_interface import Port, ReplayPort
 from drivers.serial_port import PortInfo, SerialPort, list_ports, open_serial
-from drivers.tcp_port import TcpPort, open_tcp
 from drivers.wire import FORMATS
-
-
-class ReplayPort:
-    """An open file of bytes as a device sent them."""
-
-    def __init__(self, file: BinaryIO, path: str) -> None:
-        self.path = path
-        self._file, self._size = file, 0
-
-    def read(self, max_bytes: int) -> bytes:
-        """Return the next bytes; raise `ReplayEnded` when there are none."""
-        try:
-            data = self._file.read(max_bytes)
-        except OSError as error:
-            raise LinkLost(self.path, error.strerror or str(error)) from error
-        if not data:
-            raise ReplayEnded(self.path, self._size)
-        self._size += len(data)
-        return data
-
-    def write(self, data: bytes) -> None:
-        """Take ``data`` and drop it: a recording does not listen."""
-
-    def close(self) -> None:
-        """Close the file."""
-        self._file.close()
 
 
 def _open_replay(address: DeviceUrl) -> Port:
@@ -65,7 +39,7 @@ def open_port(url: str | DeviceUrl, timeout_s: float = 0.05) -> Port:
     """
     address = parse_device_url(url) if isinstance(url, str) else url
     if address.scheme == "mavlink":
-        from drivers.mavlink.port import open_mavlink  # pymavlink: only where it is wanted
+        from drivers.mavlink.session import open_mavlink  # pymavlink: only where it is wanted
 
         return open_mavlink(address, timeout_s)
     if address.scheme == "camera" and address.path:

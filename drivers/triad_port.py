@@ -15,8 +15,8 @@ import numpy as np
 
 from drivers.framing import Decoder
 from drivers.host_times import HostTimes
+from drivers.network_ports import TcpPort
 from drivers.serial_port import SerialPort
-from drivers.tcp_port import TcpPort
 from drivers.wire import WireFormat, triad
 from procedures.counts.sample_records import CountBlock
 

@@ -11,13 +11,13 @@ def frame_descriptions(address: DeviceUrl) -> dict[str, str]:
     They belong beside recorded bytes: without them nobody can say what the frames meant.
     """
     if address.scheme == "wheel":
-        from drivers.can.dbc_file import text_of
+        from drivers.can.dbc_signals import text_of
 
         return {"dbc": text_of(address.dbc)}
     if address.format != CAN:
         return {}
     from drivers.can.can_format import OWN_DBC, OWN_MAP
-    from drivers.can.dbc_file import text_of
+    from drivers.can.dbc_signals import text_of
 
     return {"dbc": text_of(address.dbc or OWN_DBC), "map": text_of(address.map or OWN_MAP)}
 

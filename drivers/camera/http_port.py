@@ -9,7 +9,7 @@ from contextlib import ExitStack
 
 from drivers.device_url import DeviceUrl
 from drivers.errors import LinkLost, PortNotFound
-from drivers.tcp_port import TcpPort, open_tcp
+from drivers.network_ports import TcpPort, open_tcp
 
 ANSWER_S = 5.0
 SILENT_S = 10.0  # a camera that lost its power does not hang up; as long as OpenCV waits for a device

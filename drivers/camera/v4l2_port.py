@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
+from drivers.camera.decoder import part
 from drivers.camera.jpeg import BEGIN
-from drivers.camera.multipart import part
 from drivers.device_url import DeviceUrl
 from drivers.errors import LinkLost, PortBusy, PortDenied, PortNotFound
 from procedures.optional_libraries import ExtraMissing, opencv

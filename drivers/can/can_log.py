@@ -21,8 +21,7 @@ from drivers.can.frame_record import ERROR, EXTENDED, REMOTE, WIDE, pack
 from drivers.can.j1939 import SenderWatch
 from drivers.can.mapping_file import CanMap, load_map
 from drivers.device_url import DeviceUrl
-from drivers.error_reason import reason_of
-from drivers.errors import BadCanFile, ReplayEnded
+from drivers.errors import BadCanFile, ReplayEnded, reason_of
 from drivers.text_decoding import decoded_text
 
 FIRST_LINES = 20

@@ -8,17 +8,74 @@ import contextlib
 import errno
 import inspect
 import logging
+import re
+import select
 import time
 from collections.abc import Mapping
 from importlib import import_module
 
 import can
+import serial
 from can.interfaces import BACKENDS
 
 from drivers.can.frame_record import ERROR, EXTENDED, RECORD, REMOTE, STANDARD, WIDE, pack
-from drivers.can.slcan_line import REMEDY, SlcanLine
-from drivers.error_reason import reason_of
-from drivers.errors import BadDeviceUrl, DriverError, LinkLost, PortBusy, PortDenied, PortNotFound
+from drivers.errors import BadDeviceUrl, DriverError, LinkLost, PortBusy, PortDenied, PortNotFound, reason_of
+
+ASCII = bytes(octet if octet < 0x80 else 0x3F for octet in range(256))
+FLAGS = re.compile(rb"(?<=[\r\a])F([0-9A-Fa-f]{2})\r")  # behind the end of another: a frame's data may be F20, too
+REMEDY = "check bit rate, wiring and termination"
+PASSIVE, BUS_ERROR = 0x20, 0x80  # too many errors to take part in the bus
+
+
+class SlcanLine:
+    """A serial line with an adapter behind it; ``flags`` is the status it last told, None while it has not."""
+
+    def __init__(self, line: serial.Serial) -> None:
+        self._line = line
+        self.write, self.flush, self.close = line.write, line.flush, line.close
+        self._buffer, self._at = b"", 0
+        self._tail = b""  # the end of what was looked through for answers
+        self.flags: int | None = None
+        self.received = 0  # bytes
+
+    def fill(self, timeout_s: float) -> bool:
+        """Wait for bytes and take all that have come; say whether any did."""
+        if not select.select([self._line.fileno()], [], [], timeout_s)[0]:
+            return False
+        return self.took(self._line.read(max(1, self._line.in_waiting)))
+
+    def took(self, data: bytes) -> bool:
+        """Take bytes that have come; say whether there are any."""
+        data = data.translate(ASCII)
+        if told := FLAGS.findall(self._tail + data):
+            self.flags = int(told[-1], 16)
+        self._tail = (self._tail + data)[-4:]
+        self.received += len(data)
+        self._buffer, self._at = self._buffer[self._at :] + data, 0
+        return bool(data)
+
+    def ask(self) -> None:
+        """Ask for version and status; an adapter that knows neither answers BEL."""
+        self.flags = None
+        self.write(b"V\rF\r")
+
+    def refuse_trouble(self) -> None:
+        """Raise `can.CanOperationError` where the status says that something is wrong with the bus."""
+        if self.flags is not None and self.flags & (PASSIVE | BUS_ERROR):
+            trouble = "bus-off" if self.flags & BUS_ERROR else "error passive"
+            raise can.CanOperationError(f"the adapter says {trouble}; {REMEDY}")
+
+    @property
+    def in_waiting(self) -> int:
+        """Bytes that were read and not yet asked for."""
+        return len(self._buffer) - self._at
+
+    def read(self, size: int = 1, /) -> bytes:
+        """Return the next of the bytes in hand, none where there are none."""
+        data = self._buffer[self._at : self._at + size]
+        self._at += len(data)
+        return data
+
 
 OWN_ARGUMENTS = {"self", "channel", "kwargs", "interface", "can_filters"}
 # python-can lets errors of what it stands on through

@@ -16,7 +16,7 @@ from drivers.device_url import DeviceUrl
 from drivers.device_url_parser import parse_mavlink_url
 from drivers.errors import BadDeviceUrl
 from drivers.mavlink.signing import read_key, signing_time
-from drivers.udp_port import UdpPort, open_udp
+from drivers.network_ports import UdpPort, open_udp
 
 SYSTEM = 200  # unless the address says another; 1 is the usual vehicle's
 HEARTBEAT_S = 1.0

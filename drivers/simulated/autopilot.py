@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from pymavlink.dialects.v20 import all as dialect
 
-from drivers.mavlink import messages as mavlink
+from drivers.mavlink import frames as mavlink
 from drivers.mavlink.signing import signing_time
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.gnss_receiver import SimulatedReceiver

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from drivers.camera.multipart import part
+from drivers.camera.decoder import part
 from drivers.simulated.bench_in_memory import world_with_effects
 from drivers.simulated.camera_room import Room
 from drivers.simulated.camera_texture import Floats, pyramid

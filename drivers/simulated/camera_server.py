@@ -11,7 +11,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from queue import Empty, Queue
 from threading import Thread
 
-from drivers.camera.multipart import CONTENT_TYPE
+from drivers.camera.decoder import CONTENT_TYPE
 from drivers.simulated.camera_images import CameraImages
 from drivers.simulated.camera_truth import CameraTruth
 from drivers.simulated.companion_devices import CompanionDevice

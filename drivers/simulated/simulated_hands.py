@@ -9,8 +9,7 @@ import socket
 from io import BufferedRWPair
 from typing import Self
 
-from drivers.error_reason import reason_of
-from drivers.errors import BadDeviceUrl
+from drivers.errors import BadDeviceUrl, reason_of
 from drivers.simulated.errors import HandsRefused, HandsUnreachable
 
 ANSWER_TIMEOUT_S = 5.0

@@ -89,7 +89,7 @@ def monitor(
     """
     import sys
 
-    from drivers.bare_address import whole_url
+    from drivers.address_guess import whole_url
     from drivers.device_url_parser import parse_device_url
     from drivers.errors import PortNotFound
     from procedures.attitude.laws import JOINT, parse_laws, refuse_without_velocity

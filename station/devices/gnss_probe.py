@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 from drivers.device_url import DeviceUrl
 from drivers.errors import LinkSilent, WrongFormat
-from drivers.mavlink.port import MavlinkPort
-from drivers.mavlink.session import RequestedMessage
+from drivers.mavlink.session import MavlinkPort, RequestedMessage
 from drivers.ports import open_port
 from station.devices.imu_probe import READ_BYTES
 from station.stream.device_addresses import receiver_address

@@ -15,9 +15,9 @@ from drivers.device_url import DEFAULT_BAUD
 from drivers.device_url_parser import parse_device_url
 from drivers.errors import DriverError
 from drivers.framing import sniff
+from drivers.network_ports import open_udp
 from drivers.port_interface import Port
 from drivers.ports import list_ports, open_port
-from drivers.udp_port import open_udp
 from drivers.url_wire_format import wire_of
 from drivers.wire import FORMATS
 from procedures.earth.gnss_records import GnssFix, averaged_site

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from drivers.bare_address import Role, whole_url, with_absolute_paths
+from drivers.address_guess import Role, whole_url, with_absolute_paths
 from drivers.device_url import DeviceUrl
 from drivers.device_url_parser import parse_device_url
 from drivers.errors import BadDeviceUrl

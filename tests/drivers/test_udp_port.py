@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from drivers.errors import LinkLost, PortBusy, PortNotFound
-from drivers.udp_port import MAX_DATAGRAM_BYTES, MAX_PEERS, RECEIVE_BUFFER_BYTES, UdpPort, open_udp
+from drivers.network_ports import MAX_DATAGRAM_BYTES, MAX_PEERS, RECEIVE_BUFFER_BYTES, UdpPort, open_udp
 from tests.free_port import free_udp_port
 from tests.patience import HANG_S
 

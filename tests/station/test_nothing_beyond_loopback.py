@@ -9,7 +9,7 @@ import numpy as np
 import psutil
 import pytest
 
-from drivers.bare_address import whole_url
+from drivers.address_guess import whole_url
 from drivers.ports import open_port
 from drivers.simulated.camera_server import SimulatedCamera
 from drivers.simulated.gnss_server import SimulatedGnss

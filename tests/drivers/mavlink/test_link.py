@@ -9,8 +9,8 @@ import pytest
 
 from drivers.device_url_parser import parse_device_url
 from drivers.mavlink.decoder import MavlinkDecoder, Record
-from drivers.mavlink.messages import GLOBAL_POSITION_INT, GPS2_RAW
-from drivers.mavlink.port import MavlinkPort
+from drivers.mavlink.frames import GLOBAL_POSITION_INT, GPS2_RAW
+from drivers.mavlink.session import MavlinkPort
 from drivers.mavlink.signing import SignatureCheck, read_key
 from drivers.ports import open_port
 from drivers.simulated.autopilot_truth import EPOCH_UTC, AutopilotTruth

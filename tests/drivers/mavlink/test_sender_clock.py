@@ -1,6 +1,6 @@
 import pytest
 
-from drivers.mavlink.sender_clock import SenderClock
+from drivers.mavlink.fixes import SenderClock
 
 S = 10**9
 UTC = 1_780_000_000 * S  # 2026: in microseconds beyond 1e15, so no time since boot

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from pymavlink.dialects.v20 import all as dialect
 
-from drivers.mavlink import messages as mavlink
+from drivers.mavlink import frames as mavlink
 from drivers.simulated.autopilot import Autopilot
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.errors import TruthRefused

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from mcap.reader import make_reader
 
-from drivers.bare_address import with_absolute_paths
+from drivers.address_guess import with_absolute_paths
 from drivers.can.can_format import OWN_DBC
 from drivers.device_url_parser import parse_device_url
 from drivers.framing import seen_instead

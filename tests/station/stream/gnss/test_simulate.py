@@ -8,7 +8,7 @@ import pytest
 
 from drivers.device_url_parser import LINKS
 from drivers.mavlink.decoder import MavlinkDecoder
-from drivers.mavlink.messages import GPS2_RAW
+from drivers.mavlink.frames import GPS2_RAW
 from drivers.ports import open_port
 from drivers.simulated.autopilot_truth import AutopilotTruth
 from drivers.simulated.gnss_server import SimulatedGnss

@@ -8,8 +8,8 @@ from cantools.database.can.signal import Signal
 from cantools.database.conversion import BaseConversion
 from hypothesis import given, settings
 
+from drivers.can.dbc_signals import SignalField, payloads_of, words_of
 from drivers.can.payload_checks import CHECKS
-from drivers.can.signal_layout import SignalField, payloads_of, words_of
 
 
 @st.composite
