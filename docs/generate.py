@@ -22,8 +22,7 @@ from pydantic import BaseModel
 from typer.cli import get_docs_for_click
 
 from drivers.simulated.effects import EFFECTS as PLANTED
-from drivers.simulated.line_faults import CAN_KINDS, KINDS
-from drivers.simulated.timed_faults import CAMERA_KINDS, GNSS_KINDS
+from drivers.simulated.faults import CAMERA_KINDS, CAN_KINDS, GNSS_KINDS, KINDS
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from procedures.effects import EFFECTS

@@ -10,11 +10,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from drivers.simulated.bench_truth import World, imu_from_cube
-from drivers.simulated.counting_triads import CountingTriads
 from drivers.simulated.cube_motion import Segment, flip, hand_turn, rest
 from drivers.simulated.effects import Planted, planted
-from drivers.simulated.truth import Truth
+from drivers.simulated.sensor_model import CountingTriads
+from drivers.simulated.truth import Truth, World, imu_from_cube
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import (
     Campaign,

@@ -1,4 +1,4 @@
-"""How the cube moves: rests, flips and hand turns, as rotations about an axis fixed in the cube.
+"""How the cube moves: rests, flips and manual rotations, as rotations about an axis fixed in the cube.
 
 Attitudes ``C_bn`` (3, 3) take East-North-Up to the cube, ``target_C_bn`` (3, 3) is the last one of a move.
 

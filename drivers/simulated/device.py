@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drivers.simulated.errors import TruthRefused
+from drivers.errors import TruthRefused
+from drivers.simulated.faults import Fault, FaultyLine, Sent
 from drivers.simulated.imu import SimulatedImu
-from drivers.simulated.line_faults import Fault, FaultyLine, Sent
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack
 from drivers.wire import FORMATS, Identity, WireFormat
@@ -92,7 +92,7 @@ class ByteDevice:
             self.imu.drive(track)
 
     def plant(self, kind: str, count: int = 1, seconds: float = 1.0) -> None:
-        """Have a fault act on the first sample not yet taken, see `drivers.simulated.line_faults.KINDS`."""
+        """Have a fault act on the first sample not yet taken, see `drivers.simulated.faults.KINDS`."""
         with self._lock:
             self._faulty.plant(Fault(kind, self.imu.time, count=count, seconds=seconds))
 

@@ -11,8 +11,8 @@ from typing import Any, TypeVar
 import numpy as np
 
 from drivers.simulated.bench_in_memory import PoweredUnit, turn_segment
-from drivers.simulated.carried_by_hand import carry
 from drivers.simulated.cube_motion import Segment, creep, flip, knock, rest, settle
+from drivers.simulated.handling_motion import carry
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack, drive
 from procedures.arrays import FloatArray, IntArray

@@ -1,9 +1,11 @@
-"""Serves a simulated device's bytes on a pty or a TCP port, and its hands on a control port, loopback by default.
+"""Serves a simulated device's bytes on a pty or a TCP port, and its cube's motion on a control port.
+
+Loopback by default.
 
 Paced by absolute deadlines, ``speed`` times device time; speed 0 or inf is as fast as the reader takes. When the
 reader does not read, device time waits (nothing is lost but what a fault loses). It also waits for a guide that
 says what it has seen and falls behind: its judgements do not depend on how busy the machine is. A device that fell
-behind by more than `MAX_BEHIND_S` restarts its pace instead of hurrying after it.
+behind by more than `MAX_BEHIND_S` restarts its schedule instead of hurrying after it.
 """
 
 import contextlib
@@ -19,11 +21,11 @@ from urllib.parse import urlencode
 import numpy as np
 
 from drivers.device_url_parser import parse_device_url
+from drivers.simulated.bench_control import BenchControl
 from drivers.simulated.can_lines import SlcanAdapter, UdpMulticastLine
 from drivers.simulated.device import MAX_CHUNK_SAMPLES, ByteDevice, ScheduledMove
-from drivers.simulated.line_faults import Fault, Sent, Silence
+from drivers.simulated.faults import Fault, Sent, Silence
 from drivers.simulated.serial_and_tcp_lines import PtyLine, TcpLine
-from drivers.simulated.simulated_hands import SimulatedHands
 from drivers.simulated.truth import Truth
 from drivers.wire import WireFormat
 
@@ -104,7 +106,7 @@ class SimulatedDevice:
         if not hold:
             self._go.set()
         self._control: _ControlServer | None = None
-        self._hands: SimulatedHands | None = None
+        self._hands: BenchControl | None = None
         self._threads: list[Thread] = []
         self.failure: Exception | None = None
         self._true_period = self.truth.sample_period_s / (1 + 1e-6 * self.device.imu.world.clock_ppm)
@@ -134,13 +136,13 @@ class SimulatedDevice:
         return self._sent * self.truth.sample_period_s
 
     def plant(self, kind: str, count: int = 1, seconds: float = 1.0) -> None:
-        """Have a fault act from now on, see `drivers.simulated.line_faults.KINDS`."""
+        """Have a fault act from now on, see `drivers.simulated.faults.KINDS`."""
         self.device.plant(kind, count, seconds)
 
     @property
-    def hands(self) -> SimulatedHands:
+    def hands(self) -> BenchControl:
         """The hands, called at their control address; hung up when the device ends."""
-        self._hands = self._hands or SimulatedHands(self.control)
+        self._hands = self._hands or BenchControl(self.control)
         return self._hands
 
     @property

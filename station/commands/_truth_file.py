@@ -20,7 +20,7 @@ def read_truth(path: Path) -> "Truth":
 @contextlib.contextmanager
 def blamed_on(file: Path | None) -> Iterator[None]:
     """Have what the simulator refuses name the file it came from."""
-    from drivers.simulated.errors import SimulatorError, TruthRefused, UnknownEffect
+    from drivers.errors import SimulatorError, TruthRefused, UnknownEffect
     from station.errors import DataRefused
 
     try:

@@ -16,10 +16,10 @@ from station.commands._options import option
 from station.commands._truth_file import blamed_on, read_text, read_truth
 
 if TYPE_CHECKING:
-    from drivers.simulated.camera_server import SimulatedCamera
-    from drivers.simulated.gnss_server import SimulatedGnss
+    from drivers.simulated.companions.camera_server import SimulatedCamera
+    from drivers.simulated.companions.gnss_server import SimulatedGnss
+    from drivers.simulated.faults import TimedFault
     from drivers.simulated.server import SimulatedDevice
-    from drivers.simulated.timed_faults import TimedFault
     from drivers.simulated.truth import Truth
     from drivers.simulated.vehicle_track import VehicleTrack
 
@@ -181,7 +181,7 @@ def _autopilot(
     where: str | None, path: "VehicleTrack | None", planted: "tuple[TimedFault, ...]"
 ) -> "Callable[[SimulatedDevice], SimulatedGnss] | None":
     """Return what makes the autopilot once the IMU is served, None where none is wanted."""
-    from drivers.simulated.gnss_server import SimulatedGnss
+    from drivers.simulated.companions.gnss_server import SimulatedGnss
 
     if where is None:
         return None
@@ -217,7 +217,7 @@ def _announce_all(
 ) -> None:  # fmt: skip
     """Serve what stands beside a device, and say where all of it is."""
     if wheel_file is not None:
-        from drivers.simulated.wheel_on_can import DBC, SimulatedWheel, wheel_toml
+        from drivers.simulated.companions.wheel_on_can import DBC, SimulatedWheel, wheel_toml
         from station.files.atomic_file import replace_file
 
         wheel = stack.enter_context(SimulatedWheel(path, seed=device.seed, beside=device))
@@ -236,7 +236,7 @@ def _announce(
     if camera is not None:
         typer.echo(f"camera {camera.url}")
         if camera_file is not None:
-            from drivers.simulated.camera_truth import camera_toml
+            from drivers.simulated.companions.truths import camera_toml
             from station.files.atomic_file import replace_file
 
             replace_file(camera_file, camera_toml(camera.camera, camera.url).encode())

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.special import erfc, erfinv
 
-from drivers.simulated.bench_truth import imu_from_cube
-from drivers.simulated.truth import Truth
+from drivers.simulated.truth import Truth, imu_from_cube
 from procedures.arrays import FloatArray
 from procedures.dwells_and_turns.mean_cube import mean_cube
 from procedures.frames import AXES, TRIADS

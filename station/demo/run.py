@@ -11,7 +11,7 @@ from datetime import UTC, date, datetime
 from pathlib import Path
 
 from drivers.errors import LinkLost
-from drivers.simulated.simulated_hands import SimulatedHands
+from drivers.simulated.bench_control import BenchControl
 from drivers.wire import FORMATS
 from fixtures_db.database import Database, open_db
 from procedures.campaign.plan_steps import Dwell
@@ -100,9 +100,9 @@ def run_demo(
         with db.write() as session:
             bench = add_example(session, request.seed)
         setup = _setup(bench, url, campaign, request)
-        operator = SimulatedOperator(SimulatedHands(control), SIMULATED_MOVE_S)
+        operator = SimulatedOperator(BenchControl(control), SIMULATED_MOVE_S)
         if not request.has_turns:
-            operator = SimulatedOperator(SimulatedHands(control), FLIP_S, HandStyle(request.seed))
+            operator = SimulatedOperator(BenchControl(control), FLIP_S, HandStyle(request.seed))
         record_headless(setup, options, db, operator, show)
         recorded()
         steps = sorted(path for kind in ("dwell", "turn", "move") for path in campaign.glob(f"{kind}_*.mcap"))

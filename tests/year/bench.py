@@ -7,7 +7,7 @@ import numpy as np
 
 from drivers.errors import PortBusy, PortNotFound
 from drivers.simulated.device import ByteDevice
-from drivers.simulated.line_faults import Silence
+from drivers.simulated.faults import Silence
 from drivers.simulated.truth import Truth
 from procedures.arrays import IntArray
 from procedures.counts.sample_records import CountBlock

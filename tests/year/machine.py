@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 from unittest.mock import patch
 
-from drivers.simulated.errors import HandsRefused
-from drivers.simulated.simulated_hands import SimulatedHands
+from drivers.errors import ControlRefused
+from drivers.simulated.bench_control import BenchControl
 from drivers.url_wire_format import wire_of
 from station.stream.live.live_feed import LiveFeed
 from tests.year.bench import STEP_S, Bench
@@ -169,7 +169,7 @@ class InlineExecutor:
         """Nothing is under way."""
 
 
-class InProcessHands(SimulatedHands):
+class InProcessHands(BenchControl):
     """The hands of the machine's bench."""
 
     def __init__(self, machine: Machine, address: str) -> None:
@@ -185,6 +185,6 @@ class InProcessHands(SimulatedHands):
             return []
         words = self._machine.bench.device.obey(command).split()
         if words[:1] != ["ok"]:
-            raise HandsRefused(self.address, command, " ".join(words))
+            raise ControlRefused(self.address, command, " ".join(words))
         self._machine.say(f"hands: {command}")
         return words[1:]

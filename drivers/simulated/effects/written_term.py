@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from drivers.errors import TruthRefused
 from drivers.simulated.effects.planted_effect import (
     AXES,
     REFERENCE_C,
@@ -22,7 +23,6 @@ from drivers.simulated.effects.planted_effect import (
     TriadInput,
 )
 from drivers.simulated.effects.thermal import sensor_temperature
-from drivers.simulated.errors import TruthRefused
 from drivers.simulated.truth import Sizes
 from procedures.arrays import FloatArray
 

@@ -7,16 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from drivers.errors import DriverError
+from drivers.errors import DriverError, TruthRefused, UnknownEffect
 from drivers.mavlink.signing import read_key
-from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.camera_truth import CameraTruth
+from drivers.simulated.companions.truths import AutopilotTruth, CameraTruth
 from drivers.simulated.device import ByteDevice, ScheduledMove
 from drivers.simulated.effects import planted
-from drivers.simulated.errors import TruthRefused, UnknownEffect
-from drivers.simulated.line_faults import Fault
+from drivers.simulated.faults import Fault, TimedFault, camera_faults_from, gnss_faults_from
 from drivers.simulated.server import CAN_TRANSPORTS
-from drivers.simulated.timed_faults import TimedFault, camera_faults_from, gnss_faults_from
 from drivers.simulated.truth import Truth, truth_from
 from drivers.simulated.vehicle_track import VehicleTrack, load_track
 from station.errors import DataRefused

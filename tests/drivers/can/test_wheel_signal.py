@@ -9,7 +9,7 @@ from drivers.can.frame_record import REMOTE, pack
 from drivers.can.wheel_signal import WheelDecoder, wheel_signal
 from drivers.errors import BadCanFile, BadDeviceUrl
 from drivers.ports import parse_device_url
-from drivers.simulated.wheel_on_can import DBC, SIGNAL
+from drivers.simulated.companions.wheel_on_can import DBC, SIGNAL
 
 FOREIGN = """VERSION ""
 NS_ :

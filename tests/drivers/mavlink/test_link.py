@@ -13,9 +13,9 @@ from drivers.mavlink.frames import GLOBAL_POSITION_INT, GPS2_RAW
 from drivers.mavlink.session import MavlinkPort
 from drivers.mavlink.signing import SignatureCheck, read_key
 from drivers.ports import open_port
-from drivers.simulated.autopilot_truth import EPOCH_UTC, AutopilotTruth
-from drivers.simulated.gnss_server import SimulatedGnss
-from drivers.simulated.timed_faults import TimedFault
+from drivers.simulated.companions.gnss_server import SimulatedGnss
+from drivers.simulated.companions.truths import EPOCH_UTC, AutopilotTruth
+from drivers.simulated.faults import TimedFault
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack
 from procedures.earth.gnss_records import AirData, Ambient, GnssFix, TimeMark, averaged_site

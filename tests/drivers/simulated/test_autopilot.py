@@ -6,11 +6,11 @@ from typing import Any
 import pytest
 from pymavlink.dialects.v20 import all as dialect
 
+from drivers.errors import TruthRefused
 from drivers.mavlink import frames as mavlink
-from drivers.simulated.autopilot import Autopilot
-from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.errors import TruthRefused
-from drivers.simulated.timed_faults import TimedFault, gnss_faults_from
+from drivers.simulated.companions.autopilot import Autopilot
+from drivers.simulated.companions.truths import AutopilotTruth
+from drivers.simulated.faults import TimedFault, gnss_faults_from
 from drivers.simulated.truth import Truth
 
 GCS = dialect.MAVLink(None, srcSystem=255, srcComponent=190)

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.gnss_receiver import SimulatedFix, SimulatedReceiver
+from drivers.simulated.companions.autopilot import SimulatedFix, SimulatedReceiver
+from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack
 

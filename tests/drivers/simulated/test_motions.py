@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from drivers.simulated.carried_by_hand import carry
+from drivers.errors import TruthRefused
 from drivers.simulated.device import ByteDevice
-from drivers.simulated.errors import TruthRefused
+from drivers.simulated.handling_motion import carry
 from drivers.simulated.imu import SimulatedImu
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import MIN_SPEED_M_S, VehicleTrack

@@ -3,7 +3,7 @@
 import re
 
 from drivers.simulated.bench_in_memory import SimulatedBench
-from drivers.simulated.line_faults import load_faults
+from drivers.simulated.faults import load_faults
 from drivers.simulated.truth import load_truth
 from tests.paths import ROOT
 

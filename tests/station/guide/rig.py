@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from drivers.simulated.line_faults import Fault
+from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
 from drivers.wire import ALL_CHANNELS
 from procedures.campaign.campaign import Fixture

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from drivers.mavlink.decoder import MavlinkDecoder
-from drivers.simulated.autopilot import Autopilot
-from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.timed_faults import TimedFault
+from drivers.simulated.companions.autopilot import Autopilot
+from drivers.simulated.companions.truths import AutopilotTruth
+from drivers.simulated.faults import TimedFault
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack
 from procedures.earth.gnss_records import AirData, GnssFix, TimeMark

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from drivers.framing import Decoder
-from drivers.simulated.line_faults import Fault
+from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from procedures.campaign.campaign import UNKNOWN

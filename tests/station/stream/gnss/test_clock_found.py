@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from drivers.device_url_parser import parse_device_url
-from drivers.simulated.autopilot import Autopilot
-from drivers.simulated.autopilot_truth import AutopilotTruth
+from drivers.simulated.companions.autopilot import Autopilot
+from drivers.simulated.companions.gnss_server import SimulatedGnss
+from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.device import ByteDevice
-from drivers.simulated.gnss_server import SimulatedGnss
-from drivers.simulated.line_faults import Fault
+from drivers.simulated.faults import Fault
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db

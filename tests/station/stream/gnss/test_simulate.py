@@ -10,8 +10,8 @@ from drivers.device_url_parser import LINKS
 from drivers.mavlink.decoder import MavlinkDecoder
 from drivers.mavlink.frames import GPS2_RAW
 from drivers.ports import open_port
-from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.gnss_server import SimulatedGnss
+from drivers.simulated.companions.gnss_server import SimulatedGnss
+from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.truth import Truth
 from procedures.earth.gnss_records import GnssFix
 from station import cli

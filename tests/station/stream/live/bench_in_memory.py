@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from drivers.device_url import DeviceUrl
 from drivers.device_url_parser import parse_device_url
 from drivers.simulated.device import ByteDevice
-from drivers.simulated.line_faults import Fault, Silence
+from drivers.simulated.faults import Fault, Silence
 from drivers.simulated.truth import Truth
 from station.files.campaign_folder.campaign_schema import SiteTable
 from station.stream.reader import Chunk, GapMark

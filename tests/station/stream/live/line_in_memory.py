@@ -9,8 +9,8 @@ from drivers.can.frame_record import RECORD, pack, unpack
 from drivers.device_url import DeviceUrl
 from drivers.device_url_parser import parse_device_url
 from drivers.simulated.device import ByteDevice
+from drivers.simulated.faults import Fault, Silence
 from drivers.simulated.imu import SimulatedImu
-from drivers.simulated.line_faults import Fault, Silence
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS, WireFormat
 from procedures.arrays import IntArray

@@ -9,7 +9,7 @@ import numpy as np
 
 from drivers.device_url import DeviceUrl
 from drivers.device_url_parser import parse_device_url
-from drivers.simulated.line_faults import Fault, FaultyLine
+from drivers.simulated.faults import Fault, FaultyLine
 from drivers.triad_port import TriadJoiner
 from drivers.wire import FORMATS, WireFormat, triad
 from procedures.arrays import IntArray

@@ -3,12 +3,12 @@
 from collections.abc import Iterable
 from pathlib import Path
 
-from drivers.simulated.autopilot import Autopilot
-from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.companion_devices import CompanionDevice
+from drivers.simulated.companions.autopilot import Autopilot
+from drivers.simulated.companions.companion_device import CompanionDevice
+from drivers.simulated.companions.truths import AutopilotTruth
+from drivers.simulated.faults import TimedFault
 from drivers.simulated.serial_and_tcp_lines import PtyLine, TcpLine, UdpLine
 from drivers.simulated.server import SimulatedDevice
-from drivers.simulated.timed_faults import TimedFault
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack
 

@@ -7,20 +7,20 @@ import numpy as np
 
 from drivers.can.wheel_signal import WheelSignal, wheel_signal
 from drivers.simulated.can_lines import SlcanAdapter
-from drivers.simulated.companion_devices import CompanionDevice
+from drivers.simulated.companions.companion_device import CompanionDevice
+from drivers.simulated.faults import TimedFault
 from drivers.simulated.server import SimulatedDevice
-from drivers.simulated.timed_faults import TimedFault
 from drivers.simulated.vehicle_track import VehicleTrack
 from procedures.arrays import FloatArray
 
-DBC, SIGNAL = str(Path(__file__).parents[1] / "can" / "wheel.dbc"), "WHEELS.SPEED"
+DBC, SIGNAL = str(Path(__file__).parents[2] / "can" / "wheel.dbc"), "WHEELS.SPEED"
 RATE_HZ = 50.0
 FORGOTTEN_S = 0.3  # s: a bus does not wait for its listener
 NOISE_M_S = 0.02
 BITRATE = 500_000
 
 
-def told_speeds(t: FloatArray, track: VehicleTrack | None, scale: float, rng: np.random.Generator) -> FloatArray:
+def wheel_speeds(t: FloatArray, track: VehicleTrack | None, scale: float, rng: np.random.Generator) -> FloatArray:
     """Return what a wheel tells (n,) [m/s] at times ``t`` (n,) [s]: true is ``scale`` times that."""
     if track is None:
         return np.zeros(len(t))
@@ -65,7 +65,7 @@ class SimulatedWheel(CompanionDevice):
             self._stop.wait(0.2 / RATE_HZ)
             return
         t = np.arange(first, due) / RATE_HZ
-        told = told_speeds(t, self._track, self._scale, self._rng)
+        told = wheel_speeds(t, self._track, self._scale, self._rng)
         self._line.write(b"".join(self._signal.frame(each, 0) for each in told.tolist()), self._stop)
 
 

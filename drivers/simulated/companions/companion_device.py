@@ -5,8 +5,8 @@ from collections.abc import Iterable
 from threading import Event, Thread
 from typing import Self
 
+from drivers.simulated.faults import TimedFault, active
 from drivers.simulated.server import SimulatedDevice
-from drivers.simulated.timed_faults import TimedFault, active
 
 
 class CompanionDevice:
@@ -32,7 +32,7 @@ class CompanionDevice:
         return self._beside.true_time if self._beside else (time.monotonic() - self._began) * self._speed
 
     def plant(self, kind: str, seconds: float, size: float = 0.0) -> None:
-        """Have a fault act from now on, see the kinds in `drivers.simulated.timed_faults`."""
+        """Have a fault act from now on, see the kinds in `drivers.simulated.faults`."""
         self.faults.append(TimedFault(kind, self.now, seconds, size))
 
     def __enter__(self) -> Self:

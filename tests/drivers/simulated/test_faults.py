@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
+from drivers.errors import TruthRefused
 from drivers.framing import Decoder
-from drivers.simulated.errors import TruthRefused
+from drivers.simulated.faults import KINDS, Fault, FaultyLine, Silence, faults_from, load_faults
 from drivers.simulated.imu import SimulatedImu
-from drivers.simulated.line_faults import KINDS, Fault, FaultyLine, Silence, faults_from, load_faults
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from procedures.counts.sample_records import CountBlock

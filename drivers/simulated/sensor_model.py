@@ -9,10 +9,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from drivers.simulated.bench_truth import World
 from drivers.simulated.cube_motion import Segment
 from drivers.simulated.effects import Planted, Stimulus, TriadInput
-from drivers.simulated.truth import Truth
+from drivers.simulated.truth import Truth, World
 from procedures.arrays import FloatArray, IntArray
 from procedures.units import DEG_H_PER_DEG_S
 

@@ -1,4 +1,4 @@
-"""The hands of a simulated bench: a client of a simulated device's control port.
+"""Moves the cube of a simulated bench: a client of a simulated device's control port.
 
 One command a line, one answer a line; ``ok time T done D`` gives the device time now and when the motion will be
 over. Commands queue: the next one begins where the last ends.
@@ -9,14 +9,13 @@ import socket
 from io import BufferedRWPair
 from typing import Self
 
-from drivers.errors import BadDeviceUrl, reason_of
-from drivers.simulated.errors import HandsRefused, HandsUnreachable
+from drivers.errors import BadDeviceUrl, ControlRefused, ControlUnreachable, reason_of
 
 ANSWER_TIMEOUT_S = 5.0
 PORTS = range(1, 65536)
 
 
-def hands_address(typed: str) -> tuple[str, int]:
+def control_address(typed: str) -> tuple[str, int]:
     """Return host and port of simulated hands.
 
     Raises
@@ -31,11 +30,11 @@ def hands_address(typed: str) -> tuple[str, int]:
     return host.removeprefix("[").removesuffix("]"), int(port)
 
 
-class SimulatedHands:
+class BenchControl:
     """Moves the cube of the device whose control port is ``address``, HOST:PORT. Each move returns its end.
 
-    Ends are device times [s]. Every command raises `HandsRefused` when the device answers ``error``, and
-    `HandsUnreachable`, which is one as well, when it does not answer. An address that is none is `BadDeviceUrl`.
+    Ends are device times [s]. Every command raises `ControlRefused` when the device answers ``error``, and
+    `ControlUnreachable`, which is one as well, when it does not answer. An address that is none is `BadDeviceUrl`.
     """
 
     def __init__(self, address: str) -> None:
@@ -88,10 +87,10 @@ class SimulatedHands:
             answer = self._ask(command)
         except OSError as error:
             self.close()
-            raise HandsUnreachable(self.address, command, reason_of(error)) from error
+            raise ControlUnreachable(self.address, command, reason_of(error)) from error
         words = answer.split()
         if words[:1] != ["ok"]:
-            raise HandsRefused(self.address, command, answer)
+            raise ControlRefused(self.address, command, answer)
         return words[1:]
 
     def close(self) -> None:
@@ -112,7 +111,7 @@ class SimulatedHands:
 
     def _ask(self, command: str) -> str:
         if self._line is None:
-            with socket.create_connection(hands_address(self.address), timeout=ANSWER_TIMEOUT_S) as connection:
+            with socket.create_connection(control_address(self.address), timeout=ANSWER_TIMEOUT_S) as connection:
                 self._line = connection.makefile("rwb")  # keeps it open
         self._line.write(command.encode() + b"\n")
         self._line.flush()

@@ -1,21 +1,107 @@
-"""Faults of a line, planted on the bytes a device sends.
+"""Faults of a simulated line, on the bytes a device sends, and of companion devices: the table of every kind.
 
 A fault file is TOML with one ``[[fault]]`` table each: ``kind``, ``at_s`` (device time), optionally ``every_s``
-(again and again) and ``count`` or ``seconds``.
+(again and again) and ``count`` or ``seconds``. Those of a receiver or camera are a ``[[gnss_fault]]`` or
+``[[camera_fault]]`` each: ``kind``, ``at_s`` (true time), ``seconds`` and, where the kind has one, ``size``.
 """
 
 import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from functools import partial
+from inspect import signature
+from typing import Any, TypeVar
 
 import numpy as np
 
-from drivers.simulated import garbled_frames
-from drivers.simulated.errors import TruthRefused
-from drivers.simulated.timed_faults import read_faults
+from drivers.errors import TruthRefused
+from drivers.simulated import corrupted_frames
 from drivers.wire import WireFormat
 from procedures.counts.sample_records import SampleBlock, block_rows
+
+F = TypeVar("F")
+Tables = Iterable[Mapping[str, Any]]
+MAX_SYSTEM = 255  # a byte of the frame
+GNSS_KINDS = {
+    "no_fix": "the receiver sees too few satellites and loses UTC",
+    "jump": "fixes stand `size` m east of the truth",
+    "latency": "fixes come `size` s later than they do anyway",
+    "time_jump": "UTC is `size` s ahead of the truth",
+    "outage": "nothing is sent",
+    "unplug": "the port is gone",
+    "reboot": "the time since boot begins at 0 again and all intervals are forgotten",
+    "wrong_system": "frames come from system `size`, 1 to 255; without one from 77",
+    "unsigned": "frames of a signing autopilot come without signature",
+    "wrong_key": "frames are signed with another key",
+    "replay": "every frame is followed by one sent 20 frames before",
+    "bad_crc": "every frame has one bit flipped",
+    "noise": "random bytes instead of frames",
+    "half": "every frame breaks off halfway",
+    "repeated": "every frame is sent twice",
+    "backlog": "nothing is sent, then all of it at once",
+    "deaf": "no command is obeyed or answered",
+}
+CAMERA_KINDS = {
+    "stall": "nothing is sent, and nothing taken",
+    "unplug": "the port is gone",
+    "cut": "every image breaks off halfway, then the next part begins",
+    "no_stamp": "parts come without X-Timestamp",
+    "dark": "images are black",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class TimedFault:
+    """One fault, from true time ``at_s`` on for ``seconds``; see `GNSS_KINDS` and `CAMERA_KINDS`.
+
+    Raises
+    ------
+    TruthRefused
+        If a MAVLink system is to be one that no byte holds.
+    """
+
+    kind: str
+    at_s: float
+    seconds: float = 1.0
+    size: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.kind == "wrong_system" and not 0 <= self.size <= MAX_SYSTEM:
+            raise TruthRefused(f"wrong_system size = {self.size:g}", f"a MAVLink system, 1 to {MAX_SYSTEM}")
+
+
+def active(faults: Iterable[TimedFault], now: float, kind: str) -> list[TimedFault]:
+    """Return the faults of a kind that act at true time ``now`` [s]."""
+    return [fault for fault in faults if fault.kind == kind and fault.at_s <= now < fault.at_s + fault.seconds]
+
+
+def read_faults(
+    record: type[F], name: str, kinds: Mapping[str, str], tables: Tables, is_signed: bool = True
+) -> tuple[F, ...]:
+    """Return parsed tables called ``name`` as faults; raise `TruthRefused` naming what is accepted.
+
+    Unless ``is_signed`` numbers are from 0 to 1e9.
+    """
+    accepted = sorted(signature(record).parameters)
+    found = []
+    for table in tables:
+        if unknown := sorted(set(table) - {*accepted}):
+            raise TruthRefused(f"{name} key {unknown[0]!r}", ", ".join(accepted))
+        if (kind := table.get("kind")) not in (*kinds,):
+            raise TruthRefused(f"{name} kind {kind!r}"[:80], ", ".join(kinds))
+        for key, value in {"at_s": None, **table}.items():
+            is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+            if key != "kind" and not (is_number and (is_signed or 0 <= value < 1e9)):
+                raise TruthRefused(
+                    f"{name} {key} = {value!r}"[:80], f"a number{'' if is_signed else ', not negative'}"
+                )
+        found.append(record(**table))
+    return tuple(found)
+
+
+gnss_faults_from = partial(read_faults, TimedFault, "gnss_fault", GNSS_KINDS)
+camera_faults_from = partial(read_faults, TimedFault, "camera_fault", CAMERA_KINDS)
+
 
 KINDS = {
     "bad_crc": "`count` frames with one bit flipped",
@@ -122,7 +208,7 @@ class FaultyLine:
         if self._losing or not identity or "noise" in self._lasting:
             return []
         return self._unless_held(
-            [garbled_frames.misread(identity, self._wire) if "wrong_baud" in self._lasting else identity], 0
+            [corrupted_frames.misread(identity, self._wire) if "wrong_baud" in self._lasting else identity], 0
         )
 
     def _recounted(self, block: SampleBlock) -> SampleBlock:
@@ -169,7 +255,7 @@ class FaultyLine:
                 case "frame_late":
                     is_late = True
                 case "babble":
-                    before += [garbled_frames.babble(self._rng) for _ in range(fault.count)]
+                    before += [corrupted_frames.babble(self._rng) for _ in range(fault.count)]
         if self._losing > 0:
             self._losing -= 1
             return before
@@ -177,26 +263,26 @@ class FaultyLine:
         if self._spoiling > 0:
             self._spoiling -= 1
             frame = self._spoilt(frame)
-        frame, self._late = garbled_frames.without(frame, missing, self._rng) + self._late, b""
+        frame, self._late = corrupted_frames.without(frame, missing, self._rng) + self._late, b""
         if is_late:
-            frame, self._late = frame[garbled_frames.RECORD_BYTES :], frame[: garbled_frames.RECORD_BYTES]
+            frame, self._late = frame[corrupted_frames.RECORD_BYTES :], frame[: corrupted_frames.RECORD_BYTES]
         return self._unless_held([*before, *self._garbled(frame * repeats, block, row)])
 
     def _garbled(self, frame: bytes, block: SampleBlock, row: int) -> list[Sent]:
         """Return what becomes of a frame while it is cut, drowned, misread or answered by another unit."""
         if self._halving:
             self._halving -= 1
-            return [*garbled_frames.half_of(frame, self._wire)]
+            return [*corrupted_frames.half_of(frame, self._wire)]
         acting = dict(self._lasting)
         self._lasting = {kind: (left - 1, fault) for kind, (left, fault) in acting.items() if left > 1}
         if "noise" in acting:
             return [self._rng.bytes(4 * len(frame))]
         if "wrong_baud" in acting:
-            return [garbled_frames.misread(frame, self._wire)]
+            return [corrupted_frames.misread(frame, self._wire)]
         if "two_devices" in acting:
             ahead = acting["two_devices"][1].count
-            other = garbled_frames.other_unit(self._recounted(block_rows(block, slice(row, row + 1))), ahead)
-            return [*garbled_frames.mingled(frame, self._wire.encode(other), self._wire, self._rng)]
+            other = corrupted_frames.other_unit(self._recounted(block_rows(block, slice(row, row + 1))), ahead)
+            return [*corrupted_frames.mingled(frame, self._wire.encode(other), self._wire, self._rng)]
         return [frame]
 
     def _unless_held(self, sent: list[Sent], frames: int = 1) -> list[Sent]:
@@ -212,7 +298,7 @@ class FaultyLine:
 
     def _spoilt(self, frame: bytes) -> bytes:
         if self._wire.joiner is not None:
-            return garbled_frames.spoilt(frame, self._rng)
+            return corrupted_frames.spoilt(frame, self._rng)
         # not in the prefix: there it would be a lost sync, not a bad check; nor in what may follow a frame
         at = int(self._rng.integers(len(self._wire.imu.prefix), len(frame.removesuffix(self._wire.trailer))))
         bit = 1 << int(self._rng.integers(8))

@@ -1,12 +1,17 @@
-"""Gyroscope effects: what is added to ``E omega + D`` [deg/s]; ``triad.raw`` is E omega; IMU axes.
+"""Error terms of the sensors: what is added to ``E f + D`` [g] and ``E omega + D`` [deg/s]; IMU axes.
 
-Sources: IEEE Std 952 model equation (temperature, temperature rate, magnetic, acceleration sensitivity);
-Shupe 1980 (temperature rate); the Sagnac sine of an open-loop FOG: H. C. Lefevre, The Fiber-Optic Gyroscope.
+``triad.raw`` is E f or E omega, per sensor; T in degC, t in s. Sources: IEEE Std 1293 model equation (K2, K3,
+cross products K_ij, scale-factor asymmetry); IEEE Std 952 model equation (temperature, temperature rate, magnetic,
+acceleration sensitivity); Shupe 1980 (temperature rate); the Sagnac sine of an open-loop FOG: H. C. Lefevre, The
+Fiber-Optic Gyroscope.
 """
+
+from itertools import combinations
 
 import numpy as np
 
 from drivers.simulated.effects.planted_effect import (
+    AXES,
     JUMP_OPTIONS,
     MATRIX_KEYS,
     SETTLING_OPTIONS,
@@ -80,4 +85,52 @@ GYROSCOPE = (
     PlantedEffect("gyroscope.counts_lost", "ppm", VECTOR_KEYS, {"knee_deg_s": 30.0}, gyro=_counts_lost),
     PlantedEffect("gyroscope.jump", "deg/h", VECTOR_KEYS, JUMP_OPTIONS,
                   gyro=lambda seen, triad, sizes: jump(seen, triad, sizes, 1 / DEG_H_PER_DEG_S)),
+)  # fmt: skip
+
+
+_PRODUCT_KEYS = tuple(sensor + one + other for sensor in AXES for one, other in combinations(AXES, 2))
+_OWN_KEYS = tuple(sensor + other for sensor in AXES for other in AXES if sensor != other)
+
+
+def _cross_product(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
+    added = np.zeros(np.broadcast_shapes(triad.raw.shape, (1, 3)))
+    for key in _PRODUCT_KEYS + _OWN_KEYS:
+        if key in sizes:
+            sensor, one, other = (AXES.index(axis) for axis in (key if len(key) == 3 else key[0] + key))
+            added[:, sensor] += sizes[key] * (triad.raw[:, one] * triad.raw[:, other])
+    return added
+
+
+def _relaxation(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
+    by = stimulus.f if sizes["by_force"] else 1.0
+    added: FloatArray = vector(sizes) * by * np.exp(-stimulus.rest_s / sizes["tau_s"])
+    return added
+
+
+ACCELEROMETER = (
+    PlantedEffect("accelerometer.quadratic", "g/g^2", VECTOR_KEYS,
+                  accel=lambda seen, triad, sizes: vector(sizes) * triad.raw**2),
+    PlantedEffect("accelerometer.cubic", "g/g^3", VECTOR_KEYS,
+                  accel=lambda seen, triad, sizes: vector(sizes) * triad.raw**3),
+    PlantedEffect("accelerometer.scale_asymmetry", "ppm", VECTOR_KEYS, accel=scale_asymmetry),
+    PlantedEffect("accelerometer.cross_product", "g/g^2", _OWN_KEYS + _PRODUCT_KEYS, accel=_cross_product),
+    PlantedEffect("accelerometer.bias_temperature", "g/K", POLYNOMIAL_KEYS,
+                  accel=lambda seen, triad, sizes: polynomial(sizes, seen.temperature)),
+    PlantedEffect("accelerometer.scale_temperature", "ppm/K", POLYNOMIAL_KEYS, accel=scale_temperature),
+    PlantedEffect("accelerometer.temperature_rate", "g/(K/min)", VECTOR_KEYS,
+                  accel=lambda seen, triad, sizes: vector(sizes) * seen.temperature_rate),
+    PlantedEffect("accelerometer.temperature_lag", "g/K", POLYNOMIAL_KEYS, LAG_OPTIONS,
+                  accel=lambda seen, triad, sizes: polynomial_of_lag(sizes, seen)),
+    PlantedEffect("accelerometer.scale_temperature_lag", "ppm/K", POLYNOMIAL_KEYS, LAG_OPTIONS,
+                  accel=scale_temperature_lag),
+    PlantedEffect("accelerometer.bias_settling", "g", VECTOR_KEYS, SETTLING_OPTIONS, accel=bias_settling),
+    PlantedEffect("accelerometer.scale_settling", "ppm", VECTOR_KEYS, SETTLING_OPTIONS, accel=scale_settling),
+    PlantedEffect("accelerometer.temperature_hysteresis", "g", VECTOR_KEYS, PLAY_OPTIONS,
+                  accel=lambda seen, triad, sizes: vector(sizes) * direction(seen, sizes)),
+    PlantedEffect("accelerometer.bias_drift", "g/h", VECTOR_KEYS,
+                  accel=lambda seen, triad, sizes: vector(sizes) * seen.t / S_PER_H),
+    PlantedEffect("accelerometer.relaxation", "g", VECTOR_KEYS, {"tau_s": 30.0, "by_force": 0.0},
+                  accel=_relaxation),
+    PlantedEffect("accelerometer.jump", "g", VECTOR_KEYS, JUMP_OPTIONS,
+                  accel=lambda seen, triad, sizes: jump(seen, triad, sizes, 1.0)),
 )  # fmt: skip
