@@ -7,7 +7,7 @@ import time
 from base64 import b64encode
 from contextlib import ExitStack
 
-from drivers.device_url import DeviceUrl
+from drivers.addresses import HttpCameraAddress
 from drivers.errors import LinkLost, PortNotFound
 from drivers.network_ports import TcpPort, open_tcp
 
@@ -47,7 +47,7 @@ class HttpCameraPort:
         self._connection.close()
 
 
-def open_http_camera(address: DeviceUrl, timeout_s: float) -> HttpCameraPort:
+def open_http_camera(address: HttpCameraAddress, timeout_s: float) -> HttpCameraPort:
     """Ask for a stream.
 
     Raises
@@ -68,7 +68,7 @@ def open_http_camera(address: DeviceUrl, timeout_s: float) -> HttpCameraPort:
     return HttpCameraPort(connection, address.name, begun)
 
 
-def _request(address: DeviceUrl) -> bytes:
+def _request(address: HttpCameraAddress) -> bytes:
     host = f"[{address.host}]" if ":" in address.host else address.host
     lines = [f"GET {address.target} HTTP/1.0", f"Host: {host}:{address.port}", f"Accept: {STREAM}, image/*"]
     if address.user or address.password:
@@ -89,7 +89,7 @@ def _answer(connection: TcpPort, name: str) -> tuple[str, bytes]:
     return head.decode("latin-1"), begun
 
 
-def _check(head: str, address: DeviceUrl) -> None:
+def _check(head: str, address: HttpCameraAddress) -> None:
     status, *lines = head.split("\r\n")
     words = status.split(None, 2)
     if len(words) < 2 or not words[0].startswith("HTTP/"):

@@ -12,8 +12,8 @@ from collections.abc import Callable
 
 from pymavlink.dialects.v20 import all as dialect
 
-from drivers.device_url import DeviceUrl
-from drivers.device_url_parser import parse_mavlink_url
+from drivers.address_parsing import parse_mavlink_url
+from drivers.addresses import MavlinkAddress, UdpAddress
 from drivers.errors import BadDeviceUrl
 from drivers.mavlink.signing import read_key, signing_time
 from drivers.network_ports import UdpPort, open_udp
@@ -29,7 +29,9 @@ Three = tuple[float, float, float]
 class ImuOut:
     """Sends to one address; who does not listen is not an error."""
 
-    def __init__(self, address: DeviceUrl, port: UdpPort, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self, address: MavlinkAddress, port: UdpPort, clock: Callable[[], float] = time.monotonic
+    ) -> None:
         self.port, self._clock, self._next_heartbeat = port, clock, 0.0
         self._mav = dialect.MAVLink(None, srcSystem=address.system or SYSTEM, srcComponent=dialect.MAV_COMP_ID_IMU)
         if address.key_file:
@@ -82,6 +84,7 @@ def open_imu_out(text: str) -> ImuOut:
         Each says what was found, what was expected and what to do.
     """
     address = parse_mavlink_url(f"mavlink:{text.removeprefix('mavlink:')}")
-    if address.link not in {"udpout", "udpin"}:
-        raise BadDeviceUrl(text, f"link {address.link!r}", EXPECTED)
-    return ImuOut(address, open_udp(address.host, address.port, 0.0, listens=address.link == "udpin"))
+    line = address.line
+    if not isinstance(line, UdpAddress):
+        raise BadDeviceUrl(text, f"link {line.scheme!r}", EXPECTED)
+    return ImuOut(address, open_udp(line.host, line.port, 0.0, listens=line.listens))

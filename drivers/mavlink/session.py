@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 from pymavlink.dialects.v20 import all as dialect
 
-from drivers.device_url import DeviceUrl
+from drivers.addresses import MavlinkAddress, SerialAddress, TcpAddress, UdpAddress
 from drivers.errors import LinkLost
 from drivers.mavlink import frames as mavlink
 from drivers.mavlink.decoder import CommandAnswer, MavlinkDecoder
@@ -166,14 +166,15 @@ class MavlinkPort:
         self._line.close()
 
 
-def open_mavlink(address: DeviceUrl, timeout_s: float) -> MavlinkPort:
+def open_mavlink(address: MavlinkAddress, timeout_s: float) -> MavlinkPort:
     """Open the link that an address names; raises what its port raises, `BadDeviceUrl` for a bad key file."""
     key = read_key(address.key_file) if address.key_file else None
-    line: Port
-    if address.link == "tcp":
-        line = open_tcp(address.host, address.port, timeout_s)
-    elif address.link == "serial":
-        line = open_serial(address.path, address.baud or 0, "N", timeout_s)
-    else:
-        line = open_udp(address.host, address.port, timeout_s, listens=address.link == "udpin")
-    return MavlinkPort(line, MavlinkSession(address.rate_hz, address.system, key))
+    port: Port
+    match address.line:
+        case TcpAddress(host=host, port=number):
+            port = open_tcp(host, number, timeout_s)
+        case SerialAddress(path=path, baud=baud, parity=parity):
+            port = open_serial(path, baud, parity, timeout_s)
+        case UdpAddress(host=host, port=number, listens=listens):
+            port = open_udp(host, number, timeout_s, listens=listens)
+    return MavlinkPort(port, MavlinkSession(address.rate_hz, address.system, key))

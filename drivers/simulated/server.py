@@ -20,7 +20,7 @@ from urllib.parse import urlencode
 
 import numpy as np
 
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
 from drivers.simulated.bench_control import BenchControl
 from drivers.simulated.can_lines import SlcanAdapter, UdpMulticastLine
 from drivers.simulated.device import MAX_CHUNK_SAMPLES, ByteDevice, ScheduledMove

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from drivers.device_url import DeviceUrl
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
+from drivers.addresses import DeviceAddress
 from drivers.errors import ReplayEnded
 from procedures.campaign.campaign import UNKNOWN
 from procedures.counts.sample_records import SampleBlock
@@ -74,14 +74,14 @@ class _FileChunks:
     """The bytes of a file as a feed takes them, a chunk after the other."""
 
     def __init__(self, file: Path, *cut: Callable[[str], None]) -> None:
-        self.address: DeviceUrl = parse_device_url(f"replay:{file}")
+        self.address: DeviceAddress = parse_device_url(f"replay:{file}")
         self._size, kind = 0, MESSAGES[RAW]
         self._messages = topic_messages(file, {RAW_TOPIC: kind.FromString}, *cut)
 
     def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
         """Return the next chunk; raise `ReplayEnded` after the last."""
         if (message := next(self._messages, None)) is None:
-            raise ReplayEnded(self.address.path, self._size)
+            raise ReplayEnded(self.address.name, self._size)
         self._size += len(message.data)
         return [Chunk(int(message.host_ns), bytes(message.data))]
 

@@ -90,7 +90,7 @@ def monitor(
     import sys
 
     from drivers.address_guess import whole_url
-    from drivers.device_url_parser import parse_device_url
+    from drivers.address_parsing import parse_device_url
     from drivers.errors import PortNotFound
     from procedures.attitude.laws import JOINT, parse_laws, refuse_without_velocity
     from station.calibrated.body_axes import body_axes

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drivers.address_parsing import parse_device_url
 from drivers.camera import CameraDecoder, CameraImage
 from drivers.camera.decoder import CameraCounters
 from drivers.camera.jpeg import jpeg_size
-from drivers.device_url_parser import parse_device_url
 from drivers.errors import LinkSilent, WrongFormat
 from drivers.ports import open_port
 from station.devices.imu_probe import READ_BYTES

@@ -4,7 +4,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from drivers.device_url import DeviceUrl
+from drivers.addresses import DeviceAddress
 from drivers.errors import LinkSilent, WrongFormat
 from drivers.mavlink.session import MavlinkPort, RequestedMessage
 from drivers.ports import open_port
@@ -17,8 +17,8 @@ from station.stream.reader import Chunk, GapMark
 class _Direct:
     """A port as a source, in this process."""
 
-    def __init__(self, address: DeviceUrl, port: MavlinkPort) -> None:
-        self.address: DeviceUrl = address
+    def __init__(self, address: DeviceAddress, port: MavlinkPort) -> None:
+        self.address: DeviceAddress = address
         self._port = port
         self.bytes = 0
         self.up_to_ns = 0

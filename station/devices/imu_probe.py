@@ -5,12 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
 from drivers.errors import LinkSilent, ReplayEnded, WrongFormat
 from drivers.framing import Decoder, seen_instead, sniff
 from drivers.port_interface import Port
-from drivers.ports import open_port
-from drivers.url_wire_format import wire_of
+from drivers.ports import open_port, wire_of
 from drivers.wire import FORMATS, FrameCounters, WireFormat
 from procedures.counts.sample_records import SampleBlock
 from station.stream.live.silent_channels import SilentChannels

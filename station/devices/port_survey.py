@@ -11,14 +11,13 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from textwrap import wrap
 
-from drivers.device_url import DEFAULT_BAUD
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
+from drivers.addresses import DEFAULT_BAUD, SerialAddress
 from drivers.errors import DriverError
 from drivers.framing import sniff
 from drivers.network_ports import open_udp
 from drivers.port_interface import Port
-from drivers.ports import list_ports, open_port
-from drivers.url_wire_format import wire_of
+from drivers.ports import list_ports, open_port, wire_of
 from drivers.wire import FORMATS
 from procedures.earth.gnss_records import GnssFix, averaged_site
 from station.devices.camera_probe import FORMAT, probe_camera
@@ -127,7 +126,7 @@ def recognise_bytes(port: SurveyedPort, data: bytes, seconds: float) -> Surveyed
     if address.scheme != "can" and (found := _mavlink(port, data, seconds)) is not None:
         return found
     if len(SLCAN.findall(data)) > 1:
-        url = f"can://slcan{address.path}"
+        url = f"can://slcan{address.path if isinstance(address, SerialAddress) else ''}"
         return replace(port, looks_like="slcan", trouble=f"an open CAN adapter: look at {url}")
     return replace(port, trouble=f"{len(data)} bytes hold no frame of any known format")
 

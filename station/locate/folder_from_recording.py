@@ -60,8 +60,8 @@ def fusion_from_recording(url: str, folder: Path, asked: FusionOptions) -> list[
         If the folder cannot be written.
     """
     feed, applied = _read(url, asked)
-    refuse_partial(feed.address.path, feed.stream.decoder.kind)
-    file = Path(feed.address.path)
+    refuse_partial(feed.address.name, feed.stream.decoder.kind)
+    file = Path(feed.address.name)
     times, imu, sensors = FixTimes(), *_calibrated(feed, applied)
     for host_ns, sample in feed.buffer.marks(feed.buffer.begin, feed.buffer.end):
         times.mark_imu(host_ns, _device_s(feed, sample))

@@ -7,8 +7,17 @@ from pathlib import Path
 import pytest
 
 from drivers.address_guess import Role, whole_url, with_absolute_paths
-from drivers.device_url import DeviceUrl
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
+from drivers.addresses import (
+    CameraAddress,
+    HttpCameraAddress,
+    MavlinkAddress,
+    SerialAddress,
+    TcpAddress,
+    TriadAddress,
+    UdpAddress,
+    VideoDeviceAddress,
+)
 from drivers.errors import BadDeviceUrl
 from drivers.mavlink.signing import read_key
 from drivers.wire import FORMATS
@@ -34,7 +43,6 @@ from drivers.wire import FORMATS
 )
 def test_a_url_is_read(text: str, expected: dict[str, object]) -> None:
     got = parse_device_url(text)
-    assert isinstance(got, DeviceUrl)
     assert {name: getattr(got, name) for name in expected} == expected
     assert got.name
 
@@ -131,27 +139,30 @@ def test_a_link_to_a_port_is_a_port_and_a_file_is_replayed(
 
 def test_the_axes_of_a_triad_are_typed_likewise() -> None:
     address = parse_device_url("triad:?x=/dev/ttyUSB0&y=serial:/dev/ttyUSB1&z=imu.local:5000")
+    assert isinstance(address, TriadAddress)
     assert [axis.scheme for axis in address.axes] == ["serial", "serial", "tcp"]
 
 
 def test_an_address_keeps_the_url_that_was_made_of_it() -> None:
     address = parse_device_url("imu.local:5000")
+    assert isinstance(address, TcpAddress)
     assert (address.text, address.host, address.port) == ("tcp://imu.local:5000", "imu.local", 5000)
 
 
 @pytest.mark.parametrize(
-    ("text", "link", "where"),
+    ("text", "kind", "name"),
     [
-        ("mavlink:udpin:0.0.0.0:14550", "udpin", "0.0.0.0:14550"),
-        ("mavlink:udpout:localhost:14551?system=3&rate=10", "udpout", "localhost:14551"),
-        ("mavlink:tcp:[::1]:5760", "tcp", "::1:5760"),
-        ("mavlink:serial:/dev/ttyACM0?baud=115200", "serial", "/dev/ttyACM0"),
+        ("mavlink:udpin:0.0.0.0:14550", UdpAddress, "udpin:0.0.0.0:14550"),
+        ("mavlink:udpout:localhost:14551?system=3&rate=10", UdpAddress, "udpout:localhost:14551"),
+        ("mavlink:tcp:[::1]:5760", TcpAddress, "tcp:::1:5760"),
+        ("mavlink:serial:/dev/ttyACM0?baud=115200", SerialAddress, "/dev/ttyACM0"),
     ],
 )
-def test_every_link_is_read(text: str, link: str, where: str) -> None:
+def test_every_link_is_read(text: str, kind: type, name: str) -> None:
     address = parse_device_url(text)
-    assert address.link == link
-    assert where in {address.path, f"{address.host}:{address.port}"}
+    assert isinstance(address, MavlinkAddress)
+    assert type(address.line) is kind
+    assert address.name == name
 
 
 @pytest.mark.parametrize(
@@ -209,8 +220,9 @@ def test_a_key_is_bytes_or_digits_and_never_said(tmp_path: Path) -> None:
         read_key(str(tmp_path / "none"))
 
 
-def camera(text: str) -> DeviceUrl:
+def camera(text: str) -> CameraAddress:
     address = parse_device_url(text)
+    assert isinstance(address, HttpCameraAddress | VideoDeviceAddress)
     return address
 
 

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any, TextIO
 from unittest.mock import patch
 
 from drivers.errors import ControlRefused
+from drivers.ports import wire_of
 from drivers.simulated.bench_control import BenchControl
-from drivers.url_wire_format import wire_of
 from station.stream.live.live_feed import LiveFeed
 from tests.year.bench import STEP_S, Bench
 from tests.year.clock import HostClock, host_clock
@@ -64,7 +64,7 @@ class Machine:
         return other
 
     def of(self, address: object) -> "Machine":
-        """Return the machine whose port has this address, text or `DeviceUrl`."""
+        """Return the machine whose port has this address, text or `DeviceAddress`."""
         return self.others.get(str(getattr(address, "text", address)), self)
 
     def say(self, what: str) -> None:

@@ -3,7 +3,7 @@
 from contextlib import suppress
 from pathlib import Path
 
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
 from drivers.simulated.companions.autopilot import Autopilot
 from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.faults import TimedFault

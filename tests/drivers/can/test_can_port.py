@@ -10,18 +10,17 @@ import can
 import numpy as np
 import pytest
 
+from drivers.address_parsing import parse_device_url
 from drivers.can import can_port, frame_record
-from drivers.device_url_parser import parse_device_url
 from drivers.errors import BadDeviceUrl, LinkLost, PortBusy, PortNotFound
 from drivers.framing import Decoder
 from drivers.port_interface import Port
-from drivers.ports import open_port
+from drivers.ports import open_port, wire_of
 from drivers.simulated.bench_control import BenchControl
 from drivers.simulated.can_lines import SlcanAdapter
 from drivers.simulated.imu import SimulatedImu
 from drivers.simulated.server import CAN_TRANSPORTS, SimulatedDevice
 from drivers.simulated.truth import Truth
-from drivers.url_wire_format import wire_of
 from procedures.counts.sample_records import CountBlock
 from tests.drivers.can.frames import WIRE, frames_of, samples
 from tests.free_port import free_udp_port

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from pymavlink.dialects.v20 import all as dialect
 
-from drivers.device_url_parser import parse_mavlink_url
+from drivers.address_parsing import parse_mavlink_url
 from drivers.mavlink.imu_out import ImuOut
 from drivers.network_ports import open_udp
 from tests.patience import HANG_S

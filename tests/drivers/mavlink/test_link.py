@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
 from drivers.mavlink.decoder import MavlinkDecoder, Record
 from drivers.mavlink.frames import GLOBAL_POSITION_INT, GPS2_RAW
 from drivers.mavlink.session import MavlinkPort

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
 from drivers.simulated.companions.autopilot import Autopilot
 from drivers.simulated.companions.gnss_server import SimulatedGnss
 from drivers.simulated.companions.truths import AutopilotTruth

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
 from drivers.errors import BadDeviceUrl
 from drivers.simulated.companions.autopilot import Autopilot
 from drivers.simulated.companions.gnss_server import SimulatedGnss

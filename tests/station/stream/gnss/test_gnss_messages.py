@@ -3,7 +3,7 @@
 import pytest
 from pymavlink.dialects.v20 import all as dialect
 
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
 from drivers.mavlink.decoder import MavlinkDecoder
 from drivers.mavlink.signing import SignatureCheck
 from drivers.simulated.companions.autopilot import Autopilot

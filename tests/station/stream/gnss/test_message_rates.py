@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
 from drivers.mavlink.session import MavlinkSession
 from drivers.simulated.companions.autopilot import Autopilot
 from drivers.simulated.companions.truths import AutopilotTruth

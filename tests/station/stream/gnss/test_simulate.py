@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from drivers.device_url_parser import LINKS
+from drivers.address_parsing import LINKS
 from drivers.mavlink.decoder import MavlinkDecoder
 from drivers.mavlink.frames import GPS2_RAW
 from drivers.ports import open_port

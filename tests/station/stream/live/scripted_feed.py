@@ -3,7 +3,7 @@
 from collections import deque
 from collections.abc import Iterable
 
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
 from drivers.simulated.device import ByteDevice
 from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth

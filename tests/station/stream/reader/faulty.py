@@ -16,12 +16,12 @@ from pathlib import Path
 import numpy as np
 
 from drivers.errors import DriverError
+from drivers.ports import wire_of
 from drivers.simulated.bench_control import BenchControl
 from drivers.simulated.faults import Fault, Sent
 from drivers.simulated.imu import SimulatedImu
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
-from drivers.url_wire_format import wire_of
 from drivers.wire import WireFormat
 from procedures.arrays import IntArray
 from procedures.counts.sample_records import SampleBlock

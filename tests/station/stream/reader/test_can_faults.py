@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drivers.ports import wire_of
 from drivers.simulated.bench_control import BenchControl
 from drivers.simulated.faults import Fault
 from drivers.simulated.imu import SimulatedImu
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
-from drivers.url_wire_format import wire_of
 from procedures.arrays import IntArray
 from station.stream.reader import Chunk, GapMark, Reader
 from station.stream.recorder.sample_stream import DecodedChunk, SampleStream

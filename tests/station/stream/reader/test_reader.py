@@ -11,7 +11,7 @@ import pytest
 from mcap.reader import make_reader
 
 from drivers import errors
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
 from drivers.errors import DriverError, LinkLost, PortNotFound, ReplayEnded
 from drivers.framing import Decoder
 from drivers.simulated.bench_control import BenchControl

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
 from drivers.errors import ReplayEnded
 from drivers.simulated.device import ByteDevice
 from drivers.simulated.faults import Fault
