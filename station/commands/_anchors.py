@@ -11,8 +11,8 @@ from station.text.plural import plural
 if TYPE_CHECKING:
     from sqlalchemy.orm import Session
 
-    from fixtures_db.anchor import Anchor
     from fixtures_db.hash_chain import ChainFault
+    from fixtures_db.verification import Anchor
     from station.results.certificate.signing.key_certificate import Trust
 
 STAMP_SUFFIX = ".tsr"
@@ -58,10 +58,9 @@ def read_kept(files: Sequence[Path], trust: "Trust | None") -> list[Kept]:
 
 def anchor_faults(session: "Session", kept: Sequence[Kept]) -> "list[ChainFault]":
     """Return all that is wrong with a database, and what of it is not as in the anchors."""
-    from fixtures_db.anchor import missing_manifests
-    from fixtures_db.hash_chain_verification import alterations
     from fixtures_db.journal import Head
     from fixtures_db.journal_verification import missing_entry
+    from fixtures_db.verification import alterations, missing_manifests
 
     faults = alterations(session, kept[0].anchor if kept else None)
     for one in kept[1:]:
@@ -121,7 +120,7 @@ def _stamp_said(file: Path, trust: "Trust | None") -> str:
 def _certificate(file: Path, trust: "Trust | None") -> Kept:
     """Return the journal's head in a certificate as an anchor of the moment of its time stamp."""
     signing_libraries()
-    from fixtures_db.anchor import Anchor
+    from fixtures_db.verification import Anchor
     from station.files.xml_document import read_document
     from station.results.certificate.signing.journal_witness import stamped_head
     from station.results.certificate.signing.key_certificate import Trust

@@ -119,7 +119,7 @@ def _file(file: Path, db: str | None) -> str:
 
 
 def _stored(session: "Session", kind: str, sha256: str) -> str:
-    from fixtures_db.issued import issued_as, issued_of, verify_issued
+    from fixtures_db.issued_certificates import issued_as, issued_of, verify_issued
     from fixtures_db.stored_calibrations import calibration, verify_chain
 
     if kind == "calibration":
@@ -155,12 +155,11 @@ def _database(
     to: Path | None,
     stamp: str | None,
 ) -> str:
-    from fixtures_db.anchor import take_anchor
     from fixtures_db.database import open_db
     from fixtures_db.hash_chain import GENESIS
-    from fixtures_db.hash_chain_verification import missing_head
     from fixtures_db.journal import read_code
     from fixtures_db.journal_verification import missing_entry
+    from fixtures_db.verification import missing_head, take_anchor
 
     # a new anchor is never put over one that shows a loss
     kept = read_kept([*anchors, *([to] if to is not None and to.exists() else [])], trust)
@@ -206,7 +205,7 @@ def _trust(roots: list[Path], lists: list[Path]) -> "Trust | None":
 
 def _whole(session: "Session", head: str) -> str:
     """Return the one stored hash that begins so; ``head`` itself if none does."""
-    from fixtures_db.hash_chain_verification import stored_hashes
+    from fixtures_db.verification import stored_hashes
 
     if not 6 <= len(head) <= 64 or not set(head) <= set("0123456789abcdef"):
         expected = "6 to 64 digits of a SHA-256 or the journal's code, as in 412-3a7d905cb1e6f204"

@@ -6,12 +6,17 @@ import pytest
 from sqlalchemy import text
 
 from fixtures_db.append_only_rows import verify_dates
-from fixtures_db.cube_measurements import add_measurement, check_measurement, measurement, measurements
 from fixtures_db.database import Database
 from fixtures_db.errors import NotInDatabase
-from fixtures_db.expiry_dates import due
-from fixtures_db.face_certificates import certify_faces, cube
-from fixtures_db.fixtures import add_fixture, fixture_row
+from fixtures_db.fixture_measurements import (
+    add_measurement,
+    certify_faces,
+    check_measurement,
+    cube,
+    measurement,
+    measurements,
+)
+from fixtures_db.fixtures import add_fixture, due, fixture_row
 from fixtures_db.migrations.versions.v0005_measured_cubes import FIRST_DUE
 from fixtures_db.schema import CubeMeasurementRow, CubeRow
 from procedures.campaign.campaign import FaceCertificate

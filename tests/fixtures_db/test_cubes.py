@@ -4,10 +4,9 @@ from datetime import date
 import numpy as np
 import pytest
 
-from fixtures_db.cube_drawing import drawing
 from fixtures_db.database import Database
 from fixtures_db.errors import AlreadyThere, NotInDatabase
-from fixtures_db.face_certificates import certify_faces, check_certificate, cube
+from fixtures_db.fixture_measurements import certify_faces, check_certificate, cube, drawing
 from fixtures_db.fixtures import add_fixture, fixture_row
 from fixtures_db.schema import CubeRow, FaceCertificateRow
 from procedures.campaign.campaign import FaceCertificate

@@ -5,12 +5,10 @@ from typing import Any
 
 import pytest
 
-from fixtures_db.anchor import take_anchor
 from fixtures_db.append_only_rows import ROW_TITLES, newest_hash
 from fixtures_db.campaigns import campaign
 from fixtures_db.database import Database
 from fixtures_db.hash_chain import GENESIS, ChainFault
-from fixtures_db.hash_chain_verification import alterations, missing_head
 from fixtures_db.schema import (
     CalibrationRow,
     CubeMeasurementRow,
@@ -20,6 +18,7 @@ from fixtures_db.schema import (
     SignedFileRow,
     SlabLevelRow,
 )
+from fixtures_db.verification import alterations, missing_head, take_anchor
 
 UNKNOWN = "ab" * 32
 HEADS: dict[str, type[Any]] = {

@@ -2,9 +2,8 @@ import pytest
 
 from fixtures_db.database import Database
 from fixtures_db.hash_chain import GENESIS, ChainFault, digest
-from fixtures_db.issued import issued_as, issued_of, next_number, verify_issued
+from fixtures_db.issued_certificates import issued_as, issued_of, next_number, signed_as, verify_issued
 from fixtures_db.schema import IssuedCertificateRow
-from fixtures_db.signed_files import signed_as
 from tests.fixtures_db.edited import edited
 
 HTML = [f"<html>EX-2026-000{number}</html>" for number in (1, 2)]

@@ -5,8 +5,7 @@ from datetime import UTC, datetime
 
 from fixtures_db.campaigns import start_campaign
 from fixtures_db.database import Database
-from fixtures_db.runs import calibrated_models, stored_runs, turn_ons
-from fixtures_db.stored_calibrations import accept_calibration
+from fixtures_db.stored_calibrations import accept_calibration, calibrated_models, stored_runs, turn_ons
 from tests.fixtures_db.factory import NOON, facts, fill_fixtures, solution
 
 ENDED = datetime(2026, 3, 1, 9, tzinfo=UTC)

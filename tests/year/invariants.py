@@ -14,8 +14,8 @@ import numpy as np
 
 from fixtures_db.campaigns import known_campaign
 from fixtures_db.database import open_db
-from fixtures_db.hash_chain_verification import alterations
 from fixtures_db.stored_calibrations import history
+from fixtures_db.verification import alterations
 from procedures.arrays import IntArray
 from procedures.frames import face_normal, face_of
 from procedures.uncertainty.sources import UNEXPLAINED

@@ -30,7 +30,7 @@ LAZY = (  # what the station imports when it wants it: before the clocks are put
     "station.results.solution_json", "station.results.budget_json", "station.results.effect_adopted",
     "station.results.report.measurement_conditions", "station.results.diagnosis.diagnosis_html",
     "station.results.diagnosis.magnetic_field", "station.results.certificate.issuing", "station.demo.run",
-    "station.results.cube_measurement.measure_cube", "fixtures_db.own_effects", "fixtures_db.signed_files",
+    "station.results.cube_measurement.measure_cube", "fixtures_db.user_effects", "fixtures_db.issued_certificates",
     "fixtures_db.migrations.upgrade", "station.commands.verify", "station.demo.comparison", "station.tui.app",
 )  # fmt: skip
 

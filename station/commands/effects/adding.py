@@ -26,7 +26,7 @@ def add(
     """
     from fixtures_db.campaigns import is_known_imu
     from fixtures_db.database import open_db
-    from fixtures_db.own_effects import add_effect, owner
+    from fixtures_db.user_effects import add_effect, owner
     from station.files.effect_file import read_effect
 
     for name, value in (("--model", model), ("--serial", serial)):

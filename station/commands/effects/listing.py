@@ -19,7 +19,7 @@ def list_(
     Example: station effects list --catalogue
     """
     from fixtures_db.database import open_db
-    from fixtures_db.own_effects import all_in_force, owner
+    from fixtures_db.user_effects import all_in_force, owner
     from procedures.effects import EFFECTS
     from station.files.stored_effects import check_stored
     from station.text.table import table_lines

@@ -25,7 +25,7 @@ def show(
     Example: station effects show dead_zone.toml
     """
     from fixtures_db.database import open_db
-    from fixtures_db.own_effects import all_in_force, owner
+    from fixtures_db.user_effects import all_in_force, owner
     from procedures.effects import EFFECTS
     from station.files.effect_file import read_effect, stored_effect
     from station.files.stored_effects import check_stored

@@ -23,7 +23,7 @@ def withdraw(
     Example: station effects withdraw gyroscope.dead_zone --model FOG-3 --serial S107
     """
     from fixtures_db.database import open_db
-    from fixtures_db.own_effects import owner, withdraw_effect
+    from fixtures_db.user_effects import owner, withdraw_effect
 
     with open_db(db) as database, database.write() as session:
         withdraw_effect(session, name, model, serial)

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from fixtures_db.runs import MADE_WITH, Run, turn_ons
+from fixtures_db.stored_calibrations import MADE_WITH, Run, turn_ons
 from procedures.history.group_shifts import GroupShift, group_shift
 from procedures.history.unit_outliers import judge_fleet, significant
 from procedures.statistics.multiple_testing import holm

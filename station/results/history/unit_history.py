@@ -8,7 +8,7 @@ import numpy as np
 
 from fixtures_db.calibration import utc_text
 from fixtures_db.model_limits import Limit
-from fixtures_db.runs import Run, turn_ons
+from fixtures_db.stored_calibrations import Run, turn_ons
 from procedures.history.control_chart import MIN_EARLIER, ControlChart, control_chart, control_limit
 from procedures.history.parameter_series import CalibrationSeries
 from procedures.history.prediction import (

@@ -1,10 +1,12 @@
-"""Certificates as they were handed out: whole, numbered, each naming the hash of the one before it.
+"""Certificates as they were handed out: whole, numbered, each naming the hash of the one before it; signed files.
 
-The row holds the certificate itself. What is on paper or in a file is a copy: it can be made again, and told from
-one that was altered or never issued.
+The row holds the certificate itself. What is on paper or in a file is a copy: it can be made again, and
+distinguished from one that was altered or never issued. Of a signed file the row holds the hash of all of its
+bytes.
 """
 
 from collections.abc import Iterator, Sequence
+from datetime import UTC, datetime
 
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
@@ -12,7 +14,7 @@ from sqlalchemy.orm import Session
 from fixtures_db.append_only_rows import ROW_TITLES, newest_hash, row_text, verify_rows
 from fixtures_db.errors import NotInDatabase
 from fixtures_db.hash_chain import ChainFault, digest
-from fixtures_db.schema import CalibrationRow, IssuedCertificateRow
+from fixtures_db.schema import CalibrationRow, IssuedCertificateRow, SignedFileRow
 
 
 def next_number(session: Session, prefix: str, year: int) -> str:
@@ -62,3 +64,25 @@ def verify_issued(session: Session, expected_head: str | None = None) -> list[Ch
             yield ChainFault(name, "no such calibration", row.calibration_sha256)
 
     return verify_rows(session, IssuedCertificateRow, expected_head, others)
+
+
+def record_signed(session: Session, number: str, kind: str, file_sha256: str, key_sha256: str) -> SignedFileRow:
+    """Append a signed file of a certificate; call it in `fixtures_db.database.Database.write`."""
+    row = SignedFileRow(
+        number=number, kind=kind, file_sha256=file_sha256, key_sha256=key_sha256,
+        signed_utc=datetime.now(UTC).replace(microsecond=0), previous=newest_hash(session, SignedFileRow),
+    )  # fmt: skip
+    row.sha256 = digest(row_text(row))
+    session.add(row)
+    session.flush()
+    return row
+
+
+def signed_as(session: Session, file_sha256: str) -> SignedFileRow | None:
+    """Return the signed file whose bytes have a hash, None if none has."""
+    return session.scalars(select(SignedFileRow).where(SignedFileRow.file_sha256 == file_sha256)).first()
+
+
+def issued_numbered(session: Session, number: str) -> IssuedCertificateRow | None:
+    """Return the certificate of a number, None if none was issued."""
+    return session.scalars(select(IssuedCertificateRow).where(IssuedCertificateRow.number == number)).first()

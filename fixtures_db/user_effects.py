@@ -1,4 +1,4 @@
-"""Effects of one's own, beside an IMU model or one unit of it: events in a chain, only ever added.
+"""User-defined error terms of an IMU model or one unit of it: events in a chain, only ever added.
 
 An effect is in force from its ``add`` to its ``withdraw``; what a unit has stands before what its model has.
 """
