@@ -51,7 +51,7 @@ class TriadJoiner:
         if not len(block):
             return b""
         times = self._times[axis].take(arrival, np.ones(len(block), np.int64))
-        if self._times[axis].is_anew:
+        if self._times[axis].is_reset:
             self._parts[axis].clear()
         if self._times[axis].period is not None:
             columns = (times, block.gyro[:, 0], block.temperature, block.healthy)

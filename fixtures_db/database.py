@@ -54,7 +54,7 @@ class Database:
     def write(self) -> Iterator[Session]:
         """Yield a session that holds the write lock; commit at its end, roll back if the body raises.
 
-        What it changes is written to the journal beside it.
+        What it changes is written to the journal with it.
 
         Raises
         ------
@@ -87,7 +87,7 @@ class Database:
 
 
 def default_path() -> Path:
-    """Return where the station keeps its database unless told: the user's data directory."""
+    """Return where the station keeps its database by default: the user's data directory."""
     return platformdirs.user_data_path("fog-station") / "station.db"
 
 
@@ -153,7 +153,7 @@ def _engine(url: URL) -> Engine:
 
 
 def _revision(connection: Connection, name: str) -> str | None:
-    """Return a database's schema version, None of an empty one; raise `SchemaAltered` where none can be told."""
+    """Return a database's schema version, None of an empty one; raise `SchemaAltered` where it is unclear."""
     there = set(inspect(connection).get_table_names())
     found: list[str] = []
     if "alembic_version" in there:

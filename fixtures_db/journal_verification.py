@@ -69,7 +69,7 @@ def grounds_faults(row: Mapping[str, Any] | None, head: Head, find: Find) -> lis
     """Return what of a calibration does not follow from the rows that stood when it was stored.
 
     ``row`` has its number, its ``campaign_id`` and its document as text, None if it is gone, which other checks
-    say. ``head`` is the journal's then, ``find`` finds its rows. The verdict is found anew from the values judged
+    say. ``head`` is the journal's then, ``find`` finds its rows. The verdict is found again from the values judged
     and the limits that the journal had.
     """
     if row is None:

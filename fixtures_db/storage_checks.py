@@ -32,8 +32,8 @@ from fixtures_db.migrations import HEAD
 from fixtures_db.schema import Base
 
 Declared = dict[str, str]  # of a table: "column id", "key", "reference imu_id", ... as text
-# what of a declaration of SQLite no inspector tells; the station uses none of it
-_UNTOLD = re.compile(r"\b(AUTOINCREMENT|CHECK|COLLATE|CONFLICT|DEFAULT|DEFERR\w+|STRICT|VIRTUAL|WITHOUT)\b", re.I)
+# what of a declaration of SQLite no inspector reports; the station uses none of it
+_UNSEEN = re.compile(r"\b(AUTOINCREMENT|CHECK|COLLATE|CONFLICT|DEFAULT|DEFERR\w+|STRICT|VIRTUAL|WITHOUT)\b", re.I)
 _DECLARED = sql("SELECT type, name, tbl_name, sql FROM sqlite_master WHERE sql IS NOT NULL")
 _FAULTLESS = set[tuple[tuple[str, ...], ...]]()  # what SQLite said of tables that were found as made
 
@@ -45,7 +45,7 @@ def declaration_faults(connection: Connection) -> list[ChainFault]:
     declared = tuple(map(tuple, connection.execute(_DECLARED)))
     if declared in _FAULTLESS:
         return []
-    if not (found := [*_declared_otherwise(connection), *_untold(declared)]):
+    if not (found := [*_declared_otherwise(connection), *_unseen_options(declared)]):
         _FAULTLESS.add(declared)
     return found
 
@@ -86,7 +86,7 @@ def _as_made(table: Table, dialect: Dialect) -> Declared:
 
 def _as_found(known: Inspector, name: str, dialect: Dialect) -> Declared:
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", SAWarning)  # of an index by an expression: `_untold` names it
+        warnings.simplefilter("ignore", SAWarning)  # of an index by an expression: `_unseen_options` names it
         columns, indices = known.get_columns(name), known.get_indexes(name)
     found = {f"column {one['name']}": _found_column(one, dialect) for one in columns}
     found["key"] = ", ".join(known.get_pk_constraint(name)["constrained_columns"])
@@ -130,14 +130,14 @@ def _options(said: Any) -> str:
     return "".join(f" {name} {value}" for name, value in sorted((said or {}).items()) if value)
 
 
-def _untold(declared: tuple[tuple[str, ...], ...]) -> Iterator[ChainFault]:
+def _unseen_options(declared: tuple[tuple[str, ...], ...]) -> Iterator[ChainFault]:
     known = {index.name for table in Base.metadata.tables.values() for index in table.indexes}
     for kind, name, table, made in declared:
         if table not in Base.metadata.tables:
             continue
         if kind == "index" and name not in known:
             yield ChainFault(f"table {table}", f"index {name}", f"index {name} none")
-        elif kind == "table" and (word := _UNTOLD.search(made)) is not None:
+        elif kind == "table" and (word := _UNSEEN.search(made)) is not None:
             yield ChainFault(f"table {table}", f"declared with {word[0]}", "declared as the station does")
 
 

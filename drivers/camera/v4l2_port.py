@@ -152,7 +152,7 @@ def set_up(capture: Any, address: VideoDeviceAddress, cv: Any) -> None:
 
 
 def _look(path: str) -> None:
-    """Say why a device cannot be opened where the kernel tells; OpenCV does not."""
+    """Say why a device cannot be opened where the kernel knows; OpenCV does not say."""
     try:
         with open(path, "rb"):
             pass

@@ -77,7 +77,7 @@ class SignalField:
         return value
 
     def is_known(self, words: Words, *, by_j1939: bool = False) -> BoolArray:
-        """Say which (n,) tell a value: not all ones, and within the range that the DBC states.
+        """Say which (n,) carry a value: not all ones, and within the range that the DBC states.
 
         ``by_j1939``: from FE00 (of 16 bits) on it is an error or not available (SAE J1939-71, 5.1.4).
         """

@@ -1,4 +1,4 @@
-"""One link's bytes to records: the fixes of one system, and what it says beside them."""
+"""One link's bytes to records: the fixes of one system, and what else it reports."""
 
 import math
 from collections import Counter

@@ -20,8 +20,8 @@ from procedures.earth.gnss_records import FixType, GnssFix, TimeMark
 
 EPOCH_US = 10**15  # us; what is beyond is UTC (2001), what is below since boot (32 years)
 REBOOT_NS = 10**9
-BOOT_MODULUS_MS = 2**32  # of time_boot_ms: it begins anew after 49.7 days
-WRAPS_WITHIN_MS = 60_000  # of the last mark; a time that begins anew after more is a restart
+BOOT_MODULUS_MS = 2**32  # of time_boot_ms: it restarts at 0 after 49.7 days
+WRAPS_WITHIN_MS = 60_000  # of the last mark; a time that goes back after more is a restart
 WINDOW_MARKS = 600  # marks: minutes, in which crystals drift apart by less than the link's jitter
 
 
@@ -47,7 +47,7 @@ class SenderClock:
         return TimeMark(host_ns, boot_ns, utc_ns)
 
     def since_boot_ns(self, boot_ms: int) -> int:
-        """Return a ``time_boot_ms`` as a time since boot [ns] that goes on where the 32 bit begin anew."""
+        """Return a ``time_boot_ms`` as a time since boot [ns] that goes on where the 32 bits wrap."""
         last = self._last_boot // 10**6
         later = (boot_ms - last + WRAPS_WITHIN_MS) % BOOT_MODULUS_MS - WRAPS_WITHIN_MS
         return (last + later if later < WRAPS_WITHIN_MS and last + later >= 0 else boot_ms) * 10**6
@@ -140,7 +140,7 @@ def filtered_fix(frame: Frame, values: dict[str, Any], host_ns: int, clock: Send
 
 
 def input_fix(frame: Frame, values: dict[str, Any], host_ns: int, clock: SenderClock) -> GnssFix:
-    """Return the fix of a GPS_INPUT, what a companion tells an autopilot; its flags say what to leave out."""
+    """Return the fix of a GPS_INPUT, what a companion sends an autopilot; its flags say what to leave out."""
     flags = values["ignore_flags"]
     week, boot = values["time_week"], clock.times(values["time_usec"])
     is_week = week >= FIRST_WEEK and values["time_week_ms"] < WEEK * 1000

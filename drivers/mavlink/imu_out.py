@@ -1,4 +1,4 @@
-"""What an IMU tells others by MAVLink over UDP: ATTITUDE, or HIGHRES_IMU, and a heartbeat each second.
+"""What an IMU sends by MAVLink over UDP: ATTITUDE, or HIGHRES_IMU, and a heartbeat each second.
 
 Source: common.xml. ATTITUDE (30): roll, pitch, yaw [rad] of forward-right-down against north-east-down, body rates
 [rad/s], time since boot [ms]; a yaw that is not known is sent as NaN. HIGHRES_IMU (105): specific force [m/s2] and
@@ -55,8 +55,8 @@ class ImuOut:
         updated |= RATE if all(map(math.isfinite, rate)) else 0
         none = (0.0, 0.0, 0.0)
         six = (*(force if updated & FORCE else none), *(rate if updated & RATE else none))
-        beside = (*none, *none, temperature if knows else 0.0)  # magnetic field, two pressures, altitude
-        self._say(self._mav.highres_imu_encode(round(t * 1e6) % 2**64, *six, *beside, updated))
+        others = (*none, *none, temperature if knows else 0.0)  # magnetic field, two pressures, altitude
+        self._say(self._mav.highres_imu_encode(round(t * 1e6) % 2**64, *six, *others, updated))
 
     def keep_up(self) -> None:
         """Hear who asks, and send the heartbeat when it is due."""

@@ -49,7 +49,7 @@ class BenchControl:
         """Put the cube into ``position`` 1..24 with hands that tremble and stop for ``pause_s`` in the air."""
         return self._moved(f"carry {position} {move_s} {tremor_deg_s} {pause_s}")
 
-    def lean(self, up: tuple[int, int, int], move_s: float = 45.0) -> float:
+    def tilt(self, up: tuple[int, int, int], move_s: float = 45.0) -> float:
         """Prop the cube so that ``up``, in its own axes, about points up; return when it will have settled."""
         return self._moved(f"lean {up[0]} {up[1]} {up[2]} {move_s}")
 

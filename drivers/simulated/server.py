@@ -64,7 +64,7 @@ class SimulatedDevice:
     moves
         What the hands do by themselves, in order of time.
     pps
-        A pulse a second of true time is at its input, and its format tells of it.
+        A pulse a second of true time is at its input, and its format reports it.
     hold
         Do not begin before the hands say ``go``: what they command first is then exact to the sample.
     """
@@ -95,9 +95,9 @@ class SimulatedDevice:
             from drivers.can.can_format import can_format  # cantools takes 0.15 s to import
 
             wire = can_format(dbc, mapping, truth.sample_period_s)
-            told = {"period_s": f"{truth.sample_period_s:.9g}", "dbc": dbc, "map": mapping}
-            told |= {"port": f"{port}" if transport == "udp_multicast" and port else ""}
-            self._options = {name: value for name, value in told.items() if value}
+            options = {"period_s": f"{truth.sample_period_s:.9g}", "dbc": dbc, "map": mapping}
+            options |= {"port": f"{port}" if transport == "udp_multicast" and port else ""}
+            self._options = {name: value for name, value in options.items() if value}
         self.device = ByteDevice(truth, seed, wire, faults, moves, pps=pps)
         self.truth, self.seed = self.device.truth, seed
         self._speed = speed if np.isfinite(speed) and speed > 0 else 0.0
@@ -205,7 +205,7 @@ class SimulatedDevice:
             case ["seen", seen] if seen.replace(".", "", 1).isdecimal():
                 self._seen = float(seen), time.monotonic()
                 return "ok"
-        return self.device.obey(command)
+        return self.device.execute(command)
 
     def _run(self) -> None:
         self._go.wait()
@@ -265,7 +265,7 @@ def _line(transport: str, link: Path | None, host: str, port: int) -> PtyLine | 
 
 
 def serve(device: SimulatedDevice, announce: Callable[[SimulatedDevice], None]) -> None:
-    """Serve ``device`` until interrupted; ``announce`` is told once it can be opened."""
+    """Serve ``device`` until interrupted; ``announce`` is called once it can be opened."""
     with device, contextlib.suppress(KeyboardInterrupt):
         announce(device)
         device.wait()
@@ -276,8 +276,8 @@ class _ControlServer(socketserver.ThreadingTCPServer):
     daemon_threads = True
     block_on_close = False
 
-    def __init__(self, address: tuple[str, int], obey: Callable[[str], str]) -> None:
-        self.obey = obey
+    def __init__(self, address: tuple[str, int], execute: Callable[[str], str]) -> None:
+        self.execute = execute
         super().__init__(address, _Conversation)
 
 
@@ -287,7 +287,7 @@ class _Conversation(socketserver.StreamRequestHandler):
     def handle(self) -> None:
         with contextlib.suppress(ConnectionError):
             while line := self.rfile.readline(MAX_COMMAND_BYTES):
-                answer = self.server.obey(line.decode("utf-8", "replace").strip())
+                answer = self.server.execute(line.decode("utf-8", "replace").strip())
                 self.wfile.write(answer.encode() + b"\n")
 
 

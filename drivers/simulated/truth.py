@@ -91,7 +91,7 @@ class Truth:
     slab_azimuth_rad: float = 0.0
     """How far the slab's North mark points east of true north."""
     heading_std_deg: float = 0.05
-    """Operator's scatter of a position's heading, 1 sigma, one draw per placing."""
+    """Operator's scatter of a position's heading, 1 sigma, one draw per placement."""
     closure_std_deg: float = 0.01
     """How well a turn comes back to where it began, 1 sigma, one draw per turn."""
     settle_rad: float = 2e-5

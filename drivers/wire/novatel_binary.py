@@ -44,7 +44,7 @@ SIMULATED_WEEK = 2400
 
 
 def gps_seconds(encode: Callable[[CountBlock], bytes], *, is_long: bool, is_text: bool) -> PulseForm:
-    """Return how a log, sent by ``encode``, tells of whole seconds."""
+    """Return how a log, sent by ``encode``, reports whole seconds."""
     is_fine = (_says_fine if is_text else _is_fine) if is_long else (lambda data: True)
 
     def age(data: bytes, sample_s: float) -> float | None:

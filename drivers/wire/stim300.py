@@ -141,7 +141,7 @@ MAX_PULSE_AGE_US = 1_500_000  # us: an older pulse is no longer one a second
 
 
 def pulse_age(data: bytes) -> float | None:
-    """Return how long [s] before the last sample in ``data`` a pulse came, as the field PPS tells it in us.
+    """Return how long [s] before the last sample in ``data`` a pulse came, as the field PPS has it in us.
 
     Source: TS1524 rev. 31, 7.5.2.2.15, equation 7: output "time since detection". None where the last datagram
     that is whole has no such field, its status is not 0, or the pulse is too old or not there (negative).
@@ -158,7 +158,7 @@ def pulse_age(data: bytes) -> float | None:
 
 
 def with_pulses(block: CountBlock, ages: FloatArray) -> bytes:
-    """Return a block as `encode` does, in datagrams F7, whose PPS tells ``ages`` (n,) [s]."""
+    """Return a block as `encode` does, in datagrams F7, whose PPS holds ``ages`` (n,) [s]."""
     frames = np.frombuffer(encode(block), FRAME).copy()
     frames["id"] = 0xF7
     microseconds = fits(np.rint(ages * 1e6), 0, INT24 - 1, "time since the pulse in us")

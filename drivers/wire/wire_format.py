@@ -140,10 +140,10 @@ class Joiner(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class PulseForm:
-    """How a format tells of a reference pulse (PPS) at its device's input, or of the seconds of reference time.
+    """How a format reports a reference pulse (PPS) at its device's input, or of the seconds of reference time.
 
     ``age`` gives of bytes that end with a sample, a broken frame may follow, and of that sample's time [s] how
-    long [s] before it the pulse came; None where they do not tell. ``mark`` gives a block's frames as `encode`
+    long [s] before it the pulse came; None where they do not say. ``mark`` gives a block's frames as `encode`
     does, with such ages (n,) [s] in them.
     """
 
@@ -171,7 +171,7 @@ class WireFormat:
     counter. ``hindsight_s`` is how long after a sample came it may yet show that something was amiss with it.
     ``baud`` and ``parity`` are the usual ones, 8 data bits, 1 stop bit. ``scales`` holds the makers' nominal scale
     factors by model, where known. ``joiner`` makes the `Joiner` of a format whose samples take several frames; it
-    decodes instead of ``decode``. ``pulse`` is for formats that tell when a reference pulse came.
+    decodes instead of ``decode``. ``pulse`` is for formats that report when a reference pulse came.
     """
 
     name: str

@@ -148,7 +148,7 @@ class SimulatedOperator:
     def _do(self, what: str, step: StepView, lean: UpDirection | None) -> float:
         """Return the device time [s] at which it will be over."""
         if what == "place" and step.is_free:
-            return self._hands.lean(lean or UP_DIRECTIONS[0], self._move_s)
+            return self._hands.tilt(lean or UP_DIRECTIONS[0], self._move_s)
         if what == "place":
             face = next((p for p in range(1, 13) if face_of(p) == step.up), 0)
             position = step.position or step.start_position or face

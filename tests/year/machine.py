@@ -183,7 +183,7 @@ class InProcessHands(BenchControl):
         """Do it; return the words after ``ok``."""
         if command.startswith("seen "):  # the bench goes by this clock: it never falls behind
             return []
-        words = self._machine.bench.device.obey(command).split()
+        words = self._machine.bench.device.execute(command).split()
         if words[:1] != ["ok"]:
             raise ControlRefused(self.address, command, " ".join(words))
         self._machine.say(f"hands: {command}")

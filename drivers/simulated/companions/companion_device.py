@@ -1,4 +1,4 @@
-"""What stands beside a simulated IMU on a port of its own: on the IMU's time, or alone on the host's."""
+"""A device with a port of its own beside a simulated IMU: on the IMU's time, or alone on the host's."""
 
 import time
 from collections.abc import Iterable

@@ -21,12 +21,12 @@ BITRATE = 500_000
 
 
 def wheel_speeds(t: FloatArray, track: VehicleTrack | None, scale: float, rng: np.random.Generator) -> FloatArray:
-    """Return what a wheel tells (n,) [m/s] at times ``t`` (n,) [s]: true is ``scale`` times that."""
+    """Return what a wheel reports (n,) [m/s] at times ``t`` (n,) [s]: true is ``scale`` times that."""
     if track is None:
         return np.zeros(len(t))
     true = np.linalg.norm(track.velocities(t), axis=1)
-    told: FloatArray = np.maximum(true / scale + rng.normal(0, NOISE_M_S, len(t)) * (true > 0), 0.0)
-    return told
+    speeds: FloatArray = np.maximum(true / scale + rng.normal(0, NOISE_M_S, len(t)) * (true > 0), 0.0)
+    return speeds
 
 
 class SimulatedWheel(CompanionDevice):
@@ -65,8 +65,8 @@ class SimulatedWheel(CompanionDevice):
             self._stop.wait(0.2 / RATE_HZ)
             return
         t = np.arange(first, due) / RATE_HZ
-        told = wheel_speeds(t, self._track, self._scale, self._rng)
-        self._line.write(b"".join(self._signal.frame(each, 0) for each in told.tolist()), self._stop)
+        speeds = wheel_speeds(t, self._track, self._scale, self._rng)
+        self._line.write(b"".join(self._signal.frame(each, 0) for each in speeds.tolist()), self._stop)
 
 
 def wheel_toml(url: str, dbc: str, forward: str = "[1.0, 0.0, 0.0]") -> str:

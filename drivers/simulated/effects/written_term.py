@@ -99,7 +99,7 @@ def planted_term(name: str, text: str) -> PlantedEffect:
 
 
 def _try(name: str, summed: Added, sizes: Sizes) -> None:
-    """Refuse at once what cannot be planted: what no moment tells, or what is finite at none."""
+    """Refuse at once what cannot be planted: what no moment determines, or what is finite at none."""
     try:
         found = np.asarray(summed(_moments(), TriadInput(_moments().f, np.ones(3)), sizes))
     except TruthRefused:

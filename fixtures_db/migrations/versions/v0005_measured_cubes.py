@@ -18,7 +18,7 @@ WHERE EXISTS (SELECT 1 FROM face_certificates f WHERE f.cube_id = cubes.id)
 
 
 def upgrade() -> None:
-    """Create the append-only table of measurements and date the cubes anew."""
+    """Create the append-only table of measurements and date the cubes again."""
     op.create_table(
         "cube_measurements",
         sa.Column("id", sa.Integer(), primary_key=True),

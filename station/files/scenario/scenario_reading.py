@@ -114,7 +114,7 @@ def _moves(table: ScenarioTable, truth: Truth, where: _KeyLines) -> Iterator[Sch
     device, free_s, queued_s = ByteDevice(truth, table.seed, "counts"), 0.0, 0.0
     for number, hands in enumerate(table.hands):
         at_s = _begin(hands, free_s, where, number)
-        answer = device.obey(hands.do)
+        answer = device.execute(hands.do)
         if not answer.startswith("ok time "):
             raise where.refusal(("hands", number, "do"), f"{hands.do!r}", f"a move ({answer})")
         free_s = at_s + device.imu.done - queued_s

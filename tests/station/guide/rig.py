@@ -86,7 +86,7 @@ class GuideRig:
         return sequel_of(self.folder, tables.site, tables.procedure, self.facts.fixture, done)
 
     def hands(self, command: str) -> None:
-        answer = self.source.device.obey(command)
+        answer = self.source.device.execute(command)
         assert answer.startswith("ok"), answer
 
     def obey(self, verb: str, **what: str) -> None:

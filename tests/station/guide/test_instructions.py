@@ -33,7 +33,7 @@ class RigHands(BenchControl):
     def say(self, command: str) -> list[str]:
         """Do it at once."""
         self.asked.append(command)
-        return self._rig.source.device.obey(command).split()[1:]
+        return self._rig.source.device.execute(command).split()[1:]
 
 
 def phases(views: list[CalibrationView]) -> list[tuple[str, str]]:

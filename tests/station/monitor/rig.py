@@ -36,7 +36,7 @@ class MonitorRig:
         )
 
     def hands(self, command: str) -> None:
-        answer = self.source.device.obey(command)
+        answer = self.source.device.execute(command)
         assert answer.startswith("ok"), answer
 
     def obey(self, verb: MonitorVerb) -> None:

@@ -30,7 +30,7 @@ FLAT = replace(Truth.example(5), faces_rad=np.zeros((6, 2)), slab_tilt_rad=np.ze
 
 def device(truth: Truth = FLAT, position: int = 9, **options: Any) -> SimulatedDevice:
     served = SimulatedDevice(truth, 5, hold=True, **{"speed": paced(SPEED), **options})
-    served.device.obey(f"place {position} 1")
+    served.device.execute(f"place {position} 1")
     served._go.set()  # noqa: SLF001
     return served
 

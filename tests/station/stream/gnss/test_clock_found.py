@@ -102,7 +102,7 @@ def record(folder: Path, database: Path, ppm: float, positions: Iterable[int]) -
                 gnss.advance()
 
         for position in positions:
-            bench.device.obey(f"place {position} 2")
+            bench.device.execute(f"place {position} 2")
             rest(bench.device.imu.time + 6.0)
             first = feed.buffer.end
             rest(bench.device.imu.time + 10.0)
