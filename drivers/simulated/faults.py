@@ -5,7 +5,6 @@ A fault file is TOML with one ``[[fault]]`` table each: ``kind``, ``at_s`` (devi
 ``[[camera_fault]]`` each: ``kind``, ``at_s`` (true time), ``seconds`` and, where the kind has one, ``size``.
 """
 
-import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
@@ -155,14 +154,6 @@ def faults_from(tables: Iterable[Mapping[str, Any]]) -> tuple[Fault, ...]:
     """Return the faults of parsed ``[[fault]]`` tables; raise `TruthRefused` naming what is accepted."""
     found = read_faults(Fault, "fault", {**KINDS, **CAN_KINDS}, tables, is_signed=False)
     return tuple(replace(fault, count=int(fault.count)) for fault in found)
-
-
-def load_faults(text: str) -> tuple[Fault, ...]:
-    """Return the faults of a TOML text's ``[[fault]]`` tables."""
-    try:
-        return faults_from(tomllib.loads(text).get("fault", ()))
-    except tomllib.TOMLDecodeError as error:
-        raise TruthRefused(str(error), "TOML") from error
 
 
 class FaultyLine:

@@ -1,9 +1,11 @@
+import tomllib
+
 import numpy as np
 import pytest
 
 from drivers.errors import TruthRefused
 from drivers.framing import Decoder
-from drivers.simulated.faults import KINDS, Fault, FaultyLine, Silence, faults_from, load_faults
+from drivers.simulated.faults import KINDS, Fault, FaultyLine, Silence, faults_from
 from drivers.simulated.imu import SimulatedImu
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
@@ -74,8 +76,11 @@ def test_a_format_without_counter_loses_frames_too() -> None:
 
 def test_faults_are_read_from_toml() -> None:
     text = '[[fault]]\nkind = "lost"\nat_s = 3\ncount = 2\n[[fault]]\nkind = "unplug"\nat_s = 9.5\nseconds = 2\n'
-    assert load_faults(text) == (Fault("lost", 3, count=2), Fault("unplug", 9.5, seconds=2))
-    assert load_faults("") == ()
+    assert faults_from(tomllib.loads(text)["fault"]) == (
+        Fault("lost", 3, count=2),
+        Fault("unplug", 9.5, seconds=2),
+    )
+    assert faults_from(()) == ()
 
 
 @pytest.mark.parametrize(
