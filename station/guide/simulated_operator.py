@@ -8,7 +8,7 @@ import numpy as np
 from drivers.errors import ControlUnreachable, DriverError, SimulatorError
 from drivers.simulated.bench_control import BenchControl
 from procedures.frames import face_of
-from procedures.rests_and_moves.free_attitudes import UP_DIRECTIONS, UpDirection
+from procedures.free_positions.free_attitudes import UP_DIRECTIONS, UpDirection
 from station.guide.hand_style import HandStyle
 from station.guide.view import CalibrationView, StepView
 

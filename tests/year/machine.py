@@ -25,7 +25,7 @@ LAZY = (  # what the station imports when it wants it: before the clocks are put
     "station.guide.outcome", "station.guide.port_check", "station.guide.prior_knowledge",
     "station.guide.readiness",
     "station.stream.reader.restarting_reader", "station.stream.gnss.gnss_feed", "station.guide.gnss_in_campaign",
-    "station.guide.monitor_stage", "station.guide.calibration_so_far", "station.devices.imu_probe",
+    "station.guide.monitor_stage", "station.guide.calibration_so_far", "station.device_probe",
     "station.results.campaign_results", "station.results.diagnosis.closed_loop", "station.results.report.report",
     "station.results.solution_json", "station.results.budget_json", "station.results.effect_adopted",
     "station.results.report.measurement_conditions", "station.results.diagnosis.diagnosis_html",
@@ -113,7 +113,7 @@ class Machine:
                 self.of(url), url, path
             ),
             "station.stream.reader.restarting_reader.Reader": partial(InProcessReceiverReader, self),
-            "station.devices.imu_probe.open_port": lambda address: ProbePort(self.of(address)),
+            "station.device_probe.open_port": lambda address: ProbePort(self.of(address)),
             "station.guide.live_campaign.open_feed": self._feed,
             "station.guide.engine.ThreadPoolExecutor": InlineExecutor,
             "station.guide.start_choices.list_ports": list,
