@@ -22,10 +22,9 @@ from pydantic import BaseModel
 from typer.cli import get_docs_for_click
 
 from drivers.simulated.effects import EFFECTS as PLANTED
-from drivers.simulated.line_faults import CAN_KINDS, KINDS
-from drivers.simulated.timed_faults import CAMERA_KINDS, GNSS_KINDS
+from drivers.simulated.faults import CAMERA_KINDS, CAN_KINDS, GNSS_KINDS, KINDS
 from drivers.simulated.truth import Truth
-from drivers.wire import FORMATS
+from drivers.wire import FORMATS, MODULES
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
 from procedures.error_codes import ErrorCode
@@ -144,9 +143,8 @@ simulated (`station simulate --format NAME`), recorded and replayed. How to conn
 IMUs on CAN: [can](../how-to/can.md).
 
 {table(head, rows)}"""
-    for module in dict.fromkeys(wire.decode.__module__ for wire in FORMATS.values()):
-        if module.startswith("drivers.wire."):
-            text += f"\n## {module.rpartition('.')[2]}\n\n{docstring(module)}\n"
+    for module in MODULES:
+        text += f"\n## {module}\n\n{docstring(f'drivers.wire.{module}')}\n"
     return text
 
 

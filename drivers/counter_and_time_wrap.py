@@ -110,7 +110,7 @@ class StepGate:
 
 
 def continuity_watch(wire: WireFormat) -> CounterWatch | TimeWatch | None:
-    """Return what sees breaks in a format's frames; None where neither counter nor time would tell."""
+    """Return what sees breaks in a format's frames; None where neither counter nor time shows them."""
     if wire.counter_modulus is not None:
         return CounterWatch(wire.counter_modulus)
     return TimeWatch(wire.time_modulus) if "device_time" in wire.carries else None

@@ -250,4 +250,4 @@ def sniff(data: bytes) -> list[FormatMatch]:
         share = 1 - decoder.counters.skipped_bytes / max(1, len(data))
         if frames and (wire.check_bits >= STRONG_CHECK_BITS or share > 0.5):
             found.append(FormatMatch(name, frames, share))
-    return sorted(found, key=lambda likeness: -likeness.share_of_bytes)
+    return sorted(found, key=lambda match: -match.share_of_bytes)

@@ -22,22 +22,22 @@ class HostTimes:
     """Gives each sample a time [s] on the host's clock.
 
     ``period`` [s] is None while it is being learnt; times until then are of no use but that they rise.
-    ``is_anew`` says that with the last call the period has become known, so that time begins there;
+    ``is_reset`` says that with the last call the period has become known, so that time begins there;
     ``has_stepped`` that it found samples lost, or some that the device never sent, and goes on elsewhere from the
     next one on.
     """
 
     def __init__(self) -> None:
         self.period: float | None = None
-        self.is_anew = self.has_stepped = False
+        self.is_reset = self.has_stepped = False
         self._index = 0
         self._seen = list[tuple[int, float]]()  # index and arrival of the last sample of each chunk
         self._last = np.nan
-        self._begun, self._least = np.nan, np.inf
+        self._window_began, self._least = np.nan, np.inf
         self._lasting = list[float]()
         self._heard = np.nan
 
-    def begin_anew(self) -> None:
+    def reset(self) -> None:
         """Forget what came before, but for the period."""
         self._seen.clear()
         self._lasting.clear()
@@ -48,7 +48,7 @@ class HostTimes:
 
         ``steps`` (n,) is by how many samples the sequence went on at each: 1 where nothing counts them.
         """
-        self.is_anew = self.has_stepped = False
+        self.is_reset = self.has_stepped = False
         self._index += int(steps.sum())
         period = self.period or self._learnt(arrival)
         if period is None:
@@ -57,7 +57,7 @@ class HostTimes:
             self._last = arrival - float(steps.sum()) * period
             self._begin_window(arrival)
         elif self.period is None:
-            self.is_anew = True
+            self.is_reset = True
             self._last -= float(steps.sum()) * period
             self._begin_window(arrival)
         self.period = period
@@ -69,9 +69,9 @@ class HostTimes:
     def _learnt(self, arrival: float) -> float | None:
         """Return the period once it is known, with ``_last`` set to the last sample's time."""
         self._seen.append((self._index, arrival))
-        (first, begun), (last, now) = self._seen[0], self._seen[-1]
-        windows = {int((arrival - begun) / WINDOW_S) for _, arrival in self._seen}
-        if now - begun >= LEARN_S and last - first >= LEARN_SAMPLES and len(windows) > LEARN_WINDOWS:
+        (first, began), (last, now) = self._seen[0], self._seen[-1]
+        windows = {int((arrival - began) / WINDOW_S) for _, arrival in self._seen}
+        if now - began >= LEARN_S and last - first >= LEARN_SAMPLES and len(windows) > LEARN_WINDOWS:
             period, offset = _least_late(*np.array(self._seen).T)
             self._last = offset + period * last
             self._seen.clear()
@@ -92,7 +92,7 @@ class HostTimes:
             self._begin_window(arrival)
         self._heard = arrival
         self._least = min(self._least, arrival - self._last)
-        if arrival - self._begun >= WINDOW_S:
+        if arrival - self._window_began >= WINDOW_S:
             self._steer(self._least)
             self._begin_window(arrival)
 
@@ -115,19 +115,19 @@ class HostTimes:
         self.period *= 1 + PERIOD_GAIN * late / WINDOW_S
 
     def _begin_window(self, arrival: float) -> None:
-        self._begun, self._least = arrival, np.inf
+        self._window_began, self._least = arrival, np.inf
 
 
 def _least_late(index: FloatArray, arrival: FloatArray) -> tuple[float, float]:
     """Return the period [s] of the chunks that came least late in their half second, and sample 0's time [s].
 
-    The last half second has only begun and is left out.
+    The last half second is not complete and is left out.
     """
     window = ((arrival - arrival[0]) / WINDOW_S).astype(np.int64)
-    rows, begun = np.flatnonzero(window < window[-1]), arrival[0]
+    rows, began = np.flatnonzero(window < window[-1]), arrival[0]
     slope = offset = 0.0
     for _ in range(FIT_PASSES):
-        slope, offset = (float(each) for each in np.polyfit(index[rows], arrival[rows] - begun, 1))
-        late = arrival - begun - slope * index
+        slope, offset = (float(each) for each in np.polyfit(index[rows], arrival[rows] - began, 1))
+        late = arrival - began - slope * index
         rows = np.array([np.flatnonzero(window == w)[late[window == w].argmin()] for w in np.unique(window)[:-1]])
-    return slope, begun + offset
+    return slope, began + offset

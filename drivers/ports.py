@@ -1,49 +1,79 @@
-"""Open a device's URL as a port of bytes: serial line, TCP, CAN bus, replayed file, MAVLink link or camera."""
+"""Open a device's address as a port of bytes, and say in which wire format its bytes are.
+
+A port is a serial line, TCP, a CAN bus, a replayed file, a MAVLink link or a camera. What takes long to import,
+such as python-can (0.1 s) or OpenCV, is imported only where it is wanted.
+"""
 
 from contextlib import ExitStack
-from typing import BinaryIO, cast
+from typing import cast
 
+from drivers.address_parsing import parse_device_url
+from drivers.addresses import (
+    CAN,
+    CanAddress,
+    DeviceAddress,
+    HttpCameraAddress,
+    MavlinkAddress,
+    ReplayAddress,
+    SerialAddress,
+    TcpAddress,
+    TriadAddress,
+    VideoDeviceAddress,
+    WheelAddress,
+)
 from drivers.camera.http_port import open_http_camera
-from drivers.device_url import DeviceUrl
-from drivers.device_url_parser import CAN, parse_device_url
-from drivers.errors import LinkLost, PortNotFound, ReplayEnded
-from drivers.port_interface import Port
+from drivers.errors import PortNotFound
+from drivers.network_ports import TcpPort, open_tcp
+from drivers.port_interface import Port, ReplayPort
 from drivers.serial_port import PortInfo, SerialPort, list_ports, open_serial
-from drivers.tcp_port import TcpPort, open_tcp
-from drivers.wire import FORMATS
+from drivers.wire import FORMATS, WireFormat
 
 
-class ReplayPort:
-    """An open file of bytes as a device sent them."""
+def open_port(url: str | DeviceAddress, timeout_s: float = 0.05) -> Port:
+    """Open the port that a device's address names.
 
-    def __init__(self, file: BinaryIO, path: str) -> None:
-        self.path = path
-        self._file, self._size = file, 0
+    Raises
+    ------
+    BadDeviceUrl, PortNotFound, PortBusy, PortDenied
+        Each says what was found, what was expected and what to do.
+    """
+    address = parse_device_url(url) if isinstance(url, str) else url
+    match address:
+        case SerialAddress():
+            return open_serial(address.path, address.baud, address.parity, timeout_s)
+        case TcpAddress():
+            return open_tcp(address.host, address.port, timeout_s)
+        case TriadAddress():
+            return _open_triad(address, timeout_s)
+        case CanAddress():
+            return _open_can(address, timeout_s)
+        case WheelAddress():
+            return _open_can(address.bus, timeout_s)
+        case ReplayAddress():
+            return _open_replay(address)
+        case MavlinkAddress():
+            from drivers.mavlink.session import open_mavlink
 
-    def read(self, max_bytes: int) -> bytes:
-        """Return the next bytes; raise `ReplayEnded` when there are none."""
-        try:
-            data = self._file.read(max_bytes)
-        except OSError as error:
-            raise LinkLost(self.path, error.strerror or str(error)) from error
-        if not data:
-            raise ReplayEnded(self.path, self._size)
-        self._size += len(data)
-        return data
+            return open_mavlink(address, timeout_s)
+        case HttpCameraAddress():
+            return open_http_camera(address, timeout_s)
+        case VideoDeviceAddress():
+            from drivers.camera.v4l2_port import open_v4l2
 
-    def write(self, data: bytes) -> None:
-        """Take ``data`` and drop it: a recording does not listen."""
-
-    def close(self) -> None:
-        """Close the file."""
-        self._file.close()
+            return open_v4l2(address, timeout_s)
 
 
-def _open_replay(address: DeviceUrl) -> Port:
+def _open_can(address: CanAddress, timeout_s: float) -> Port:
+    from drivers.can.can_port import open_can
+
+    return open_can(address.interface, address.channel, dict(address.options), timeout_s)
+
+
+def _open_replay(address: ReplayAddress) -> Port:
     """Open a file of raw bytes or a CAN log; raise `PortNotFound` where it cannot be read."""
     path = address.path
     if address.format in {None, CAN}:
-        from drivers.can.can_log import form_of, open_can_log  # python-can takes 0.1 s to import
+        from drivers.can.can_log import form_of, open_can_log
 
         if (form := form_of(path)) is not None:
             return open_can_log(address, form)
@@ -55,39 +85,7 @@ def _open_replay(address: DeviceUrl) -> Port:
     return ReplayPort(file, path)
 
 
-def open_port(url: str | DeviceUrl, timeout_s: float = 0.05) -> Port:
-    """Open the port that a device's URL names.
-
-    Raises
-    ------
-    BadDeviceUrl, PortNotFound, PortBusy, PortDenied
-        Each says what was found, what was expected and what to do.
-    """
-    address = parse_device_url(url) if isinstance(url, str) else url
-    if address.scheme == "mavlink":
-        from drivers.mavlink.port import open_mavlink  # pymavlink: only where it is wanted
-
-        return open_mavlink(address, timeout_s)
-    if address.scheme == "camera" and address.path:
-        from drivers.camera.v4l2_port import open_v4l2  # OpenCV: only where it is wanted
-
-        return open_v4l2(address, timeout_s)
-    if address.scheme == "camera":
-        return open_http_camera(address, timeout_s)
-    if address.scheme == "tcp":
-        return open_tcp(address.host, address.port, timeout_s)
-    if address.scheme == "triad":
-        return _open_triad(address, timeout_s)
-    if address.scheme in {"can", "wheel"}:
-        from drivers.can.can_port import open_can  # python-can takes 0.1 s to import
-
-        return open_can(address.interface, address.path, dict(address.options), timeout_s)
-    if address.scheme == "replay":
-        return _open_replay(address)
-    return open_serial(address.path, address.baud or 0, address.parity, timeout_s)
-
-
-def _open_triad(address: DeviceUrl, timeout_s: float) -> Port:
+def _open_triad(address: TriadAddress, timeout_s: float) -> Port:
     from drivers.triad_port import TriadPort
 
     ports = list[SerialPort | TcpPort]()
@@ -99,4 +97,41 @@ def _open_triad(address: DeviceUrl, timeout_s: float) -> Port:
     return TriadPort(ports, FORMATS[address.axes[0].format or ""], timeout_s)
 
 
-__all__ = ["DeviceUrl", "Port", "PortInfo", "list_ports", "open_port", "parse_device_url"]
+def wire_of(address: DeviceAddress) -> WireFormat | None:
+    """Return the format, None where the address does not say; raise `BadCanFile` for a wrong DBC or mapping."""
+    if address.format is None:
+        return None
+    if isinstance(address, CanAddress | ReplayAddress) and address.format == CAN:
+        from drivers.can.can_format import can_format  # cantools takes 0.15 s to import
+
+        return can_format(address.dbc, address.map, address.period)
+    return FORMATS[address.format]
+
+
+def frame_descriptions(address: DeviceAddress) -> dict[str, str]:
+    """Return the texts of the files that the address needs to be read, by what they are.
+
+    They are recorded with the bytes: without them nobody can say what the frames meant.
+    """
+    if isinstance(address, WheelAddress):
+        from drivers.can.dbc_signals import text_of
+
+        return {"dbc": text_of(address.bus.dbc)}
+    if isinstance(address, CanAddress | ReplayAddress) and address.format == CAN:
+        from drivers.can.can_format import OWN_DBC, OWN_MAP
+        from drivers.can.dbc_signals import text_of
+
+        return {"dbc": text_of(address.dbc or OWN_DBC), "map": text_of(address.map or OWN_MAP)}
+    return {}
+
+
+__all__ = [
+    "DeviceAddress",
+    "Port",
+    "PortInfo",
+    "frame_descriptions",
+    "list_ports",
+    "open_port",
+    "parse_device_url",
+    "wire_of",
+]

@@ -10,8 +10,7 @@ from pathlib import Path
 import serial
 from serial.tools import list_ports as serial_list_ports
 
-from drivers.error_reason import reason_of
-from drivers.errors import BadDeviceUrl, DriverError, LinkLost, PortBusy, PortDenied, PortNotFound
+from drivers.errors import BadDeviceUrl, DriverError, LinkLost, PortBusy, PortDenied, PortNotFound, reason_of
 
 WRITE_TIMEOUT_S = 1.0
 PTYS = "/dev/pts/"

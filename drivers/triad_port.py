@@ -15,8 +15,8 @@ import numpy as np
 
 from drivers.framing import Decoder
 from drivers.host_times import HostTimes
+from drivers.network_ports import TcpPort
 from drivers.serial_port import SerialPort
-from drivers.tcp_port import TcpPort
 from drivers.wire import WireFormat, triad
 from procedures.counts.sample_records import CountBlock
 
@@ -51,7 +51,7 @@ class TriadJoiner:
         if not len(block):
             return b""
         times = self._times[axis].take(arrival, np.ones(len(block), np.int64))
-        if self._times[axis].is_anew:
+        if self._times[axis].is_reset:
             self._parts[axis].clear()
         if self._times[axis].period is not None:
             columns = (times, block.gyro[:, 0], block.temperature, block.healthy)

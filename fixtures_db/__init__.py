@@ -1,10 +1,13 @@
 """What was measured about cubes, slabs and sites, and every calibration ever accepted.
 
-Open it with `fixtures_db.database.open_db`; read and write through small functions that take a session::
+`database` opens it (`schema`, `migrations`) and each write is kept in the `journal`; `fixtures` and
+`fixture_measurements`, `campaigns`, `stored_calibrations` and `issued_certificates` add rows, chained where they
+are append-only (`hash_chain`, `append_only_rows`, `append_only_triggers`); `verification` reports whether any was
+altered::
 
     with open_db(path) as db, db.write() as session:
         add_fixture(session, CubeRow(id="CUBE-7", side_mm=400.0))
 
-Calibrations and certificates are append-only: the database itself refuses UPDATE and DELETE, and each
-calibration carries the hash of the one before it. Units stand in the column names; times are UTC.
+The database itself refuses UPDATE and DELETE of calibrations and certificates. Units stand in the column names;
+times are UTC.
 """

@@ -18,7 +18,7 @@ STATUSES = ("calibrated", "measured")
 
 @dataclass(frozen=True, slots=True)
 class CalibrationFacts:
-    """What a calibration says beside its numbers.
+    """What a calibration states besides its numbers.
 
     ``inputs`` holds the SHA-256 of each file used, by name; ``software`` is name, version and commit;
     ``temperature_range_c`` the least and the greatest temperature seen, None if never measured; ``status`` is

@@ -106,7 +106,7 @@ def is_expired(due: date | None, on: date) -> bool:
 
 
 def remove_campaign(session: Session, folder: str) -> None:
-    """Delete a campaign, its steps, and its IMU if nothing else names it: as if it had never been begun.
+    """Delete a campaign, its steps, and its IMU if nothing else names it: as if it had never been started.
 
     Raises
     ------

@@ -2,28 +2,32 @@
 
 SQLite, a file, serves the processes of one station; PostgreSQL, by URL, several stations. With both an accepted
 row survives a power cut, and a writer takes the lock at its beginning: two transactions that read and then write
-never fail half-way, and never chain to the same row.
+never fail half-way, and never chain to the same row. SQLite: WAL, synchronous=FULL, a busy time-out. PostgreSQL: a
+writer takes an advisory lock; whoever reads waits for nobody and sees one state.
 """
 
 import re
+import sqlite3
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 import platformdirs
-from sqlalchemy import Connection, Engine, inspect, text
+from sqlalchemy import Connection, Engine, create_engine, event, inspect, text
 from sqlalchemy.engine import URL, make_url
 from sqlalchemy.exc import ArgumentError, DatabaseError, NoSuchModuleError, OperationalError
 from sqlalchemy.orm import Session
+from sqlalchemy.pool import ConnectionPoolEntry
 
-from fixtures_db.engines import postgresql_engine, sqlite_engine
 from fixtures_db.errors import DatabaseBusy, NewerDatabase, NotADatabase, NotWritten, SchemaAltered
 from fixtures_db.folder_on_disk import make_folder
 from fixtures_db.journal import JournalledSession
 from fixtures_db.migrations import HEAD, KNOWN
 from fixtures_db.schema import Base
 
+WRITER_LOCK = 0x464F47  # "FOG": the advisory lock's number, of this database alone
 BUSY_TIMEOUT_S = 10.0
 _IS_VERSION = re.compile(r"\d{4}")
 # what SQLite and PostgreSQL say where a migration finds other tables than those of the version it begins at
@@ -50,7 +54,7 @@ class Database:
     def write(self) -> Iterator[Session]:
         """Yield a session that holds the write lock; commit at its end, roll back if the body raises.
 
-        What it changes is written to the journal beside it.
+        What it changes is written to the journal with it.
 
         Raises
         ------
@@ -83,7 +87,7 @@ class Database:
 
 
 def default_path() -> Path:
-    """Return where the station keeps its database unless told: the user's data directory."""
+    """Return where the station keeps its database by default: the user's data directory."""
     return platformdirs.user_data_path("fog-station") / "station.db"
 
 
@@ -149,7 +153,7 @@ def _engine(url: URL) -> Engine:
 
 
 def _revision(connection: Connection, name: str) -> str | None:
-    """Return a database's schema version, None of an empty one; raise `SchemaAltered` where none can be told."""
+    """Return a database's schema version, None of an empty one; raise `SchemaAltered` where it is unclear."""
     there = set(inspect(connection).get_table_names())
     found: list[str] = []
     if "alembic_version" in there:
@@ -185,3 +189,57 @@ def _upgrade(engine: Engine, name: str) -> None:
                 raise
             found = f"schema version {revision or 'none'} beside tables of another ({error.orig})"
             raise SchemaAltered(name, found, "tables of that version") from error
+
+
+def sqlite_engine(url: URL, busy_timeout_s: float) -> Engine:
+    """Return an engine whose writers take the lock at their beginning and wait ``busy_timeout_s`` for it."""
+    # isolation_level=None leaves BEGIN to _begin: sqlite3 itself would begin late and never IMMEDIATE
+    engine = create_engine(url, connect_args={"timeout": busy_timeout_s, "isolation_level": None})
+
+    def configure(connection: sqlite3.Connection, _record: ConnectionPoolEntry) -> None:
+        _use_wal(connection, busy_timeout_s)
+        connection.execute("PRAGMA synchronous = FULL")
+        connection.execute("PRAGMA foreign_keys = ON")
+
+    event.listen(engine, "connect", configure)
+    event.listen(engine, "begin", _begin)
+    return engine
+
+
+def _use_wal(connection: sqlite3.Connection, busy_timeout_s: float) -> None:
+    deadline = time.monotonic() + busy_timeout_s
+    while connection.execute("PRAGMA journal_mode").fetchone()[0] not in {"wal", "memory"}:
+        try:
+            connection.execute("PRAGMA journal_mode = WAL")
+        except sqlite3.OperationalError:  # this one change does not wait for another process by itself
+            if time.monotonic() > deadline:
+                raise
+            time.sleep(0.01)
+
+
+def _begin(connection: Connection) -> None:
+    reads_only = connection.get_execution_options().get("reads_only", False)
+    connection.exec_driver_sql("BEGIN" if reads_only else "BEGIN IMMEDIATE")
+
+
+def postgresql_engine(url: URL, busy_timeout_s: float) -> Engine:
+    """Return an engine whose writers take the lock at their beginning and wait ``busy_timeout_s`` for it.
+
+    Raises
+    ------
+    ImportError
+        If psycopg, the extra ``postgres``, is not installed.
+    """
+    if url.drivername == "postgresql":
+        url = url.set(drivername="postgresql+psycopg")
+    engine = create_engine(url, pool_pre_ping=True)  # a server may have restarted since the last transaction
+
+    def begin(connection: Connection) -> None:
+        if connection.get_execution_options().get("reads_only", False):
+            connection.exec_driver_sql("SET TRANSACTION ISOLATION LEVEL REPEATABLE READ READ ONLY")
+        else:
+            connection.exec_driver_sql(f"SET LOCAL lock_timeout = '{round(1e3 * busy_timeout_s)}ms'")
+            connection.exec_driver_sql(f"SELECT pg_advisory_xact_lock({WRITER_LOCK})")
+
+    event.listen(engine, "begin", begin)
+    return engine

@@ -13,9 +13,8 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from fixtures_db.append_only_rows import ROW_TITLES, append, date_owner
-from fixtures_db.cube_measurements import check_measurement
 from fixtures_db.errors import DiffersFromStored, NotInDatabase
-from fixtures_db.face_certificates import check_certificate
+from fixtures_db.fixture_measurements import check_certificate, check_level, check_measurement
 from fixtures_db.fixtures import check_site
 from fixtures_db.schema import (
     CubeMeasurementRow,
@@ -27,7 +26,6 @@ from fixtures_db.schema import (
     SlabRow,
     ToleranceRow,
 )
-from fixtures_db.slab_levels import check_level
 
 Value = str | float | date | datetime | None
 Rows = Mapping[str, Sequence[Mapping[str, Value]]]

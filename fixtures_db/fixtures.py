@@ -1,13 +1,16 @@
-"""Cubes, slabs and sites by name; what is known of each stands in `fixtures_db.schema`."""
+"""Cubes, slabs and sites by name, and what expires when; what is known of each stands in `fixtures_db.schema`."""
 
-from collections.abc import Sequence
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from datetime import date, datetime
 from typing import Any, TypeVar
 
-from sqlalchemy import select
+from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from fixtures_db.errors import AlreadyThere, NotInDatabase
-from fixtures_db.schema import CubeRow, SiteRow, SlabRow
+from fixtures_db.schema import CalibrationRow, CubeRow, SiteRow, SlabRow
 
 FixtureRow = TypeVar("FixtureRow", bound=CubeRow | SlabRow | SiteRow)
 KIND_NAMES: dict[type[Any], str] = {CubeRow: "cube", SlabRow: "slab", SiteRow: "site"}
@@ -74,3 +77,28 @@ def is_surveyed_at(row: SiteRow, latitude_deg: float, gravity_m_s2: float, gravi
         and std <= gravity_std_m_s2 * (1 + 1e-9)
         and abs(g - gravity_m_s2) <= gravity_std_m_s2
     )
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Due:
+    """Something whose certificate, survey or calibration holds until the end of ``date``."""
+
+    date: date
+    kind: str
+    name: str
+
+
+def due(session: Session, until: date) -> list[Due]:
+    """Return what has expired or does so by the day ``until``, the earliest first."""
+    return sorted(one for one in _all(session) if one.date <= until)
+
+
+def _all(session: Session) -> Iterator[Due]:
+    for kind, word in KIND_NAMES.items():
+        rows = fixture_rows(session, kind)
+        yield from (Due(row.due_date, word, row.id) for row in rows if row.due_date is not None)
+    newest = select(func.max(CalibrationRow.id)).group_by(CalibrationRow.imu_id)
+    for row in session.scalars(select(CalibrationRow).where(CalibrationRow.id.in_(newest))):
+        until = json.loads(row.document).get("valid_until")
+        if until is not None:
+            yield Due(datetime.fromisoformat(until).date(), "imu", f"{row.imu.model} {row.imu.serial}")

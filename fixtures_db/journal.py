@@ -5,18 +5,85 @@ deletes, in the same transaction; a new table is covered unasked. Statements tha
 unit of work are refused. `fixtures_db.journal_verification` replays the entries.
 """
 
+import json
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from datetime import UTC, datetime
+from datetime import UTC, date, datetime
 from typing import Any, NamedTuple
 
-from sqlalchemy import Connection, Table, event, insert, inspect, select
+from sqlalchemy import JSON, Column, ColumnElement, Connection, Table, Text, event, insert, inspect, select, tuple_
+from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.orm import ORMExecuteState, Session, UOWTransaction
 
 from fixtures_db.hash_chain import GENESIS, canonical, digest
-from fixtures_db.row_content import columns_there, contents, journalled_tables, of_keys, row_key
-from fixtures_db.schema import JournalRow
+from fixtures_db.schema import Base, JournalRow
+
+UNREADABLE = (  # bytes that are no text, text that is no date or JSON, JSON of another shape
+    SQLAlchemyError,
+    ValueError,
+    TypeError,
+    AttributeError,
+    LookupError,
+    RecursionError,
+)
+
+
+def journalled_tables() -> tuple[Table, ...]:
+    """Return every table but the journal itself, what is named standing before what names it."""
+    return tuple(each for each in Base.metadata.sorted_tables if each.name != JournalRow.__tablename__)
+
+
+def columns_there(connection: Connection, table: Table) -> list[Column[Any]]:
+    """Return the columns of a table that the database has; one of an older schema may lack some, or all."""
+    known = inspect(connection)
+    if not known.has_table(table.name):
+        return []
+    there = {each["name"] for each in known.get_columns(table.name)}
+    return [column for column in table.columns if column.name in there]
+
+
+def contents(
+    connection: Connection, table: Table, *which: ColumnElement[bool], columns: Sequence[Column[Any]] | None = None
+) -> Iterator[tuple[str, str]]:
+    """Yield key and content of a table's rows, all or those of which all of ``which`` is so, by their keys."""
+    selected = list(table.columns if columns is None else columns)
+    primary = [column for column in selected if column.primary_key]
+    key_at = [selected.index(column) for column in primary]
+    for row in connection.execute(select(*selected).where(*which).order_by(*primary)):
+        yield row_key([row[at] for at in key_at]), row_content(selected, row)
+
+
+def of_keys(table: Table, keys: Sequence[tuple[Any, ...]]) -> ColumnElement[bool]:
+    """Return what is so of the rows of some primary keys."""
+    primary = tuple(table.primary_key)
+    return primary[0].in_([key[0] for key in keys]) if len(primary) == 1 else tuple_(*primary).in_(keys)
+
+
+def row_key(values: Sequence[Any]) -> str:
+    """Return the text of a primary key: its one value, of several a JSON list."""
+    return str(values[0]) if len(values) == 1 else json.dumps(values, default=str, ensure_ascii=False)
+
+
+def row_content(columns: Sequence[Column[Any]], values: Sequence[Any]) -> str:
+    """Return the canonical JSON of a row by its columns' names; a long text stands as its SHA-256.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a column holds what its type cannot.
+    """
+    said = zip(columns, values, strict=True)
+    return canonical({column.key: _written(column, value) for column, value in said if value is not None})
+
+
+def _written(column: Column[Any], value: Any) -> Any:
+    if isinstance(column.type, JSON):
+        return f"sha256 {digest(canonical(value))}"
+    if isinstance(column.type, Text):
+        return f"sha256 {digest(value)}"
+    return value.isoformat() if isinstance(value, date) else value
+
 
 CARRY, INSERT, UPDATE, DELETE = EVENTS = ("carry", "insert", "update", "delete")
 NO_CONTENT = "{}"

@@ -1,8 +1,12 @@
-"""The journal against the tables: its entries, summed up, are each row as it stands, and no other row."""
+"""The journal against the tables: its entries, summed up, are each row as it stands, and no other row.
+
+What a calibration depends on is compared with the journal too: the rows that it used, by one hash for each kind
+(unit, limits, campaign, cube, slab, site), and the limits of that day.
+"""
 
 import json
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
 from typing import Any
@@ -10,11 +14,125 @@ from typing import Any
 from sqlalchemy import Connection, select
 from sqlalchemy.orm import Session
 
-from fixtures_db.calibration_grounds import carried_faults, grounds_faults
 from fixtures_db.hash_chain import GENESIS, ChainFault, canonical, digest
-from fixtures_db.journal import CARRY, DELETE, EVENTS, INSERT, NO_CONTENT, UPDATE, Head, entry_text
-from fixtures_db.row_content import UNREADABLE, contents, journalled_tables
+from fixtures_db.journal import (
+    CARRY,
+    DELETE,
+    EVENTS,
+    INSERT,
+    NO_CONTENT,
+    UNREADABLE,
+    UPDATE,
+    Head,
+    contents,
+    entry_text,
+    journalled_tables,
+)
+from fixtures_db.model_limits import Limit
 from fixtures_db.schema import Base, CalibrationRow, JournalRow
+
+Find = Callable[[str, str, Any], Iterable[tuple[str, str]]]  # table, column, value: keys and contents
+OWNED = {  # by the campaign's column: the table that it names a row of, and the tables whose rows name that
+    "cube_id": ("cubes", ("tolerance_items", "face_certificates", "cube_measurements")),
+    "slab_id": ("slabs", ("slab_levels",)),
+    "site_id": ("sites", ()),
+}
+
+
+def used_now(session: Session, model: str, serial: str, campaign_id: int | None) -> dict[str, str]:
+    """Return the hashes as the database stands."""
+    connection = session.connection()
+
+    def find(table: str, column: str, value: Any) -> Iterable[tuple[str, str]]:
+        rows = Base.metadata.tables[table]
+        return contents(connection, rows, rows.columns[column] == value)
+
+    return used_hashes(find, model, serial, campaign_id)
+
+
+def used_hashes(find: Find, model: str, serial: str, campaign_id: int | None) -> dict[str, str]:
+    """Return the SHA-256 over the rows of each kind, of a cube and a slab with all that was measured of them."""
+    units = [row for row in find("imus", "serial", serial) if json.loads(row[1])["model"] == model]
+    used = {"imu": units, "limits": list(find("imu_limits", "model", model))}
+    campaigns = [] if campaign_id is None else list(find("campaigns", "id", campaign_id))
+    for key, content in campaigns:
+        used["campaign"] = [(key, content)]
+        named = json.loads(content)
+        for column, (table, parts) in OWNED.items():
+            if (name := named.get(column)) is not None:
+                owned = [row for part in parts for row in find(part, column, name)]
+                used[column.removesuffix("_id")] = [*find(table, "id", name), *owned]
+    return {kind: digest(canonical({"rows": sorted(list(row) for row in rows)})) for kind, rows in used.items()}
+
+
+def grounds_faults(row: Mapping[str, Any] | None, head: Head, find: Find) -> list[ChainFault]:
+    """Return what of a calibration does not follow from the rows that stood when it was stored.
+
+    ``row`` has its number, its ``campaign_id`` and its document as text, None if it is gone, which other checks
+    say. ``head`` is the journal's then, ``find`` finds its rows. The verdict is found again from the values judged
+    and the limits that the journal had.
+    """
+    if row is None:
+        return []
+    name, document = f"calibration {row['id']}", json.loads(row["document"])
+    model, used = document["model"], document.get("used")
+    found = [ChainFault(name, f"journal {document.get('journal')}", f"{head._asdict()}")]
+    found = found if document.get("journal") != head._asdict() else []
+    expected = used_hashes(find, model, document["serial"], row["campaign_id"])
+    found += [
+        ChainFault(name, f"{kind} with sha256 {(used or {}).get(kind, 'none')}", f"{sha256} as on that day")
+        for kind, sha256 in expected.items()
+        if (used or {}).get(kind) != sha256
+    ]
+    if "verdict" in document:
+        found += _verdict_faults(name, document, limits_as_found(find("imu_limits", "model", model)))
+    return found
+
+
+def carried_faults(row: Mapping[str, Any] | None) -> list[ChainFault]:
+    """Return what is wrong with a calibration that was there before the journal: it cannot name an entry."""
+    if row is None or not json.loads(row["document"]).keys() & {"journal", "used"}:
+        return []
+    found = "one that was there before the journal began"
+    return [ChainFault(f"calibration {row['id']}", found, "an entry of when it was stored")]
+
+
+def limits_as_found(rows: Iterable[tuple[str, str]]) -> list[Limit]:
+    """Return limits in the order in which they were given, from keys and contents of their rows."""
+    said = sorted((json.loads(content) for _, content in rows), key=lambda one: one["id"])
+    return [_limit(one) for one in said]
+
+
+def _limit(said: Mapping[str, Any]) -> Limit:
+    ends = said.get("low"), said.get("high")
+    return Limit(said["parameter"], *ends, said["unit"], said.get("guard_band", 0.0))
+
+
+def _verdict_faults(name: str, document: Mapping[str, Any], limits: list[Limit]) -> list[ChainFault]:
+    stated = [_limit(one) for one in document["limits"]]
+    if stated != limits:
+        lacking = [one.parameter for one in limits if one not in stated] or [one.parameter for one in stated]
+        return [ChainFault(name, f"other limits, of {lacking[0]} for one", "those of that day")]
+    judged = {one["parameter"]: one for one in document.get("judged", ())}
+    if not judged.keys() >= {limit.parameter for limit in limits}:  # stored by hand: nobody says what was judged
+        return []
+    words = [_word(limit, judged[limit.parameter]) for limit in limits]
+    verdict = next(
+        (word for word in ("FAIL", "NOT_MEASURED") if word in words), "PASS" if words else "NOT_MEASURED"
+    )
+    return (
+        []
+        if verdict == document["verdict"]
+        else [ChainFault(name, document["verdict"], f"{verdict} by its limits")]
+    )
+
+
+def _word(limit: Limit, judged: Mapping[str, Any]) -> str:
+    if judged.get("unit") != limit.unit:
+        return "NOT_MEASURED"
+    low, high = limit.accepted(judged.get("std"))
+    return "PASS" if low <= judged["value"] <= high else "FAIL"
+
 
 _TABLE = JournalRow.metadata.tables[JournalRow.__tablename__]
 

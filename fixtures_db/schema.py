@@ -290,7 +290,7 @@ class EffectEventRow(Base):
 class JournalRow(Base):
     """What became of a row of any other table, written with it: ``event`` carry, insert, update or delete.
 
-    ``content`` has the row's columns as `fixtures_db.row_content` writes them, empty of a deletion. The numbers
+    ``content`` has the row's columns as `fixtures_db.journal` writes them, empty of a deletion. The numbers
     ``id`` are without a gap; append-only.
     """
 

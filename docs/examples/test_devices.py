@@ -4,10 +4,9 @@ from contextlib import closing
 
 import pytest
 
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
 from drivers.framing import Decoder
-from drivers.ports import open_port
-from drivers.url_wire_format import wire_of
+from drivers.ports import open_port, wire_of
 from procedures.counts.sample_records import joined_blocks
 
 

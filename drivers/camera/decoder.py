@@ -1,4 +1,4 @@
-"""A camera's bytes to JPEG images: multipart/x-mixed-replace as streamers and network cameras send it.
+"""A camera's bytes to JPEG images and back: multipart/x-mixed-replace, as streamers and network cameras send it.
 
 An image begins where a part's header ends and ends where its markers say (`drivers.camera.jpeg`); where the header
 has a Content-Length it must agree. So a part that was cut, or lost bytes on the way, is no image, and the next one
@@ -208,3 +208,17 @@ def _header(fields: dict[bytes, bytes]) -> _Header:
 def _nanoseconds(text: bytes) -> int | None:
     found = SECONDS.fullmatch(text.decode("ascii"))
     return None if found is None else int(found[1]) * 10**9 + int((found[2] or "").ljust(9, "0"))
+
+
+BOUNDARY = "boundarydonotcross"
+CONTENT_TYPE = f"multipart/x-mixed-replace; boundary={BOUNDARY}"
+
+
+def part(jpeg: bytes, stamp_s: float | None = None, age_s: float | None = None) -> bytes:
+    """Return an image as a part; ``stamp_s`` is the sender's clock when it was taken, ``age_s`` how old it is."""
+    fields = ["Content-Type: image/jpeg", f"Content-Length: {len(jpeg)}"]
+    if stamp_s is not None:
+        fields.append(f"X-Timestamp: {stamp_s:.6f}")
+    if age_s is not None:
+        fields.append(f"X-Age: {age_s:.6f}")
+    return b"\r\n".join([b"--" + BOUNDARY.encode(), *(field.encode() for field in fields), b"", jpeg, b""])

@@ -7,9 +7,9 @@ import time
 from base64 import b64encode
 from contextlib import ExitStack
 
-from drivers.device_url import DeviceUrl
+from drivers.addresses import HttpCameraAddress
 from drivers.errors import LinkLost, PortNotFound
-from drivers.tcp_port import TcpPort, open_tcp
+from drivers.network_ports import TcpPort, open_tcp
 
 ANSWER_S = 5.0
 SILENT_S = 10.0  # a camera that lost its power does not hang up; as long as OpenCV waits for a device
@@ -19,17 +19,17 @@ PATHS = "check the path: ustreamer has /stream, mjpg-streamer /?action=stream"
 
 
 class HttpCameraPort:
-    """An open stream; ``begun`` is what of it came with the answer."""
+    """An open stream; ``first_bytes`` is what of it came with the answer."""
 
-    def __init__(self, connection: TcpPort, name: str, begun: bytes) -> None:
+    def __init__(self, connection: TcpPort, name: str, first_bytes: bytes) -> None:
         self.name = name
-        self._connection, self._begun = connection, begun
+        self._connection, self._first_bytes = connection, first_bytes
         self._heard = time.monotonic()
 
     def read(self, max_bytes: int) -> bytes:
         """Return what has come, empty after the timeout; raise `LinkLost` after 10 s of nothing."""
-        if self._begun:
-            data, self._begun = self._begun[:max_bytes], self._begun[max_bytes:]
+        if self._first_bytes:
+            data, self._first_bytes = self._first_bytes[:max_bytes], self._first_bytes[max_bytes:]
             return data
         data = self._connection.read(max_bytes)
         now = time.monotonic()
@@ -47,7 +47,7 @@ class HttpCameraPort:
         self._connection.close()
 
 
-def open_http_camera(address: DeviceUrl, timeout_s: float) -> HttpCameraPort:
+def open_http_camera(address: HttpCameraAddress, timeout_s: float) -> HttpCameraPort:
     """Ask for a stream.
 
     Raises
@@ -61,14 +61,14 @@ def open_http_camera(address: DeviceUrl, timeout_s: float) -> HttpCameraPort:
         connection = open_tcp(address.host, address.port, ANSWER_S)
         opened.callback(connection.close)
         connection.write(_request(address))
-        head, begun = _answer(connection, address.name)
+        head, first_bytes = _answer(connection, address.name)
         _check(head, address)
         opened.pop_all()  # it is a stream: from now on it is the port's
     connection.timeout_s = timeout_s
-    return HttpCameraPort(connection, address.name, begun)
+    return HttpCameraPort(connection, address.name, first_bytes)
 
 
-def _request(address: DeviceUrl) -> bytes:
+def _request(address: HttpCameraAddress) -> bytes:
     host = f"[{address.host}]" if ":" in address.host else address.host
     lines = [f"GET {address.target} HTTP/1.0", f"Host: {host}:{address.port}", f"Accept: {STREAM}, image/*"]
     if address.user or address.password:
@@ -85,11 +85,11 @@ def _answer(connection: TcpPort, name: str) -> tuple[str, bytes]:
             found = f"{len(data)} bytes that are no answer of HTTP within {ANSWER_S:.0f} s"
             raise PortNotFound(name, found, "check the port")
         data += connection.read(MAX_ANSWER_BYTES)
-    head, _, begun = data.partition(b"\r\n\r\n")
-    return head.decode("latin-1"), begun
+    head, _, first_bytes = data.partition(b"\r\n\r\n")
+    return head.decode("latin-1"), first_bytes
 
 
-def _check(head: str, address: DeviceUrl) -> None:
+def _check(head: str, address: HttpCameraAddress) -> None:
     status, *lines = head.split("\r\n")
     words = status.split(None, 2)
     if len(words) < 2 or not words[0].startswith("HTTP/"):

@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 
+from drivers.addresses import VideoDeviceAddress
+from drivers.camera.decoder import part
 from drivers.camera.jpeg import BEGIN
-from drivers.camera.multipart import part
-from drivers.device_url import DeviceUrl
 from drivers.errors import LinkLost, PortBusy, PortDenied, PortNotFound
 from procedures.optional_libraries import ExtraMissing, opencv
 
@@ -108,7 +108,7 @@ class V4l2Port:
         return bytes(encoded)
 
 
-def open_v4l2(address: DeviceUrl, timeout_s: float) -> V4l2Port:
+def open_v4l2(address: VideoDeviceAddress, timeout_s: float) -> V4l2Port:
     """Open a camera by its device file.
 
     Raises
@@ -133,7 +133,7 @@ def open_v4l2(address: DeviceUrl, timeout_s: float) -> V4l2Port:
     return V4l2Port(address.path, capture, timeout_s)
 
 
-def set_up(capture: Any, address: DeviceUrl, cv: Any) -> None:
+def set_up(capture: Any, address: VideoDeviceAddress, cv: Any) -> None:
     """Ask for MJPEG, size and rate; refuse another size, for which the intrinsics would be wrong."""
     mjpeg = cv.VideoWriter_fourcc(*"MJPG")
     capture.set(cv.CAP_PROP_FOURCC, mjpeg)
@@ -152,7 +152,7 @@ def set_up(capture: Any, address: DeviceUrl, cv: Any) -> None:
 
 
 def _look(path: str) -> None:
-    """Say why a device cannot be opened where the kernel tells; OpenCV does not."""
+    """Say why a device cannot be opened where the kernel knows; OpenCV does not say."""
     try:
         with open(path, "rb"):
             pass

@@ -17,12 +17,11 @@ import can
 import numpy as np
 from can.io import ASCReader, BLFReader, CanutilsLogReader, CSVReader, TRCReader
 
+from drivers.addresses import ReplayAddress
 from drivers.can.frame_record import ERROR, EXTENDED, REMOTE, WIDE, pack
 from drivers.can.j1939 import SenderWatch
 from drivers.can.mapping_file import CanMap, load_map
-from drivers.device_url import DeviceUrl
-from drivers.error_reason import reason_of
-from drivers.errors import BadCanFile, ReplayEnded
+from drivers.errors import BadCanFile, ReplayEnded, reason_of
 from drivers.text_decoding import decoded_text
 
 FIRST_LINES = 20
@@ -174,7 +173,7 @@ class CanLogPort:
         self._records.close()
 
 
-def open_can_log(address: DeviceUrl, form: LogForm) -> CanLogPort:
+def open_can_log(address: ReplayAddress, form: LogForm) -> CanLogPort:
     """Open a log of one of `FORMS`.
 
     Raises
@@ -187,7 +186,7 @@ def open_can_log(address: DeviceUrl, form: LogForm) -> CanLogPort:
     if not (address.dbc and address.map):
         expected = "dbc and map in its address: replay:FILE?dbc=FILE&map=FILE (docs/how-to/can.md)"
         raise BadCanFile(path, None, f"a CAN log ({form.name})", expected)
-    wanted = dict(address.options).get("channel")
+    wanted = address.channel
     seen = _Seen(load_map(address.dbc, address.map))
     records = tempfile.SpooledTemporaryFile(IN_MEMORY)
     try:

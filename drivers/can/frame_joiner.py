@@ -11,17 +11,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drivers.can.dbc_signals import SignalField, Words, words_of
 from drivers.can.frame_record import NO_DATA_FRAME, RECORD
 from drivers.can.j1939 import SenderWatch
 from drivers.can.mapping_file import CanMap
 from drivers.can.payload_checks import CHECKS
-from drivers.can.signal_layout import SignalField, Words, words_of
 from drivers.wire import FrameCounters
 from procedures.arrays import FloatArray, IntArray
 from procedures.counts.sample_records import CountBlock, RateBlock, SampleBlock
 
 MAX_LATE_SAMPLES = 2  # samples: how far the bus may have gone on before a frame is given up
-MAX_JUMP_SAMPLES = 8  # samples: what lies further off is of a device that began anew, or of another one
+MAX_JUMP_SAMPLES = 8  # samples: what lies further off is of a device that restarted, or of another one
 MAX_ASIDE_FRAMES = 16  # frames that come now and then which may wait for their sample
 MAX_ASIDE_BYTES = 64 * RECORD.itemsize  # bytes: a frame that comes now and then is this near to its sample
 FRAME = np.dtype(
@@ -178,7 +178,7 @@ class CanJoiner:
             zip(*(waiting[name].tolist() for name in ("u", "slot", "at")), strict=True)
         ):
             if self._last is not None and u < self._last - MAX_JUMP_SAMPLES:
-                self._last = None  # the device began anew
+                self._last = None  # the device restarted
             if self._last is not None and u <= self._last:
                 self._counters.late += 1
                 self._counters.contradicted += u in given and payloads[i] != given[u][slot]
@@ -275,7 +275,7 @@ class CanJoiner:
     def _increments(
         self, numbers: IntArray, begins: IntArray, totals: IntArray
     ) -> tuple[IntArray, IntArray, IntArray]:
-        """Return the steps of running totals; a sample without its forerunner only begins anew."""
+        """Return the steps of running totals; one without its predecessor only starts them."""
         if not len(numbers):
             return totals, begins, np.arange(0)
         number, begin, total = self._base or (int(numbers[0]), int(begins[0]), totals[0])

@@ -12,10 +12,9 @@ from typing import Any
 
 from cantools.database.can import Database, Message
 
-from drivers.can.dbc_file import field_of, identifier_of, load_dbc
+from drivers.can.dbc_signals import SignalField, field_of, identifier_of, load_dbc
 from drivers.can.j1939 import ALL_BITS, is_pgn_shared, pgn_mask
 from drivers.can.payload_checks import CHECKS
-from drivers.can.signal_layout import SignalField
 from drivers.errors import BadCanFile
 
 FORMAT = "can-map/1"

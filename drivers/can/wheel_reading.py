@@ -1,4 +1,4 @@
-"""What a wheel told, as a record: apart from what reads it, which takes cantools."""
+"""A wheel's speed as a record: apart from what reads it, which takes cantools."""
 
 from dataclasses import dataclass, field
 

@@ -5,10 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.can.dbc_file import field_of, identifier_of, load_dbc
+from drivers.can.dbc_signals import SignalField, field_of, identifier_of, load_dbc, payloads_of, words_of
 from drivers.can.frame_record import EXTENDED, IMU, NO_DATA_FRAME, RECORD, is_intact, pack
 from drivers.can.j1939 import ALL_BITS, NULL_ADDRESS, SOURCE, SenderWatch, pgn_mask
-from drivers.can.signal_layout import SignalField, payloads_of, words_of
 from drivers.can.wheel_reading import WheelReading
 from drivers.errors import BadCanFile
 from procedures.units import M_S_PER_KM_H, M_S_PER_KNOT, M_S_PER_MPH
@@ -41,7 +40,7 @@ class WheelSignal:
         return pgn_mask(self.identifier) if self.identifier & SOURCE == NULL_ADDRESS else ALL_BITS
 
     def frame(self, speed: float, host_ns: int) -> bytes:
-        """Return the record of a frame that tells a speed [m/s]."""
+        """Return the record of a frame that carries a speed [m/s]."""
         raw = np.rint((speed / self.factor - self.field.offset) / self.field.scale)
         words = np.zeros(1, np.uint64), np.zeros(1, np.uint64)
         self.field.put(words, np.array([raw], dtype=np.int64))
@@ -63,17 +62,17 @@ def wheel_signal(dbc: str, name: str, unit: str = "") -> WheelSignal:
     if message not in messages:
         raise BadCanFile(dbc, None, f"no message {message!r}", f"one of {', '.join(messages)}")
     field = field_of(dbc, messages[message], signal)
-    told = unit or field.unit
-    factor = UNITS.get("".join(told.lower().split()))
+    found_unit = unit or field.unit
+    factor = UNITS.get("".join(found_unit.lower().split()))
     if factor is None:
-        found = f"{name} in {told!r}" if told else f"{name} without a unit"
+        found = f"{name} in {found_unit!r}" if found_unit else f"{name} without a unit"
         raise BadCanFile(dbc, None, found, f"a unit of speed, or unit= one of {', '.join(UNITS)}")
     return WheelSignal(identifier_of(messages[message]), messages[message].length, field, factor, dbc)
 
 
 class WheelDecoder:
     """Bytes of a CAN port to readings. ``frames``, ``refused`` and ``bad`` count: those of the signal, those of
-    them that told no speed, and records that were damaged.
+    them that carried no speed, and records that were damaged.
     """  # noqa: D205
 
     def __init__(self, signal: WheelSignal) -> None:
@@ -94,12 +93,12 @@ class WheelDecoder:
         words, field = words_of(ours["data"]), self._signal.field
         speed = field.value(words) * self._signal.factor
         is_known = field.is_known(words, by_j1939=bool(self._signal.identifier & EXTENDED))
-        told = is_known & (np.abs(speed) <= MAX_SPEED_M_S)
+        is_good = is_known & (np.abs(speed) <= MAX_SPEED_M_S)
         self.frames += len(ours)
-        self.refused += int(np.count_nonzero(~told))
+        self.refused += int(np.count_nonzero(~is_good))
         # frames of one read came one after another: each is as much older as its port says
-        at = host_ns - np.clip(newest - ours["host_ns"][told], 0, 10**9)
-        found = zip(at.tolist(), speed[told].tolist(), strict=True)
+        at = host_ns - np.clip(newest - ours["host_ns"][is_good], 0, 10**9)
+        found = zip(at.tolist(), speed[is_good].tolist(), strict=True)
         return [WheelReading(each_ns, value, read_ns=host_ns) for each_ns, value in found]
 
     def _records(self, data: bytes) -> NDArray[np.void]:

@@ -1,14 +1,12 @@
-"""One link's bytes to records: the fixes of one system, and what it says beside them."""
+"""One link's bytes to records: the fixes of one system, and what else it reports."""
 
 import math
 from collections import Counter
 from dataclasses import dataclass
 
-from drivers.mavlink import messages as mavlink
-from drivers.mavlink.fixes import filtered_fix, input_fix, raw_fix
-from drivers.mavlink.mavlink_framing import MavlinkFramer
-from drivers.mavlink.messages import NAMES, READ, Frame, fields
-from drivers.mavlink.sender_clock import SenderClock
+from drivers.mavlink import frames as mavlink
+from drivers.mavlink.fixes import SenderClock, filtered_fix, input_fix, raw_fix
+from drivers.mavlink.frames import NAMES, READ, Frame, MavlinkFramer, fields
 from drivers.mavlink.signing import SignatureCheck
 from procedures.earth.gnss_records import AirData, Ambient, GnssFix, TimeMark
 

@@ -1,4 +1,4 @@
-"""What an IMU tells others by MAVLink over UDP: ATTITUDE, or HIGHRES_IMU, and a heartbeat each second.
+"""What an IMU sends by MAVLink over UDP: ATTITUDE, or HIGHRES_IMU, and a heartbeat each second.
 
 Source: common.xml. ATTITUDE (30): roll, pitch, yaw [rad] of forward-right-down against north-east-down, body rates
 [rad/s], time since boot [ms]; a yaw that is not known is sent as NaN. HIGHRES_IMU (105): specific force [m/s2] and
@@ -12,11 +12,11 @@ from collections.abc import Callable
 
 from pymavlink.dialects.v20 import all as dialect
 
-from drivers.device_url import DeviceUrl
-from drivers.device_url_parser import parse_mavlink_url
+from drivers.address_parsing import parse_mavlink_url
+from drivers.addresses import MavlinkAddress, UdpAddress
 from drivers.errors import BadDeviceUrl
 from drivers.mavlink.signing import read_key, signing_time
-from drivers.udp_port import UdpPort, open_udp
+from drivers.network_ports import UdpPort, open_udp
 
 SYSTEM = 200  # unless the address says another; 1 is the usual vehicle's
 HEARTBEAT_S = 1.0
@@ -29,7 +29,9 @@ Three = tuple[float, float, float]
 class ImuOut:
     """Sends to one address; who does not listen is not an error."""
 
-    def __init__(self, address: DeviceUrl, port: UdpPort, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self, address: MavlinkAddress, port: UdpPort, clock: Callable[[], float] = time.monotonic
+    ) -> None:
         self.port, self._clock, self._next_heartbeat = port, clock, 0.0
         self._mav = dialect.MAVLink(None, srcSystem=address.system or SYSTEM, srcComponent=dialect.MAV_COMP_ID_IMU)
         if address.key_file:
@@ -53,8 +55,8 @@ class ImuOut:
         updated |= RATE if all(map(math.isfinite, rate)) else 0
         none = (0.0, 0.0, 0.0)
         six = (*(force if updated & FORCE else none), *(rate if updated & RATE else none))
-        beside = (*none, *none, temperature if knows else 0.0)  # magnetic field, two pressures, altitude
-        self._say(self._mav.highres_imu_encode(round(t * 1e6) % 2**64, *six, *beside, updated))
+        others = (*none, *none, temperature if knows else 0.0)  # magnetic field, two pressures, altitude
+        self._say(self._mav.highres_imu_encode(round(t * 1e6) % 2**64, *six, *others, updated))
 
     def keep_up(self) -> None:
         """Hear who asks, and send the heartbeat when it is due."""
@@ -82,6 +84,7 @@ def open_imu_out(text: str) -> ImuOut:
         Each says what was found, what was expected and what to do.
     """
     address = parse_mavlink_url(f"mavlink:{text.removeprefix('mavlink:')}")
-    if address.link not in {"udpout", "udpin"}:
-        raise BadDeviceUrl(text, f"link {address.link!r}", EXPECTED)
-    return ImuOut(address, open_udp(address.host, address.port, 0.0, listens=address.link == "udpin"))
+    line = address.line
+    if not isinstance(line, UdpAddress):
+        raise BadDeviceUrl(text, f"link {line.scheme!r}", EXPECTED)
+    return ImuOut(address, open_udp(line.host, line.port, 0.0, listens=line.listens))

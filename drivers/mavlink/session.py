@@ -1,28 +1,38 @@
-"""What the station says on a MAVLink link: a heartbeat each second, and which messages it wants how often.
+"""A MAVLink link as a port of bytes, and the conversation that makes the other side send.
+
+The station says a heartbeat each second, and which messages it wants how often; reading the port keeps this up, so
+that a reader that knows nothing of MAVLink records a link like any other device.
 
 Each SET_MESSAGE_INTERVAL waits for its COMMAND_ACK, which does not say of what message it speaks. What is not
 accepted, or answered by nobody after three tries, is asked for once more the old way, by REQUEST_DATA_STREAM,
-which nobody acknowledges: only the measured rate tells. A system that was silent or restarted is asked again.
+which nobody acknowledges: only the measured rate shows. A system that was silent or restarted is asked again.
 
 The heartbeat comes from system 254, not 255: a vehicle whose failsafe watches its ground station must not come to
 depend on this one.
 """
 
+import contextlib
+import time
 from collections import deque
 from dataclasses import dataclass
 
 from pymavlink.dialects.v20 import all as dialect
 
-from drivers.mavlink import messages as mavlink
+from drivers.addresses import MavlinkAddress, SerialAddress, TcpAddress, UdpAddress
+from drivers.errors import LinkLost
+from drivers.mavlink import frames as mavlink
 from drivers.mavlink.decoder import CommandAnswer, MavlinkDecoder
-from drivers.mavlink.messages import NAMES
-from drivers.mavlink.signing import SignatureCheck, signing_time
+from drivers.mavlink.frames import NAMES
+from drivers.mavlink.signing import SignatureCheck, read_key, signing_time
+from drivers.network_ports import open_tcp, open_udp
+from drivers.port_interface import Port
+from drivers.serial_port import open_serial
 
 STATION, COMPONENT = 254, 190  # 190: a ground station's program
 HEARTBEAT_S = 1.0
 ANSWER_S = 1.0
 MAX_TRIES = 3
-SILENT_S = 5.0  # without a heartbeat: gone, to be asked anew
+SILENT_S = 5.0  # without a heartbeat: gone, to be asked again
 STALE_S = 10.0  # of heartbeats alone: it has forgotten what it was asked
 SET_MESSAGE_INTERVAL = 511
 ACCEPTED, IN_PROGRESS = 0, 5
@@ -60,7 +70,7 @@ class MavlinkSession:
         self._next_heartbeat = 0.0
         self._heard = -SILENT_S  # when the last heartbeat came
         self._known_reboots = 0
-        self._told_at = 0.0  # when the last record came
+        self._record_at = 0.0  # when the last record came
         self._to_ask: deque[int] = deque()
         self._tries = 0
         self._until: float | None = None  # an answer is waited for
@@ -70,12 +80,12 @@ class MavlinkSession:
         """Take what has come."""
         heartbeats = self._decoder.heartbeats
         for record in self._decoder.feed(data, round(now * 1e9)):
-            self._told_at = now
+            self._record_at = now
             if isinstance(record, CommandAnswer) and record.command == SET_MESSAGE_INTERVAL:
                 self._answered(record.result, now)
         if self._decoder.heartbeats > heartbeats:
-            is_anew = now - self._heard >= SILENT_S or self._decoder.clock.reboots != self._known_reboots
-            if is_anew or (self._until is None and now - self._told_at >= STALE_S):
+            is_restarted = now - self._heard >= SILENT_S or self._decoder.clock.reboots != self._known_reboots
+            if is_restarted or (self._until is None and now - self._record_at >= STALE_S):
                 self._begin(now)
             self._heard = now
 
@@ -94,7 +104,7 @@ class MavlinkSession:
         return out
 
     def _begin(self, now: float) -> None:
-        self._known_reboots, self._told_at = self._decoder.clock.reboots, now
+        self._known_reboots, self._record_at = self._decoder.clock.reboots, now
         self._to_ask, self._tries = deque(WANTED), 0
         self.asked.clear()
         self._ask(now)
@@ -129,3 +139,42 @@ class MavlinkSession:
     def _say(self, message: "dialect.MAVLink_message") -> None:
         self._out.append(message.pack(self._mav))
         self._mav.seq = (self._mav.seq + 1) % 256
+
+
+class MavlinkPort:
+    """Bytes as they come; `drivers.port_interface.Port`."""
+
+    def __init__(self, line: Port, session: MavlinkSession) -> None:
+        self._line, self.session = line, session
+
+    def read(self, max_bytes: int) -> bytes:
+        """Return what has come, empty after the timeout; say what is due."""
+        if out := self.session.due(time.monotonic()):
+            with contextlib.suppress(LinkLost):  # the read that follows says so, after what had still come
+                self._line.write(out)
+        data = self._line.read(max_bytes)
+        if data:
+            self.session.hear(data, time.monotonic())
+        return data
+
+    def write(self, data: bytes) -> None:
+        """Send ``data`` whole."""
+        self._line.write(data)
+
+    def close(self) -> None:
+        """Give the port back."""
+        self._line.close()
+
+
+def open_mavlink(address: MavlinkAddress, timeout_s: float) -> MavlinkPort:
+    """Open the link that an address names; raises what its port raises, `BadDeviceUrl` for a bad key file."""
+    key = read_key(address.key_file) if address.key_file else None
+    port: Port
+    match address.line:
+        case TcpAddress(host=host, port=number):
+            port = open_tcp(host, number, timeout_s)
+        case SerialAddress(path=path, baud=baud, parity=parity):
+            port = open_serial(path, baud, parity, timeout_s)
+        case UdpAddress(host=host, port=number, listens=listens):
+            port = open_udp(host, number, timeout_s, listens=listens)
+    return MavlinkPort(port, MavlinkSession(address.rate_hz, address.system, key))

@@ -14,7 +14,7 @@ from threading import Condition, Event, Thread
 from typing import TYPE_CHECKING
 
 from drivers.can.frame_record import EXTENDED, IMU, RECORD, WIDE, unpack
-from drivers.simulated.garbled_frames import text_of_records
+from drivers.simulated.corrupted_frames import text_of_records
 from drivers.simulated.serial_and_tcp_lines import STOP_CHECK_S, PtyLine
 
 if TYPE_CHECKING:

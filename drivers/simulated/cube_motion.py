@@ -1,4 +1,4 @@
-"""How the cube moves: rests, flips and hand turns, as rotations about an axis fixed in the cube.
+"""How the cube moves: rests, flips and manual rotations, as rotations about an axis fixed in the cube.
 
 Attitudes ``C_bn`` (3, 3) take East-North-Up to the cube, ``target_C_bn`` (3, 3) is the last one of a move.
 
@@ -119,10 +119,10 @@ def hand_forces(samples: int, period: float, rng: np.random.Generator) -> FloatA
     return accel
 
 
-def knock(
+def shock(
     C_bn: FloatArray, position: int, samples: int, period: float, rng: np.random.Generator, size_g: float
 ) -> Segment:
-    """Return a cube that is knocked or shaken, by random swings of ``size_g`` [g], and does not move."""
+    """Return a cube that is bumped or shaken, by random swings of ``size_g`` [g], and does not move."""
     t = period * np.arange(samples)[:, None]
     hz, phase = rng.uniform(3, 20, (2, 4, 3))
     swings = np.sin(2 * np.pi * hz[:, None] * t + phase[:, None]).sum(axis=0)

@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drivers.simulated.errors import TruthRefused
+from drivers.errors import TruthRefused
+from drivers.simulated.faults import Fault, FaultyLine, Sent
 from drivers.simulated.imu import SimulatedImu
-from drivers.simulated.line_faults import Fault, FaultyLine, Sent
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack
 from drivers.wire import FORMATS, Identity, WireFormat
@@ -36,7 +36,7 @@ class ByteDevice:
     """What a device says, chunk by chunk, and the hands that move it.
 
     ``moves`` are what the hands do by themselves, in order of time; ``moved`` what they answered to those done.
-    ``pps``: a pulse at each whole second of true time is at its input, and it tells of it.
+    ``pps``: a pulse at each whole second of true time is at its input, and its samples report it.
     """
 
     def __init__(
@@ -81,7 +81,7 @@ class ByteDevice:
         said = self._faulty.announce(self._identity) if since == 0 else []
         return [*said, *self._faulty.send(block)]
 
-    def obey(self, command: str) -> str:
+    def execute(self, command: str) -> str:
         """Do what a line says and return the answer, ``ok ...`` or ``error ...``; never raises."""
         with self._lock:
             return self._answer(command)
@@ -92,7 +92,7 @@ class ByteDevice:
             self.imu.drive(track)
 
     def plant(self, kind: str, count: int = 1, seconds: float = 1.0) -> None:
-        """Have a fault act on the first sample not yet taken, see `drivers.simulated.line_faults.KINDS`."""
+        """Have a fault act on the first sample not yet taken, see `drivers.simulated.faults.KINDS`."""
         with self._lock:
             self._faulty.plant(Fault(kind, self.imu.time, count=count, seconds=seconds))
 
@@ -117,11 +117,11 @@ class ByteDevice:
             case ["carry", position, *seconds] if len(seconds) in {2, 3}:
                 imu.carry(int(position), *map(float, seconds))
             case ["lean", x, y, z, *move_s] if len(move_s) < 2:
-                imu.lean(np.array([float(x), float(y), float(z)]), *map(float, move_s))
+                imu.tilt(np.array([float(x), float(y), float(z)]), *map(float, move_s))
             case ["heat", kelvin, tau_s]:
                 imu.heat(float(kelvin), float(tau_s))
             case ["knock", seconds, size_g]:
-                imu.knock(float(seconds), float(size_g))
+                imu.shock(float(seconds), float(size_g))
             case ["creep", seconds, *turn_deg] if len(turn_deg) == 3:
                 imu.creep(float(seconds), _rad(turn_deg))
             case ["turn", axis, direction, revolutions, *rest_s] if len(rest_s) < 2:
@@ -145,22 +145,22 @@ class ByteDevice:
 
 
 def pulsed(wire: WireFormat, clock_ppm: float) -> WireFormat:
-    """Return a format whose samples tell how long before them a pulse of true time came, by the device's clock.
+    """Return a format whose samples report how long before them a pulse of true time came, by the device's clock.
 
     Raises
     ------
     TruthRefused
-        If the format tells of no pulse.
+        If the format reports no pulse.
     """
     pulse, pace = wire.pulse, 1 + 1e-6 * clock_ppm
     if pulse is None:
         has = ", ".join(name for name, each in FORMATS.items() if each.pulse is not None)
         raise TruthRefused(f"a pulse with format {wire.name}", f"a format that reports one: {has}")
 
-    def told(block: CountBlock) -> bytes:
+    def with_pulses(block: CountBlock) -> bytes:
         return pulse.mark(block, (block.device_time / pace) % 1.0 * pace)
 
-    return replace(wire, encode=told)
+    return replace(wire, encode=with_pulses)
 
 
 def _rad(degrees: list[str]) -> FloatArray:

@@ -11,18 +11,18 @@ from typing import Any, TypeVar
 import numpy as np
 
 from drivers.simulated.bench_in_memory import PoweredUnit, turn_segment
-from drivers.simulated.carried_by_hand import carry
-from drivers.simulated.cube_motion import Segment, creep, flip, knock, rest, settle
+from drivers.simulated.cube_motion import Segment, creep, flip, rest, settle, shock
+from drivers.simulated.handling_motion import carry
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack, drive
 from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.plan_steps import Turn
 from procedures.counts.sample_records import CountBlock, RateBlock
 from procedures.frames import ATTITUDES, rotation
-from procedures.rests_and_moves.free_attitudes import C_bn_of_up
+from procedures.free_positions.free_attitudes import C_bn_of_up
 
 Z_UP_POSITION = 9  # the position with z up, as which it is carried
-LEAN_STD_DEG = 3.0  # how far off a free attitude is set by hand
+TILT_STD_DEG = 3.0  # how far off a free attitude is set by hand
 COUNT_PER_RAD, COUNT_PER_G_S = np.degrees(36000.0), 1000.0  # usual scale factors, see `SimulatedImu.read_rates`
 MAX_TREMOR_DEG_S = 500.0
 A = TypeVar("A", IntArray, FloatArray)
@@ -94,11 +94,11 @@ class SimulatedImu(PoweredUnit):
         self._append(move, settling, rest(C_bn, None, position, settling.samples or 0))
         self.position = position
 
-    def lean(self, up_b: FloatArray, move_s: float = 45.0) -> None:
+    def tilt(self, up_b: FloatArray, move_s: float = 45.0) -> None:
         """Prop the cube so that ``up_b`` (3,), its own axes, about points up, as well as hands do it."""
         if not np.isfinite(up_b).all() or not np.linalg.norm(up_b):
             raise ValueError(f"lean {up_b}: expected a way that can point up")
-        missed = np.radians(LEAN_STD_DEG) * self._scatter * self._hands.standard_normal(3)
+        missed = np.radians(TILT_STD_DEG) * self._scatter * self._hands.standard_normal(3)
         heading = self._hands.uniform(0, 2 * np.pi)
         C_bn = rotation(missed) @ C_bn_of_up(up_b, heading)
         move = flip(self._segments[-1].C_bn, C_bn, self._samples(move_s), self.truth.sample_period_s, self._hands)
@@ -111,10 +111,10 @@ class SimulatedImu(PoweredUnit):
             raise ValueError(f"heat by {kelvin} K in {tau_s} s: expected up to 100 K and 0 to 1e6 s")
         self.sensor.heat(self.time, kelvin, tau_s)
 
-    def knock(self, seconds: float, size_g: float) -> None:
+    def shock(self, seconds: float, size_g: float) -> None:
         """Knock or shake the cube where it stands."""
         last, samples = self._segments[-1], self._samples(seconds)
-        shaken = knock(last.C_bn, self.position, samples, self.truth.sample_period_s, self._hands, size_g)
+        shaken = shock(last.C_bn, self.position, samples, self.truth.sample_period_s, self._hands, size_g)
         self._append(shaken, rest(last.C_bn, None, self.position, samples))
 
     def creep(self, seconds: float, turn_b: FloatArray) -> None:

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import pytest
 
 if TYPE_CHECKING:
-    from drivers.simulated.camera_server import SimulatedCamera
-    from drivers.simulated.gnss_server import SimulatedGnss
+    from drivers.simulated.companions.camera_server import SimulatedCamera
+    from drivers.simulated.companions.gnss_server import SimulatedGnss
     from drivers.simulated.server import SimulatedDevice
     from drivers.simulated.truth import Truth
 
@@ -50,9 +50,9 @@ def simulated_can_imu(request: pytest.FixtureRequest) -> Iterator[SimulatedDevic
 @pytest.fixture
 def simulated_gnss(request: pytest.FixtureRequest) -> Iterator[SimulatedGnss]:
     """Serve an autopilot with a GNSS receiver; beside the test's simulated IMU, on its truth and clock."""
-    from drivers.simulated.autopilot_truth import AutopilotTruth
-    from drivers.simulated.gnss_server import SimulatedGnss
-    from drivers.simulated.timed_faults import TimedFault, gnss_faults_from
+    from drivers.simulated.companions.gnss_server import SimulatedGnss
+    from drivers.simulated.companions.truths import AutopilotTruth
+    from drivers.simulated.faults import TimedFault, gnss_faults_from
 
     settings = _settings(request, "simulated_gnss")
     beside = _imu_of(request)
@@ -67,9 +67,9 @@ def simulated_gnss(request: pytest.FixtureRequest) -> Iterator[SimulatedGnss]:
 @pytest.fixture
 def simulated_camera(request: pytest.FixtureRequest) -> Iterator[SimulatedCamera]:
     """Serve a camera over HTTP; beside the test's simulated IMU, on its truth and clock."""
-    from drivers.simulated.camera_server import SimulatedCamera
-    from drivers.simulated.camera_truth import CameraTruth
-    from drivers.simulated.timed_faults import TimedFault, camera_faults_from
+    from drivers.simulated.companions.camera_server import SimulatedCamera
+    from drivers.simulated.companions.truths import CameraTruth
+    from drivers.simulated.faults import TimedFault, camera_faults_from
 
     settings = _settings(request, "simulated_camera")
     beside = _imu_of(request)
@@ -81,7 +81,7 @@ def simulated_camera(request: pytest.FixtureRequest) -> Iterator[SimulatedCamera
 
 
 def _served(request: pytest.FixtureRequest, name: str, usual: Mapping[str, Any]) -> Iterator[SimulatedDevice]:
-    from drivers.simulated.line_faults import Fault, faults_from
+    from drivers.simulated.faults import Fault, faults_from
     from drivers.simulated.server import SimulatedDevice
 
     settings = {"seed": 1, "speed": AS_FAST_AS_READ, **usual, **_settings(request, name)}

@@ -1,6 +1,6 @@
 """The lines of simulated devices: pty, TCP and UDP.
 
-``write`` waits for room until told to stop. Nothing blocks in ``exchange``; what finds no room is lost.
+``write`` waits for room until it is stopped. Nothing blocks in ``exchange``; what finds no room is lost.
 
 Facts of Linux ptys, measured: without a reader the kernel takes 17408 bytes; the server keeps the far end open
 itself, so that a reader may come and go; closing the near end is what a reader sees as unplugged.

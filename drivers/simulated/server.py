@@ -1,9 +1,11 @@
-"""Serves a simulated device's bytes on a pty or a TCP port, and its hands on a control port, loopback by default.
+"""Serves a simulated device's bytes on a pty or a TCP port, and its cube's motion on a control port.
+
+Loopback by default.
 
 Paced by absolute deadlines, ``speed`` times device time; speed 0 or inf is as fast as the reader takes. When the
 reader does not read, device time waits (nothing is lost but what a fault loses). It also waits for a guide that
 says what it has seen and falls behind: its judgements do not depend on how busy the machine is. A device that fell
-behind by more than `MAX_BEHIND_S` restarts its pace instead of hurrying after it.
+behind by more than `MAX_BEHIND_S` restarts its schedule instead of hurrying after it.
 """
 
 import contextlib
@@ -18,12 +20,12 @@ from urllib.parse import urlencode
 
 import numpy as np
 
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
+from drivers.simulated.bench_control import BenchControl
 from drivers.simulated.can_lines import SlcanAdapter, UdpMulticastLine
 from drivers.simulated.device import MAX_CHUNK_SAMPLES, ByteDevice, ScheduledMove
-from drivers.simulated.line_faults import Fault, Sent, Silence
+from drivers.simulated.faults import Fault, Sent, Silence
 from drivers.simulated.serial_and_tcp_lines import PtyLine, TcpLine
-from drivers.simulated.simulated_hands import SimulatedHands
 from drivers.simulated.truth import Truth
 from drivers.wire import WireFormat
 
@@ -62,7 +64,7 @@ class SimulatedDevice:
     moves
         What the hands do by themselves, in order of time.
     pps
-        A pulse a second of true time is at its input, and its format tells of it.
+        A pulse a second of true time is at its input, and its format reports it.
     hold
         Do not begin before the hands say ``go``: what they command first is then exact to the sample.
     """
@@ -93,9 +95,9 @@ class SimulatedDevice:
             from drivers.can.can_format import can_format  # cantools takes 0.15 s to import
 
             wire = can_format(dbc, mapping, truth.sample_period_s)
-            told = {"period_s": f"{truth.sample_period_s:.9g}", "dbc": dbc, "map": mapping}
-            told |= {"port": f"{port}" if transport == "udp_multicast" and port else ""}
-            self._options = {name: value for name, value in told.items() if value}
+            options = {"period_s": f"{truth.sample_period_s:.9g}", "dbc": dbc, "map": mapping}
+            options |= {"port": f"{port}" if transport == "udp_multicast" and port else ""}
+            self._options = {name: value for name, value in options.items() if value}
         self.device = ByteDevice(truth, seed, wire, faults, moves, pps=pps)
         self.truth, self.seed = self.device.truth, seed
         self._speed = speed if np.isfinite(speed) and speed > 0 else 0.0
@@ -104,7 +106,7 @@ class SimulatedDevice:
         if not hold:
             self._go.set()
         self._control: _ControlServer | None = None
-        self._hands: SimulatedHands | None = None
+        self._hands: BenchControl | None = None
         self._threads: list[Thread] = []
         self.failure: Exception | None = None
         self._true_period = self.truth.sample_period_s / (1 + 1e-6 * self.device.imu.world.clock_ppm)
@@ -134,13 +136,13 @@ class SimulatedDevice:
         return self._sent * self.truth.sample_period_s
 
     def plant(self, kind: str, count: int = 1, seconds: float = 1.0) -> None:
-        """Have a fault act from now on, see `drivers.simulated.line_faults.KINDS`."""
+        """Have a fault act from now on, see `drivers.simulated.faults.KINDS`."""
         self.device.plant(kind, count, seconds)
 
     @property
-    def hands(self) -> SimulatedHands:
+    def hands(self) -> BenchControl:
         """The hands, called at their control address; hung up when the device ends."""
-        self._hands = self._hands or SimulatedHands(self.control)
+        self._hands = self._hands or BenchControl(self.control)
         return self._hands
 
     @property
@@ -203,7 +205,7 @@ class SimulatedDevice:
             case ["seen", seen] if seen.replace(".", "", 1).isdecimal():
                 self._seen = float(seen), time.monotonic()
                 return "ok"
-        return self.device.obey(command)
+        return self.device.execute(command)
 
     def _run(self) -> None:
         self._go.wait()
@@ -263,7 +265,7 @@ def _line(transport: str, link: Path | None, host: str, port: int) -> PtyLine | 
 
 
 def serve(device: SimulatedDevice, announce: Callable[[SimulatedDevice], None]) -> None:
-    """Serve ``device`` until interrupted; ``announce`` is told once it can be opened."""
+    """Serve ``device`` until interrupted; ``announce`` is called once it can be opened."""
     with device, contextlib.suppress(KeyboardInterrupt):
         announce(device)
         device.wait()
@@ -274,8 +276,8 @@ class _ControlServer(socketserver.ThreadingTCPServer):
     daemon_threads = True
     block_on_close = False
 
-    def __init__(self, address: tuple[str, int], obey: Callable[[str], str]) -> None:
-        self.obey = obey
+    def __init__(self, address: tuple[str, int], execute: Callable[[str], str]) -> None:
+        self.execute = execute
         super().__init__(address, _Conversation)
 
 
@@ -285,7 +287,7 @@ class _Conversation(socketserver.StreamRequestHandler):
     def handle(self) -> None:
         with contextlib.suppress(ConnectionError):
             while line := self.rfile.readline(MAX_COMMAND_BYTES):
-                answer = self.server.obey(line.decode("utf-8", "replace").strip())
+                answer = self.server.execute(line.decode("utf-8", "replace").strip())
                 self.wfile.write(answer.encode() + b"\n")
 
 

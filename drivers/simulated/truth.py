@@ -4,6 +4,9 @@ Field names are the keys of the TOML file and carry their units. Triads follow `
 Yao, Hu, He 2018, eq. (1), (2): u in g and deg/s, IMU axes; E rows = sensor. Faces and slab as in
 `procedures.frames`: faces by `procedures.frames.FACES`, slab tilt as East and North components of the up
 vector seen from the slab.
+
+`World` is the bench built from a `Truth`: bench and procedure effects replace its fields. What a campaign *states*
+is the truth's value, what the sensors *feel* is the world's.
 """
 
 import tomllib
@@ -13,10 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from drivers.simulated.errors import TruthRefused
+from drivers.errors import TruthRefused
 from procedures.arrays import FloatArray
-from procedures.earth.gravity_and_rate import normal_gravity
-from procedures.frames import TRIADS
+from procedures.earth.geodesy import earth_rate_n, normal_gravity
+from procedures.frames import FACES, TRIADS, C_bn, face_normal, face_of, rotation, vertical_rotation
 from procedures.units import DEG_H_PER_DEG_S, STANDARD_GRAVITY
 
 Sizes = Mapping[str, float]
@@ -88,7 +91,7 @@ class Truth:
     slab_azimuth_rad: float = 0.0
     """How far the slab's North mark points east of true north."""
     heading_std_deg: float = 0.05
-    """Operator's scatter of a position's heading, 1 sigma, one draw per placing."""
+    """Operator's scatter of a position's heading, 1 sigma, one draw per placement."""
     closure_std_deg: float = 0.01
     """How well a turn comes back to where it began, 1 sigma, one draw per turn."""
     settle_rad: float = 2e-5
@@ -192,7 +195,7 @@ def truth_from(table: Mapping[str, Any], base: Truth | None = None) -> Truth:
     values: dict[str, Any] = {}
     for key, value in table.items():
         if key == "fault":
-            continue  # ``drivers.simulated.line_faults`` reads it from the same file
+            continue  # ``drivers.simulated.faults`` reads it from the same file
         if key not in accepted:
             raise TruthRefused(f"key {key!r}", ", ".join(accepted))
         values[key] = _converted(key, value)
@@ -261,3 +264,65 @@ def _size(name: str, key: str, size: Any) -> float:
     if isinstance(size, bool) or not isinstance(size, (int, float)) or not np.isfinite(size):
         raise TruthRefused(f"effects.{name}.{key} = {size!r}", "a finite number")
     return float(size)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class World:
+    """Site, slab, cube and seats; SI and radians.
+
+    ``faces`` (6, 2) [rad] by `procedures.frames.FACES`; ``C_sb`` (3, 3) cube axes to IMU axes; ``seatings``
+    rotation vectors (3,) [rad] in cube axes by position; ``labels`` the position where the cube truly is, by
+    the one recorded; ``clock_ppm`` how fast the device's clock runs. ``heading_std``, ``closure_std`` and
+    ``seat_std`` [rad] are 1 sigma by which headings, closures and seats scatter beyond what is stated.
+    """
+
+    latitude: float
+    gravity: float
+    magnetic_n: FloatArray
+    faces: FloatArray
+    slab_tilt: FloatArray
+    azimuth: float
+    C_sb: FloatArray
+    seatings: Mapping[int, FloatArray] = field(default_factory=dict)
+    labels: Mapping[int, int] = field(default_factory=dict)
+    clock_ppm: float = 0.0
+    heading_std: float = 0.0
+    closure_std: float = 0.0
+    seat_std: float = 0.0
+
+    @property
+    def f_n(self) -> FloatArray:
+        """Specific force at rest (3,) [g], East-North-Up."""
+        return np.array([0.0, 0.0, self.gravity / STANDARD_GRAVITY])
+
+    @property
+    def omega_ie_n(self) -> FloatArray:
+        """Earth rate (3,) [deg/s], East-North-Up."""
+        omega: FloatArray = np.degrees(earth_rate_n(self.latitude))
+        return omega
+
+    def attitude(self, position: int, heading: float = 0.0, seated: bool = True) -> FloatArray:
+        """Return ``C_bn`` (3, 3), East-North-Up to the cube, when asked to rest in ``position`` 1..24.
+
+        ``heading`` [rad] counter-clockwise from nominal. A planted seating error or wrong label acts only when
+        ``seated``: a turn begins from a seat of its own.
+        """
+        actual = self.labels.get(position, position) if seated else position
+        up_tilt = self.faces[FACES.index(face_of(actual))]
+        C = C_bn(actual, self.slab_tilt, up_tilt, heading) @ vertical_rotation(self.azimuth)
+        if seated and position in self.seatings:
+            return rotation(self.seatings[position]) @ C
+        return C
+
+    def slab_normal_n(self) -> FloatArray:
+        """Return the slab's normal (3,), East-North-Up: the axis of every hand turn."""
+        from_east, from_north = self.slab_tilt
+        # up seen from the slab is (e, n, ..): the normal seen from level leans the other way
+        C_nl = vertical_rotation(-self.azimuth) @ rotation(np.array([from_north, -from_east, 0.0]))
+        normal_n: FloatArray = C_nl[:, 2]
+        return normal_n
+
+
+def imu_from_cube(imu_axes: tuple[str, str, str]) -> FloatArray:
+    """Return the rotation ``C_sb`` (3, 3): its rows are the cube axes, such as ``-y``, of IMU x, y, z."""
+    return np.array([face_normal(f"{name[1]}_{'up' if name[0] == '+' else 'down'}") for name in imu_axes])

@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
+from drivers.errors import TruthRefused
 from drivers.simulated.cube_motion import Segment
-from drivers.simulated.errors import TruthRefused
 from procedures.arrays import FloatArray
 from procedures.units import STANDARD_GRAVITY
 

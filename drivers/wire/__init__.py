@@ -1,7 +1,13 @@
-"""The wire formats: to add one, write its file and name it in `FORMATS`; the family tests pick it up."""
+"""The wire formats, each a file: the bytes of a device to blocks of counts, and back.
 
-from drivers.wire import ch70, counts, kvh1750, novatel_raw_imu, stim300, triad
-from drivers.wire._format import (
+A file describes frames by `wire_format` and gives its ``FORMATS``; `MODULES` lists the files, so that a new format
+is one file and one line. NovAtel's take three: `novatel` (the logs and their text form), `novatel_binary` and
+`novatel_lines` (many lines at once). `drivers.framing` finds the frames in a stream.
+"""
+
+from importlib import import_module
+
+from drivers.wire.wire_format import (
     ALL_CHANNELS,
     FrameCounters,
     FrameKind,
@@ -13,16 +19,16 @@ from drivers.wire._format import (
     WireFormat,
 )
 
+MODULES = (  # files of this folder, in the order in which bytes of an unknown format are compared with them
+    "novatel",
+    "counts",
+    "stim300",
+    "kvh1750",
+    "ch70",
+    "triad",
+)
 FORMATS: dict[str, WireFormat] = {
-    wire.name: wire
-    for wire in (
-        *novatel_raw_imu.FORMATS,
-        counts.FORMAT,
-        stim300.FORMAT,
-        kvh1750.FORMAT,
-        ch70.FORMAT,
-        triad.FORMAT,
-    )
+    wire.name: wire for name in MODULES for wire in import_module(f"drivers.wire.{name}").FORMATS
 }
 
 __all__ = [

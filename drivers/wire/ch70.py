@@ -12,7 +12,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.wire._format import FrameKind, Frames, NominalScale, Octets, WireFormat, fits
+from drivers.wire.wire_format import FrameKind, Frames, NominalScale, Octets, WireFormat, fits
 from procedures.arrays import IntArray
 from procedures.counts.sample_records import CountBlock
 from procedures.units import RAD_PER_DEG
@@ -106,3 +106,4 @@ FORMAT = WireFormat(
     scales=MappingProxyType({SCALE.model: SCALE}),
     example=bytes.fromhex("802f6f02000042100313"),  # 1 deg/s at 25 degC, from the sheet's table
 )
+FORMATS = (FORMAT,)

@@ -8,7 +8,7 @@ import zlib
 
 import numpy as np
 
-from drivers.wire._format import FrameKind, Frames, Identity, Octets, WireFormat, fits, seal
+from drivers.wire.wire_format import FrameKind, Frames, Identity, Octets, WireFormat, fits, seal
 from procedures.counts.sample_records import CountBlock
 
 SYNC = b"\xeb\x90"  # IRIG 106's 16-bit frame synchronisation pattern: few partial matches with itself
@@ -77,8 +77,8 @@ def encode(block: CountBlock) -> bytes:
     return encode_as(IMU, block, FAULT_BITS, INTERNAL_FAULT)
 
 
-def encode_as(kind: FrameKind, block: CountBlock, fault_bits: int, unsaid_fault: int) -> bytes:
-    """Return a block in frames of a kind; an unhealthy sample without a fault bit gets ``unsaid_fault``."""
+def encode_as(kind: FrameKind, block: CountBlock, fault_bits: int, default_fault: int) -> bytes:
+    """Return a block in frames of a kind; an unhealthy sample without a fault bit gets ``default_fault``."""
     frames = np.zeros(len(block), kind.dtype)
     frames["sync"] = np.frombuffer(kind.prefix[:2], np.uint8)
     frames["kind"], frames["length"] = kind.prefix[2:4]
@@ -92,7 +92,7 @@ def encode_as(kind: FrameKind, block: CountBlock, fault_bits: int, unsaid_fault:
         unknown, NO_TEMPERATURE, fits(hundredths, -32767, 32767, "temperature in 0.01 degC")
     )
     status = fits(block.status, 0, 2**16 - 1, "status")
-    frames["status"] = status | np.where(~block.healthy & ((status & fault_bits) == 0), unsaid_fault, 0)
+    frames["status"] = status | np.where(~block.healthy & ((status & fault_bits) == 0), default_fault, 0)
     return seal(frames, crc)
 
 
@@ -145,3 +145,4 @@ FORMAT = WireFormat(
         "ffffffff 14000000 00000080 e909 0001 933a2d85"
     ),
 )
+FORMATS = (FORMAT,)

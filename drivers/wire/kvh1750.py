@@ -11,8 +11,7 @@ Other makers' boards open frames of other lengths with the same header: only the
 
 import numpy as np
 
-from drivers.wire import mpeg2
-from drivers.wire._format import FrameKind, Frames, WireFormat, fits, seal
+from drivers.wire.wire_format import FrameKind, Frames, WireFormat, fits, mpeg2_crc, mpeg2_is_intact, seal
 from procedures.arrays import FloatArray
 from procedures.counts.sample_records import RateBlock
 
@@ -74,7 +73,7 @@ def encode(block: RateBlock) -> bytes:
     frames["status"] = np.where(block.healthy, VALID, 0)
     frames["sequence"] = fits(block.counter, 0, 2**63 - 1, "counter") % SEQUENCE_MODULUS
     frames["temperature"] = fits(np.rint(block.temperature), -(2**15), 2**15 - 1, "temperature")
-    return seal(frames, mpeg2.crc)
+    return seal(frames, mpeg2_crc)
 
 
 FORMAT = WireFormat(
@@ -87,7 +86,7 @@ FORMAT = WireFormat(
     others=(A, C),
     check="CRC-32/MPEG-2 over everything before it",
     check_bits=32,
-    is_intact=mpeg2.is_intact,
+    is_intact=mpeg2_is_intact,
     decode=decode,
     encode=encode,
     carries=frozenset({"counter", "device_time", "temperature", "healthy"}),
@@ -101,3 +100,4 @@ FORMAT = WireFormat(
         "fe81ff56 bc646c1e3c3ff9813b3c1e78 bc065fb7bb2fbd793f7e9800 000f4240 7747 0014 bf1cbc13"
     ),
 )
+FORMATS = (FORMAT,)

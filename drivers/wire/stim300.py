@@ -16,8 +16,17 @@ from typing import Any
 
 import numpy as np
 
-from drivers.wire import mpeg2
-from drivers.wire._format import FrameKind, Frames, NominalScale, PulseForm, WireFormat, fits, seal
+from drivers.wire.wire_format import (
+    FrameKind,
+    Frames,
+    NominalScale,
+    PulseForm,
+    WireFormat,
+    fits,
+    mpeg2_crc,
+    mpeg2_is_intact_padded,
+    seal,
+)
 from procedures.arrays import FloatArray, IntArray
 from procedures.counts.sample_records import CountBlock
 from procedures.units import RAD_PER_DEG
@@ -123,7 +132,7 @@ def encode(block: CountBlock) -> bytes:
         frames[f"{name}_temp_status"] = np.where(unknown, INTEGRITY_BIT, 0)
     ticks = fits(np.rint(block.device_time * TICKS_HZ), 0, 2**53, "device_time in ticks")
     frames["counter"] = ticks % COUNTER_MODULUS
-    return seal(frames, lambda body: mpeg2.crc(bytes(body) + bytes(-len(body) % 4)))
+    return seal(frames, lambda body: mpeg2_crc(bytes(body) + bytes(-len(body) % 4)))
 
 
 IMU = KINDS[0xAF]
@@ -132,14 +141,14 @@ MAX_PULSE_AGE_US = 1_500_000  # us: an older pulse is no longer one a second
 
 
 def pulse_age(data: bytes) -> float | None:
-    """Return how long [s] before the last sample in ``data`` a pulse came, as the field PPS tells it in us.
+    """Return how long [s] before the last sample in ``data`` a pulse came, as the field PPS has it in us.
 
     Source: TS1524 rev. 31, 7.5.2.2.15, equation 7: output "time since detection". None where the last datagram
     that is whole has no such field, its status is not 0, or the pulse is too old or not there (negative).
     """
     for at in range(len(data) - 1, -1, -1):
         kind = KINDS.get(data[at])
-        if kind is not None and len(data) - at >= kind.size and mpeg2.is_intact_padded(data[at : at + kind.size]):
+        if kind is not None and len(data) - at >= kind.size and mpeg2_is_intact_padded(data[at : at + kind.size]):
             if data[at] not in TIMED:
                 return None
             (frame,) = np.frombuffer(data[at : at + kind.size], kind.dtype)
@@ -149,12 +158,12 @@ def pulse_age(data: bytes) -> float | None:
 
 
 def with_pulses(block: CountBlock, ages: FloatArray) -> bytes:
-    """Return a block as `encode` does, in datagrams F7, whose PPS tells ``ages`` (n,) [s]."""
+    """Return a block as `encode` does, in datagrams F7, whose PPS holds ``ages`` (n,) [s]."""
     frames = np.frombuffer(encode(block), FRAME).copy()
     frames["id"] = 0xF7
     microseconds = fits(np.rint(ages * 1e6), 0, INT24 - 1, "time since the pulse in us")
     frames["pps"] = np.stack([microseconds >> shift & 0xFF for shift in (16, 8, 0)], axis=-1)
-    return seal(frames, lambda body: mpeg2.crc(bytes(body) + bytes(-len(body) % 4)))
+    return seal(frames, lambda body: mpeg2_crc(bytes(body) + bytes(-len(body) % 4)))
 
 
 SHIFTS = {
@@ -176,7 +185,7 @@ FORMAT = WireFormat(
     trailer=b"\r\n",
     check="CRC-32/MPEG-2 over everything before it and zero bytes to a multiple of 4",
     check_bits=32,
-    is_intact=mpeg2.is_intact_padded,
+    is_intact=mpeg2_is_intact_padded,
     decode=decode,
     encode=encode,
     carries=frozenset({"device_time", "temperature", "healthy"}),
@@ -192,3 +201,4 @@ FORMAT = WireFormat(
         "239523b6239500 ffef0200 e1 01fa c64942c6"
     ),
 )
+FORMATS = (FORMAT,)

@@ -13,7 +13,7 @@ import numpy as np
 
 from drivers.host_times import HINDSIGHT_S
 from drivers.wire import counts
-from drivers.wire._format import FrameKind, WireFormat, seal
+from drivers.wire.wire_format import FrameKind, WireFormat, seal
 from procedures.counts.sample_records import CountBlock
 
 SYNC = b"\x9d\x3a"
@@ -83,3 +83,4 @@ FORMAT = WireFormat(
     # made by `encode`: sample 7 at 1 s, counts 1, -2, 3, 25 degC
     example=bytes.fromhex("9d3a0124 07000000 00ca9a3b00000000 01000000feffffff03000000 c409 0000 214d176e"),
 )
+FORMATS = (FORMAT,)

@@ -13,7 +13,7 @@ from procedures.campaign.campaign import Campaign, RestRecord
 from procedures.campaign.observations import channel
 from procedures.frames import TRIADS
 from procedures.inference.result import CERTAIN, Finding, probability_of
-from procedures.statistics.tail_probabilities import log_f_sf
+from procedures.statistics.significance import log_f_sf
 
 
 @dataclass(frozen=True, slots=True, eq=False)

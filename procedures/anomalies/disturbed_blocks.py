@@ -13,9 +13,9 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from procedures.arrays import FloatArray, IntArray
+from procedures.counts.count_noise import MIN_WHITE_NOISE, WHITE_LAG_SAMPLES, lag_sums
 from procedures.counts.count_rate import MIN_DWELL_SAMPLES, estimate_counts
-from procedures.counts.white_count_noise import MIN_WHITE_NOISE, WHITE_LAG_SAMPLES, lag_sums
-from procedures.statistics.tail_probabilities import log_chi2_sf
+from procedures.statistics.significance import log_chi2_sf
 
 GOLDEN_RATIO = (np.sqrt(5) - 1) / 2
 SLOPE_ITERATIONS = 20  # the bracket shrinks to 1e-4 of a count

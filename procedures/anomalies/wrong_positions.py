@@ -17,7 +17,7 @@ from procedures.arrays import BoolArray, FloatArray
 from procedures.bench.sign_errors import earth_signs, reversed_axes
 from procedures.campaign.campaign import Campaign, DwellRecord, TurnRecord
 from procedures.campaign.observations import channel
-from procedures.counts.rate_output_mean import estimate_rates
+from procedures.counts.dwell_means import estimate_rates
 from procedures.counts.sample_records import CountSeries
 from procedures.earth.gyrocompass import first_position
 from procedures.frames import AXES, FACES, POSITIONS, face_normal, face_of
@@ -26,7 +26,7 @@ from procedures.inference.result import CERTAIN, EffectTest, Finding, probabilit
 
 EFFECT = "placement.label"
 SEED, DRAWS = 20181218, 400  # of the sample consensus: always the same
-MAX_RESIDUAL_G = 0.2  # g, as in `procedures.bench.face_check`: far above any tilt, far below a wrong face
+MAX_RESIDUAL_G = 0.2  # g, as in `procedures.bench.position_checks`: far above any tilt, far below a wrong face
 MIN_AGREEING_SHARE = 0.5  # of the dwells that must agree
 MIN_DWELLS = 5  # dwells: four are fitted by anything
 MIN_LOG_LIKELIHOOD_RATIO = (

@@ -25,7 +25,7 @@ from procedures.evidence.residual_rows import KINDS, Evidence
 from procedures.frames import TRIADS
 from procedures.inference.base_model import BenchModel
 from procedures.inference.result import DeclaredEffect, TableSensor
-from procedures.statistics.singular_values import left_singular
+from procedures.statistics.least_squares import left_singular
 
 SAME = 0.98  # correlation, beside the model, from which on two effects are one in a design
 ABSORBED = 1e-6  # of a column, below which the model holds it already

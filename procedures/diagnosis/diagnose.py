@@ -32,6 +32,7 @@ from procedures.errors import DoesNotFit, MoveContradicts, NotObservable, Proced
 from procedures.evidence.linear_model import LinearFit, fit_linear
 from procedures.evidence.refit import Refit
 from procedures.evidence.residual_patterns import global_log_p, left_patterns, within_dwells
+from procedures.free_positions.rest_detection import motion_within
 from procedures.inference.base_model import BaseModel, BenchModel
 from procedures.inference.held_out_errors import left_out_groups, residual_rms
 from procedures.inference.infer import Inferred, infer
@@ -48,10 +49,9 @@ from procedures.inference.result import (
     verdict_of,
     with_file_names,
 )
-from procedures.rests_and_moves.rest_detection import motion_within
 from procedures.samples.held_samples import known_scales
 from procedures.samples.sample_effects import with_sample_effects
-from procedures.uncertainty.clock_rate_sigma import with_clock
+from procedures.uncertainty.budget import with_clock
 
 REPEAT_CAMPAIGN = (
     "the same campaign in another order, on another day: an error that does not repeat is no error term"

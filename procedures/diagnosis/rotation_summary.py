@@ -17,10 +17,10 @@ from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, TurnRecord
 from procedures.campaign.observations import channel
 from procedures.counts.sample_records import CountSeries, Series
-from procedures.dwells_and_turns.hand_turns import END_REST_S
-from procedures.dwells_and_turns.move_rotation import move_rotations, padded_moves
 from procedures.frames import AXES, face_normal, face_of, rotation_vector
-from procedures.rests_and_moves.sequences import SegmentedSequence, segment
+from procedures.free_positions.gyroscopes_from_moves import SegmentedSequence, segment
+from procedures.twelve_positions.manual_rotations import END_REST_S
+from procedures.twelve_positions.transfer_rotation import move_rotations, padded_moves
 from procedures.units import STANDARD_GRAVITY
 
 AT_REST = 0.001  # of the fastest rate: faster moves

@@ -18,7 +18,7 @@ from procedures.evidence.refit import Refit, iterate
 from procedures.evidence.residual_rows import evidence_of
 from procedures.evidence.thermal_soaks import BLOCK_S, MIN_BLOCKS, soaks_seen
 from procedures.inference.result import TableSensor
-from procedures.statistics.tail_probabilities import log_chi2_sf
+from procedures.statistics.significance import log_chi2_sf
 
 LONG_REST_S = 2 * MIN_BLOCKS * BLOCK_S  # of a dwell that is a soak too
 

@@ -14,13 +14,13 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.calibration.joint_calibration import CampaignFits
-from procedures.dwells_and_turns.bench_parameters import BenchParameters, tilt_names
 from procedures.effects.effect import Columns, Effect
 from procedures.errors import DoesNotFit, ProcedureError
 from procedures.evidence.linear_model import LinearFit, Term, fit_linear
 from procedures.evidence.rate_points import STD_PER_MAD
 from procedures.evidence.residual_rows import Evidence
 from procedures.frames import TRIADS
+from procedures.twelve_positions.bench_parameters import BenchParameters, tilt_names
 from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
 
 # g, deg/s: 1 sigma of a dwell of the grade the ranges are for

@@ -17,7 +17,6 @@ from procedures.calibration.joint_calibration import CampaignFits, fit_reduced
 from procedures.calibration.reduced_steps import ReducedSteps
 from procedures.campaign.campaign import Campaign, MoveRecord
 from procedures.counts.sample_records import CountSeries
-from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.effects.effect import Columns, turned_columns
 from procedures.effects.time_constant import LOG_RANGE, with_slope
 from procedures.errors import DoesNotFit
@@ -26,6 +25,7 @@ from procedures.evidence.linear_model import LinearFit, Term, fit_linear
 from procedures.evidence.residual_rows import KINDS, Evidence, evidence_of
 from procedures.evidence.row_sums import MoveWeights, move_bins
 from procedures.frames import TRIADS
+from procedures.twelve_positions.accelerometer_fit import TriadFit
 
 Added = tuple[FloatArray | None, MoveWeights, FloatArray | None]
 

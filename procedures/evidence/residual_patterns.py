@@ -14,8 +14,8 @@ from procedures.arrays import BoolArray, FloatArray
 from procedures.evidence.linear_model import LinearFit, variance_classes
 from procedures.evidence.residual_rows import KINDS, Evidence
 from procedures.frames import TRIADS
-from procedures.statistics.tail_probabilities import log_chi2_sf, log_f_sf
-from procedures.uncertainty.given_values import Unexplained
+from procedures.statistics.significance import log_chi2_sf, log_f_sf
+from procedures.uncertainty.sources import Unexplained
 
 MAX_LOG_P = np.log(0.01)
 MAX_STEPS = 3

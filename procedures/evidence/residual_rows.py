@@ -20,9 +20,6 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.calibration.joint_calibration import CampaignFits
-from procedures.dwells_and_turns.gyroscope_model import MovesSeen
-from procedures.dwells_and_turns.gyroscopes_joint_fit import GyroscopeFit
-from procedures.dwells_and_turns.twelve_position import RestFit, TriadFit
 from procedures.effects.effect import Columns, Excitation, ExcitationStep
 from procedures.evidence.excitation import (
     NodeBuilder,
@@ -36,6 +33,9 @@ from procedures.evidence.excitation import (
 from procedures.evidence.row_sums import MoveWeights, NodeWeights, move_parts, row_sums
 from procedures.evidence.thermal_soaks import SoakBlock, SoakLevel, levels, soaks_seen
 from procedures.frames import TRIADS, face_of
+from procedures.twelve_positions.accelerometer_fit import RestFit, TriadFit
+from procedures.twelve_positions.gyroscope_fit import GyroscopeFit
+from procedures.twelve_positions.gyroscope_model import MovesSeen
 from procedures.units import STANDARD_GRAVITY
 
 KINDS = ("mean", "slope", "curvature", "turn", "norm", "prior", "rate", "soak", "move", "level")

@@ -11,7 +11,7 @@ from procedures.effects.effect import Effect
 from procedures.evidence.candidates import Candidate
 from procedures.evidence.residual_rows import Evidence
 from procedures.inference import priors
-from procedures.statistics.singular_values import left_singular
+from procedures.statistics.least_squares import left_singular
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -95,7 +95,7 @@ class Library:
         return Library(tuple(hypotheses), tuple(ways))
 
     def with_noise(self, classes: Iterable[tuple[str, FloatArray]]) -> "Library":
-        """Return the library with classes of rows that may be noisier than stated: columns (n, k) [1], one a row."""
+        """Return the library with classes of rows that may be noisier than stated, columns (n, k) [1]."""
         hypotheses, ways = list(self.hypotheses), list(self.ways)
         for name, E in classes:
             ways.append(Way(len(hypotheses), E, [(0.0, np.arange(E.shape[1]))], rows=np.argmax(E, axis=0)))

@@ -58,9 +58,9 @@ def grid(low: float, high: float) -> np.ndarray:
 
 
 def falling(low: float, high: float) -> np.ndarray:
-    """Return amplitudes (m,) [1] of equal weight: even in the logarithm below 1, beyond it as rare as a Cauchy tail.
+    """Return amplitudes (m,) [1] of equal weight: even in the logarithm below 1, rarer beyond it.
 
-    The density of the logarithm is ``1 / (1 + s)``, whose integral is ``ln(s / (1 + s))``.
+    The density of the logarithm is ``1 / (1 + s)``, a Cauchy tail, whose integral is ``ln(s / (1 + s))``.
     """
     first, last = (np.log(s / (1 + s)) for s in (low, high))
     quantiles = np.exp(first + (last - first) * (np.arange(AMPLITUDES) + 0.5) / AMPLITUDES)

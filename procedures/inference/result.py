@@ -17,7 +17,7 @@ from procedures.evidence.candidates import Candidate
 from procedures.evidence.residual_patterns import LeftPattern
 from procedures.evidence.residual_rows import Evidence
 from procedures.inference.priors import Confidence, word
-from procedures.uncertainty.given_values import ByTriad
+from procedures.uncertainty.sources import ByTriad
 
 Verdict = Literal["consistent", "established", "likely", "ambiguous", "partly", "unexplained"]
 CERTAIN = 1.0  # probability of what stands in the samples, as a value that never changes

@@ -23,6 +23,7 @@ from procedures.frames import AXES, TRIADS
 from procedures.inference.result import Finding, probability_of
 from procedures.samples.sample_blocks import Fitted, SampleBlocks, Scores, fit_scores, scores_of
 from procedures.samples.sample_phases import Phase
+from procedures.statistics.significance import log_chi2_sf, log_f_sf
 from procedures.statistics.spectrum import (
     MAX_LOG_P,
     MEDIAN_OF_EXPONENTIAL,
@@ -31,7 +32,6 @@ from procedures.statistics.spectrum import (
     background_of,
     without_straight_line,
 )
-from procedures.statistics.tail_probabilities import log_chi2_sf, log_f_sf
 from procedures.units import DEG_H_PER_DEG_S
 
 EFFECT = "disturbance.line"

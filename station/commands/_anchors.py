@@ -5,14 +5,14 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from station.commands._optional import signing_libraries
+from station.commands._options import signing_libraries
 from station.text.plural import plural
 
 if TYPE_CHECKING:
     from sqlalchemy.orm import Session
 
-    from fixtures_db.anchor import Anchor
     from fixtures_db.hash_chain import ChainFault
+    from fixtures_db.verification import Anchor
     from station.results.certificate.signing.key_certificate import Trust
 
 STAMP_SUFFIX = ".tsr"
@@ -50,7 +50,7 @@ def read_kept(files: Sequence[Path], trust: "Trust | None") -> list[Kept]:
     kept = [
         _certificate(file, trust)
         if file.suffix.lower() in {".xml", ".pdf"}
-        else Kept(file, *read_anchor(file), _stamp_said(file, trust))
+        else Kept(file, *read_anchor(file), _stamp_text(file, trust))
         for file in files
     ]
     return sorted(kept, key=lambda one: (one.anchor.entries, one.written), reverse=True)
@@ -58,10 +58,9 @@ def read_kept(files: Sequence[Path], trust: "Trust | None") -> list[Kept]:
 
 def anchor_faults(session: "Session", kept: Sequence[Kept]) -> "list[ChainFault]":
     """Return all that is wrong with a database, and what of it is not as in the anchors."""
-    from fixtures_db.anchor import missing_manifests
-    from fixtures_db.hash_chain_verification import alterations
     from fixtures_db.journal import Head
     from fixtures_db.journal_verification import missing_entry
+    from fixtures_db.verification import alterations, missing_manifests
 
     faults = alterations(session, kept[0].anchor if kept else None)
     for one in kept[1:]:
@@ -95,7 +94,7 @@ def keep(to: Path, anchor: "Anchor", service: str | None) -> None:
         replace_file(stamp, request_time_stamp(service, to.read_bytes()))
 
 
-def _stamp_said(file: Path, trust: "Trust | None") -> str:
+def _stamp_text(file: Path, trust: "Trust | None") -> str:
     """Return what the time stamp beside an anchor says; "" where there is none."""
     stamp = file.with_name(file.name + STAMP_SUFFIX)
     if not stamp.exists():
@@ -121,7 +120,7 @@ def _stamp_said(file: Path, trust: "Trust | None") -> str:
 def _certificate(file: Path, trust: "Trust | None") -> Kept:
     """Return the journal's head in a certificate as an anchor of the moment of its time stamp."""
     signing_libraries()
-    from fixtures_db.anchor import Anchor
+    from fixtures_db.verification import Anchor
     from station.files.xml_document import read_document
     from station.results.certificate.signing.journal_witness import stamped_head
     from station.results.certificate.signing.key_certificate import Trust
@@ -132,7 +131,7 @@ def _certificate(file: Path, trust: "Trust | None") -> Kept:
     return Kept(file, Anchor(journal=head.sha256, entries=head.entries), found.stamped, f", stamped {said}")
 
 
-def witness_said(kept: Sequence[Kept], entries: int) -> str:
+def witness_text(kept: Sequence[Kept], entries: int) -> str:
     """Return since when a database of ``entries`` is witnessed, in words."""
     if not kept:
         return "not witnessed: no --anchor was given, so a restored older copy would not be detected"

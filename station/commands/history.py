@@ -64,8 +64,7 @@ def _of_unit(session: "Session", serial: str, at: datetime | None) -> dict[str, 
 
     from fixtures_db.errors import NotInDatabase
     from fixtures_db.model_limits import limits_of
-    from fixtures_db.runs import stored_runs
-    from fixtures_db.stored_calibrations import calibrated_serials
+    from fixtures_db.stored_calibrations import calibrated_serials, stored_runs
     from station.results.history.unit_history import analysis, entries
 
     runs = stored_runs(session, serial=serial)
@@ -83,7 +82,7 @@ def _of_unit(session: "Session", serial: str, at: datetime | None) -> dict[str, 
 
 def _of_model(session: "Session", model: str) -> dict[str, Any]:
     from fixtures_db.errors import NotInDatabase
-    from fixtures_db.runs import calibrated_models, stored_runs
+    from fixtures_db.stored_calibrations import calibrated_models, stored_runs
     from station.results.history.population import population_document
 
     runs = stored_runs(session, model=model)

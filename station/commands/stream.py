@@ -73,8 +73,8 @@ def stream(
         raise typer.BadParameter(f"found {frame!r}, expected one of {', '.join(FRAMES)}", param_hint="--frame")
     if nominal and calibration:
         raise typer.BadParameter("--nominal and --calibration; expected one of them")
-    from drivers.bare_address import whole_url
-    from station.calibrated.body_axes import body_axes
+    from drivers.address_guess import whole_url
+    from station.calibrated.output_frame import body_axes
     from station.sending.outputs import kind_of
     from station.sending.stream_command import StreamRequest, run
 

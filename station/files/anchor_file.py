@@ -25,8 +25,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Literal
 
-from fixtures_db.anchor import Anchor
 from fixtures_db.hash_chain import GENESIS
+from fixtures_db.verification import Anchor
 from station.files.atomic_file import replace_file
 from station.files.fixture_files.toml_file import seal_of, sealed
 from station.files.text_fields import Sha256

@@ -6,9 +6,8 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from drivers.simulated.errors import TruthRefused
-from drivers.simulated.line_faults import KINDS, Fault, faults_from
-from drivers.simulated.timed_faults import TimedFault, gnss_faults_from
+from drivers.errors import TruthRefused
+from drivers.simulated.faults import KINDS, Fault, TimedFault, faults_from, gnss_faults_from
 from station.errors import DataRefused
 from station.files.toml_reading import Key, line_of, read_tables, read_text_file
 

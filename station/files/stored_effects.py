@@ -2,7 +2,7 @@
 
 from sqlalchemy.orm import Session
 
-from fixtures_db.own_effects import verify_effects
+from fixtures_db.user_effects import verify_effects
 from station.errors import Altered
 
 

@@ -79,7 +79,7 @@ def sequel_of(
         raise DataRefused(
             folder / NOTES[WantedRecord], None, f"a sigma of {unknown[0]}", "parameters of a solution"
         )
-    return SequentialCampaign(bench_of(site, care, fixture), record, done.placings, counts=counts)
+    return SequentialCampaign(bench_of(site, care, fixture), record, done.placements, counts=counts)
 
 
 def limits_of(
@@ -100,7 +100,7 @@ def limits_of(
         return None
     hands = HandTimes()
     record = WantedRecord(sigmas=named, placing_s=hands.placing, move_s=hands.move)
-    return SequentialCampaign(bench_of(site, care, fixture), record, done.placings, counts=counts, is_fixed=True)
+    return SequentialCampaign(bench_of(site, care, fixture), record, done.placements, counts=counts, is_fixed=True)
 
 
 def _counted(scale: FloatArray) -> tuple[float, ...] | None:

@@ -4,7 +4,7 @@ from math import ceil
 
 import numpy as np
 
-from procedures.dwells_and_turns.brisk_moves import MAX_CONING_RAD, coning_of, long_enough_s
+from procedures.twelve_positions.placement_transfers import MAX_CONING_RAD, coning_of, long_enough_s
 from procedures.units import RAD_PER_ARCSEC
 from station.guide.face_and_stillness import BlockLook
 from station.guide.stage_context import StageContext

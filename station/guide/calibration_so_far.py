@@ -5,8 +5,8 @@ from pathlib import Path
 from drivers.wire import WireFormat
 from procedures.errors import ProcedureError
 from procedures.frames import TRIADS
+from station.calibrated import InUse
 from station.calibrated.calibration_choice import AppliedCalibration, find_calibration
-from station.calibrated.calibration_in_use import InUse
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_for_solve
 from station.stream.recorder.connected_unit import Unit

@@ -7,7 +7,7 @@ from typing import TypeVar
 from pydantic import BaseModel, ValidationError
 
 from fixtures_db.database import Database
-from fixtures_db.face_certificates import cube
+from fixtures_db.fixture_measurements import cube
 from fixtures_db.fixtures import fixture_row
 from fixtures_db.schema import CubeRow
 from procedures.campaign.campaign import Fixture

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from fixtures_db.database import Database
-from fixtures_db.own_effects import effects_in_force
+from fixtures_db.user_effects import effects_in_force
 from station.files.atomic_file import replace_file
 from station.files.campaign_folder.campaign_schema import EffectsTable
 from station.files.effect_file import stored_effect

@@ -9,7 +9,7 @@ import numpy as np
 from drivers.wire import WireFormat
 from procedures.arrays import FloatArray
 from procedures.campaign.plan_steps import Dwell, Step
-from procedures.earth.gravity_and_rate import normal_gravity
+from procedures.earth.geodesy import normal_gravity
 from procedures.units import STANDARD_GRAVITY
 from station.calibrated.calibration_choice import AppliedCalibration
 from station.files.campaign_folder.notes import (

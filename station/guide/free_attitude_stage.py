@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from procedures.campaign.plan_steps import FreePosition, Soak
-from procedures.rests_and_moves.free_attitudes import MIN_APART_DEG, nearest_deg
+from procedures.free_positions.free_attitudes import MIN_APART_DEG, nearest_deg
 from station.guide.dwell_stage import NextStage, RestRecording
 from station.guide.face_and_stillness import BlockLook
 from station.guide.instruction_words import step_title

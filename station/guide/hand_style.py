@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from drivers.simulated.simulated_hands import SimulatedHands
+from drivers.simulated.bench_control import BenchControl
 from procedures.frames import ATTITUDES
 
 TREMOR_DEG_S = (20.0, 60.0)  # deg/s, the least and the greatest amplitude of a real hand that holds a weight
@@ -26,7 +26,7 @@ class HandStyle:
     def __post_init__(self) -> None:
         object.__setattr__(self, "_rng", np.random.default_rng(self.seed))
 
-    def carry(self, hands: SimulatedHands, position: int, move_s: float) -> tuple[float, bool]:
+    def carry(self, hands: BenchControl, position: int, move_s: float) -> tuple[float, bool]:
         """Carry the cube towards ``position`` in ``move_s`` [s] of moving.
 
         Returns the device time [s] at which it will be over, and whether it went to the right position.

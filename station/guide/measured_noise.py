@@ -10,8 +10,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from procedures.bench.dwell_length import WHITE_NOISE_FACTOR
-from procedures.earth.gravity_and_rate import EARTH_RATE
-from procedures.planning.unit_noise import UnitNoise
+from procedures.earth.geodesy import EARTH_RATE
+from procedures.planning.step_information import UnitNoise
 from procedures.units import RAD_PER_DEG
 from station.guide.accepted_dwell import AcceptedDwell
 

@@ -12,7 +12,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.campaign.plan_steps import Dwell, Monitor, Soak, Turn
 from procedures.frames import face_of
-from procedures.rests_and_moves.free_attitudes import MIN_APART_DEG, next_direction
+from procedures.free_positions.free_attitudes import MIN_APART_DEG, next_direction
 from station.guide.dwell_stage import DwellStage
 from station.guide.face_and_stillness import BlockLook
 from station.guide.free_attitude_stage import FreeAttitudeStage, free_look

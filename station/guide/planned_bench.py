@@ -5,7 +5,7 @@ from pathlib import Path
 
 from fixtures_db.database import Database
 from procedures.campaign.campaign import Campaign, Fixture, ProcedureSigma, Site
-from procedures.earth.gravity_and_rate import normal_gravity
+from procedures.earth.geodesy import normal_gravity
 from procedures.units import RAD_PER_ARCSEC, RAD_PER_DEG
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import ProcedureTable, SiteTable, read_campaign_toml

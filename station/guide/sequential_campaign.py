@@ -1,7 +1,7 @@
 """A campaign that goes on until what is wanted is met: what comes next, when a dwell is enough, how far it is.
 
 It looks at what was done, how long, and how much the unit scatters: never at the values that were found
-(`procedures.planning.sequential`). White noise is what was known before, times what the accepted dwells show. Of a
+(`procedures.planning.least_time`). White noise is what was known before, times what the accepted dwells show. Of a
 unit of which nothing is known the first dwell lasts two minutes and shows it (`station.guide.measured_noise`).
 """
 
@@ -13,12 +13,10 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.plan_steps import Dwell, Step, Turn
-from procedures.planning.campaign_design import TURNS, CampaignDesign, HandTimes, Placing, usual_design
-from procedures.planning.design_sigmas import DesignSigmas
-from procedures.planning.sequential import NextPlacing, is_enough, next_placing
-from procedures.planning.step_information import StepInformation
-from procedures.planning.unit_noise import UnitNoise
-from procedures.planning.wanted_sigmas import wanted, with_all_solved
+from procedures.planning.campaign_design import TURNS, CampaignDesign, HandTimes, Placement, usual_design
+from procedures.planning.design_sigmas import DesignSigmas, wanted, with_all_solved
+from procedures.planning.least_time import NextPlacement, is_enough, next_placement
+from procedures.planning.step_information import StepInformation, UnitNoise
 from procedures.units import S_PER_MIN
 from station.files.campaign_folder.notes import WantedRecord
 from station.guide.accepted_dwell import AcceptedDwell
@@ -41,7 +39,7 @@ class SequentialCampaign:
     """
 
     def __init__(
-        self, bench: Campaign, record: WantedRecord, done: Iterable[tuple[str, Placing]] = (), *,
+        self, bench: Campaign, record: WantedRecord, done: Iterable[tuple[str, Placement]] = (), *,
         counts: bool = True, is_fixed: bool = False,
     ) -> None:  # fmt: skip
         self._bench, self._hands = bench, HandTimes(record.placing_s, record.move_s)
@@ -51,7 +49,7 @@ class SequentialCampaign:
         self._steps: StepInformation | None = None  # by the noise that is reckoned with
         self._take(noise_of(record))
         self._done = list(done)
-        self._next: NextPlacing | None = None
+        self._next: NextPlacement | None = None
         self._next_of: object = None  # what it was asked for
         self._limits: tuple[object, tuple[LimitView, ...]] = (None, ())  # of which dwell they are
 
@@ -101,9 +99,9 @@ class SequentialCampaign:
             return [Dwell(FIRST_POSITION, NOISE_S)]
         asked = (tuple(self._placings), goes_on, self._sigmas)
         if self._next is None or asked != self._next_of:  # a search of seconds
-            self._next = next_placing(self._sigmas, self._wanted, self._placings, goes_on=goes_on)
+            self._next = next_placement(self._sigmas, self._wanted, self._placings, goes_on=goes_on)
             self._next_of = asked
-        left = self._next.way.placings[len(self._done) :]
+        left = self._next.way.placements[len(self._done) :]
         return [Dwell(at.position, at.seconds) for at in left]
 
     def is_enough(self, step: Step, seconds: float, *, is_carried: bool) -> bool:
@@ -139,7 +137,7 @@ class SequentialCampaign:
         return self._limits[1]
 
     @property
-    def _placings(self) -> list[Placing]:
+    def _placings(self) -> list[Placement]:
         return [at for _, at in self._done]
 
     def _with(self, step: Step, seconds: float, *, is_carried: bool) -> CampaignDesign | None:
@@ -148,7 +146,7 @@ class SequentialCampaign:
         return None if placing is None else CampaignDesign((*others, placing))
 
     def _views(self, design: CampaignDesign) -> tuple[LimitView, ...]:
-        found = self._sigmas.of(design) if design.placings else np.full(len(self._asked.sigma), np.inf)
+        found = self._sigmas.of(design) if design.placements else np.full(len(self._asked.sigma), np.inf)
         shown = tuple(_view(each) for each in sigmas_so_far(found, self._asked))
         worst = float(self._wanted.worst(found))
         return (*shown, _all_else(worst)) if worst > 1 and all(one.share >= 1 for one in shown) else shown
@@ -181,10 +179,10 @@ def _ratio(std: FloatArray, scale: FloatArray, variance: FloatArray) -> float:
     return float(np.mean((std / scale) ** 2 / variance)) if np.all(np.isfinite(scale)) else 1.0
 
 
-def _placing(step: Step, seconds: float, *, is_carried: bool) -> Placing | None:
+def _placing(step: Step, seconds: float, *, is_carried: bool) -> Placement | None:
     if isinstance(step, Turn):
-        return Placing(step.start_position, 0.0, NUMBERS[step.axis, step.direction], is_carried)
-    return Placing(step.position, seconds, None, is_carried) if isinstance(step, Dwell) else None
+        return Placement(step.start_position, 0.0, NUMBERS[step.axis, step.direction], is_carried)
+    return Placement(step.position, seconds, None, is_carried) if isinstance(step, Dwell) else None
 
 
 def _all_else(ratio: float) -> LimitView:

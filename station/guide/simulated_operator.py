@@ -5,11 +5,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from drivers.errors import DriverError
-from drivers.simulated.errors import HandsUnreachable, SimulatorError
-from drivers.simulated.simulated_hands import SimulatedHands
+from drivers.errors import ControlUnreachable, DriverError, SimulatorError
+from drivers.simulated.bench_control import BenchControl
 from procedures.frames import face_of
-from procedures.rests_and_moves.free_attitudes import UP_DIRECTIONS, UpDirection
+from procedures.free_positions.free_attitudes import UP_DIRECTIONS, UpDirection
 from station.guide.hand_style import HandStyle
 from station.guide.view import CalibrationView, StepView
 
@@ -44,7 +43,7 @@ class SimulatedOperator:
     """
 
     def __init__(
-        self, hands: SimulatedHands, move_s: float, style: HandStyle | None = None, behind_s: float = 0.0,
+        self, hands: BenchControl, move_s: float, style: HandStyle | None = None, behind_s: float = 0.0,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:  # fmt: skip
         self._hands, self._move_s, self._style, self._clock = hands, move_s, style, clock
@@ -84,7 +83,7 @@ class SimulatedOperator:
             return
         try:
             self._call_again() if self.lost else self._obey(view)
-        except HandsUnreachable as error:
+        except ControlUnreachable as error:
             self._called = self._clock()
             if not self.lost:
                 self.lost, self._lost_since = str(error), self._called
@@ -149,7 +148,7 @@ class SimulatedOperator:
     def _do(self, what: str, step: StepView, lean: UpDirection | None) -> float:
         """Return the device time [s] at which it will be over."""
         if what == "place" and step.is_free:
-            return self._hands.lean(lean or UP_DIRECTIONS[0], self._move_s)
+            return self._hands.tilt(lean or UP_DIRECTIONS[0], self._move_s)
         if what == "place":
             face = next((p for p in range(1, 13) if face_of(p) == step.up), 0)
             position = step.position or step.start_position or face

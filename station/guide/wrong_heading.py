@@ -6,7 +6,7 @@ It shows once other faces have shown the gyros' biases, so that it may be an ear
 from collections.abc import Callable
 from functools import partial
 
-from procedures.bench.heading_errors import HeadingError, heading_error_text
+from procedures.bench.position_checks import HeadingError, heading_error_text
 from procedures.campaign.plan_steps import Dwell
 from station.guide.question_stage import QuestionStage
 from station.guide.setup_view import Choice

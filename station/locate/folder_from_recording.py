@@ -9,9 +9,8 @@ import numpy as np
 from drivers.errors import ReplayEnded
 from fixtures_db.folder_on_disk import make_folder
 from procedures.campaign.campaign import UNKNOWN
-from procedures.earth.geodesy import LocalLevel
+from procedures.earth.geodesy import LocalLevel, normal_gravity
 from procedures.earth.gnss_records import GnssFix, TimeMark
-from procedures.earth.gravity_and_rate import normal_gravity
 from procedures.fusion.fixes_east_north_up import antenna, is_usable, level_fixes, origin_at
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
 from station.calibrated.calibration_choice import AppliedCalibration, find_calibration
@@ -60,8 +59,8 @@ def fusion_from_recording(url: str, folder: Path, asked: FusionOptions) -> list[
         If the folder cannot be written.
     """
     feed, applied = _read(url, asked)
-    refuse_partial(feed.address.path, feed.stream.decoder.kind)
-    file = Path(feed.address.path)
+    refuse_partial(feed.address.name, feed.stream.decoder.kind)
+    file = Path(feed.address.name)
     times, imu, sensors = FixTimes(), *_calibrated(feed, applied)
     for host_ns, sample in feed.buffer.marks(feed.buffer.begin, feed.buffer.end):
         times.mark_imu(host_ns, _device_s(feed, sample))

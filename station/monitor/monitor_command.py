@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 import platformdirs
 
+from drivers.address_parsing import parse_device_url
 from drivers.camera import CameraImage
 from drivers.can.wheel_reading import WheelReading
-from drivers.device_url_parser import parse_device_url
 from procedures.arrays import FloatArray
 from procedures.attitude.complementary_gains import Gains
 from procedures.attitude.laws import JOINT, parse_laws, refuse_without_velocity
 from procedures.campaign.campaign import UNKNOWN
-from procedures.earth.gravity_and_rate import normal_gravity
+from procedures.earth.geodesy import normal_gravity
 from procedures.optional_libraries import opencv
 from procedures.units import STANDARD_GRAVITY
 from station.calibrated.calibration_choice import AppliedCalibration, find_calibration
@@ -132,7 +132,7 @@ def _opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], 
     try:
         refuse_without_velocity(laws, aid_name)
     except ValueError as error:
-        raise DataRefused(feed.address.path, None, str(error), "a recording that includes a receiver") from None
+        raise DataRefused(feed.address.name, None, str(error), "a recording that includes a receiver") from None
     camera = None if described is None else _camera(described, source, beside, stack)
     wheel = None if rolling is None else _wheel(rolling, source, beside, stack)
     where = _locating(wanted, feed, applied, aid, described, rolling, stack)
@@ -179,7 +179,7 @@ def _aid(
 ) -> tuple["GnssFeed | RecordedCompanion[Record] | None", str]:
     """Return the receiver, live or recorded, and by name what it aids with."""
     if isinstance(source, Replay) and not wanted.gnss:
-        file = Path(source.address.path)
+        file = Path(source.address.name)
         found = recorded_gnss(file)
         if found is None and wanted.aid not in {"", "none"}:
             raise DataRefused(file, None, f"no gnss_*.mcap beside it, --aid {wanted.aid}", "a receiver")
@@ -223,7 +223,7 @@ def _locating(
 
     is_replay = isinstance(aid, RecordedCompanion)
     if aid is None:
-        raise DataRefused(feed.address.path, None, "no gnss_*.mcap beside it for --locate", "a receiver")
+        raise DataRefused(feed.address.name, None, "no gnss_*.mcap beside it for --locate", "a receiver")
     eye = None if camera is None else live_camera(camera)
     rolls = None if wheel is None else LiveWheel(mount_of(wheel.table), -wheel.table.time_offset_s)
     return locating(feed, applied, wanted.C, wanted.lever_arm, stack, live=not is_replay, camera=eye, wheel=rolls)
@@ -232,7 +232,7 @@ def _locating(
 def _described(wanted: MonitorRequest) -> CameraDescription | None:
     """Return the camera's file that was named, or that a recording has; None where nothing is located by it."""
     address = parse_device_url(wanted.url)
-    beside = Path(address.path).parent / CAMERA_FILE
+    beside = Path(address.name).parent / CAMERA_FILE
     file = wanted.camera or (beside if address.scheme == "replay" and beside.exists() else None)
     return None if file is None or not wanted.locate else read_description(file)
 
@@ -242,7 +242,7 @@ def _camera(
 ) -> Companion[CameraImage]:
     """Return the camera, live or recorded."""
     if isinstance(source, Replay):
-        recorded = Path(source.address.path).parent
+        recorded = Path(source.address.name).parent
         _refuse_without(recorded, CAMERA_SESSION, "the images of a camera")
         return RecordedCompanion("camera", recorded_images(recorded), read_late(recorded, "camera"))
     return stack.enter_context(open_camera(described, beside))
@@ -275,7 +275,7 @@ def _wheel(
     from station.stream.wheel.wheel_feed import WHEEL_SESSION, open_wheel, recorded_wheel
 
     if isinstance(source, Replay):
-        recorded = Path(source.address.path).parent
+        recorded = Path(source.address.name).parent
         _refuse_without(recorded, WHEEL_SESSION, "the frames of a wheel")
         return RecordedCompanion("wheel", recorded_wheel(recorded, described), read_late(recorded, "wheel"))
     return stack.enter_context(open_wheel(described, beside))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
 from drivers.errors import ReplayEnded
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import UNKNOWN

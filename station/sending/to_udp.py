@@ -8,10 +8,9 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from drivers.error_reason import reason_of
-from drivers.errors import PortNotFound
+from drivers.errors import PortNotFound, reason_of
+from drivers.network_ports import UdpPort, open_udp
 from drivers.sample_datagram import datagrams
-from drivers.udp_port import UdpPort, open_udp
 from station.sending.output import BadAddress
 from station.sending.samples import About, CalibratedSamples
 from station.text.plural import plural

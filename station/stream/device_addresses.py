@@ -1,7 +1,7 @@
 """What may stand where the address of an IMU or of a receiver is asked for; nothing is opened."""
 
-from drivers.device_url import DeviceUrl
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
+from drivers.addresses import DeviceAddress, MavlinkAddress
 from drivers.errors import BadDeviceUrl
 
 RECEIVER = "a GNSS source: mavlink:LINK:WHERE"
@@ -12,12 +12,12 @@ OTHER_SCHEMES = {  # what is no IMU, by scheme, and where it belongs
 }
 
 
-def imu_address(typed: str) -> DeviceUrl:
+def imu_address(typed: str) -> DeviceAddress:
     """Return the address of an IMU; raise `BadDeviceUrl` if it is none, or that of something else."""
     return not_another(parse_device_url(typed))
 
 
-def not_another(address: DeviceUrl) -> DeviceUrl:
+def not_another(address: DeviceAddress) -> DeviceAddress:
     """Return an address that may be an IMU's; raise `BadDeviceUrl` for that of something else."""
     if address.scheme in OTHER_SCHEMES:
         what, option = OTHER_SCHEMES[address.scheme]
@@ -26,8 +26,9 @@ def not_another(address: DeviceUrl) -> DeviceUrl:
     return address
 
 
-def receiver_address(typed: str) -> DeviceUrl:
+def receiver_address(typed: str) -> MavlinkAddress:
     """Return the address of a GNSS receiver; raise `BadDeviceUrl` if it is none."""
-    if (address := parse_device_url(typed, "receiver")).scheme != "mavlink":
+    address = parse_device_url(typed, "receiver")
+    if not isinstance(address, MavlinkAddress):
         raise BadDeviceUrl(typed, f"scheme {address.scheme!r}", RECEIVER)
     return address

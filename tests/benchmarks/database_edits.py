@@ -18,11 +18,9 @@ from sqlalchemy import Connection, text
 from sqlalchemy.exc import DBAPIError
 from sqlalchemy.orm import Session
 
-from fixtures_db.anchor import take_anchor
 from fixtures_db.append_only_triggers import append_only_tables, on_sqlite
 from fixtures_db.database import Database, open_db
-from fixtures_db.hash_chain_verification import alterations
-from fixtures_db.unreadable_rows import NO_ROW
+from fixtures_db.verification import NO_ROW, alterations, take_anchor
 from tests.benchmarks.edited_databases.declaration_edits import edit_declaration
 from tests.benchmarks.edited_databases.file_edits import try_file_edits
 from tests.benchmarks.edited_databases.honest_databases import false_alarms

@@ -62,7 +62,7 @@ def trial(seed: int) -> tuple[str, str]:
     stands = position if kind != "wrong face" else int(rng.choice([p for p in range(1, 13) if p != position]))
     tilt_deg = {"tilted": rng.uniform(0, 45), "tilted a little": rng.uniform(0, 6)}.get(kind, 0.0)
     tilt = tilt_deg * level_direction(stands, rng)
-    source.device.obey(f"place {stands} {MOVE_S} {tilt[0]} {tilt[1]} {tilt[2]}")
+    source.device.execute(f"place {stands} {MOVE_S} {tilt[0]} {tilt[1]} {tilt[2]}")
     slip = disturb(kind, stands, source, rng)
     end = source.device.imu.time + PATIENCE_S
     while source.device.imu.time < end and not accepted.steps:
@@ -83,15 +83,15 @@ def disturb(kind: str, position: int, source: Source, rng: np.random.Generator) 
     """Have the cube tapped, shaken or slipping once it is down; return when [s] and how far [deg] it slips."""
     device = source.device
     if kind == "tapped":
-        device.obey(f"rest {rng.uniform(2, 20)}")
-        device.obey(f"knock {rng.uniform(0.1, 3)} {10 ** rng.uniform(-2, 0)}")
+        device.execute(f"rest {rng.uniform(2, 20)}")
+        device.execute(f"knock {rng.uniform(0.1, 3)} {10 ** rng.uniform(-2, 0)}")
     elif kind == "shaken":
-        device.obey(f"knock {PATIENCE_S} {10 ** rng.uniform(-2.5, -0.3)}")
+        device.execute(f"knock {PATIENCE_S} {10 ** rng.uniform(-2.5, -0.3)}")
     elif kind == "creeping":
-        device.obey(f"rest {rng.uniform(0, 15)}")
+        device.execute(f"rest {rng.uniform(0, 15)}")
         begins, seconds = device.imu.done, rng.uniform(5, 60)
         turn = 10 ** rng.uniform(-1, 1.3) * level_direction(position, rng)
-        device.obey(f"creep {seconds} {turn[0]} {turn[1]} {turn[2]}")
+        device.execute(f"creep {seconds} {turn[0]} {turn[1]} {turn[2]}")
         return begins, seconds, turn
     return 0.0, 1.0, np.zeros(3)
 

@@ -16,8 +16,8 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from drivers.simulated.bench_control import BenchControl
 from drivers.simulated.server import SimulatedDevice
-from drivers.simulated.simulated_hands import SimulatedHands
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from station.files.mcap_files import read_step
@@ -54,7 +54,7 @@ class Outcome:
 def freeze(folder: Path, speed: float = 1.0) -> Outcome:
     """Freeze a station for 5 s of device time; the device runs at ``speed`` times its rate."""
     journal = folder / "journal.mcap"
-    with SimulatedDevice(FASTEST, 1, speed=speed) as device, SimulatedHands(device.control) as hands:
+    with SimulatedDevice(FASTEST, 1, speed=speed) as device, BenchControl(device.control) as hands:
         command = [sys.executable, "-m", "tests.benchmarks.frozen_screen", device.url, str(journal)]
         with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as station:
             assert station.stdout is not None

@@ -16,7 +16,7 @@ from functools import cache
 import numpy as np
 
 from drivers.camera import CameraDecoder
-from drivers.camera.multipart import part
+from drivers.camera.decoder import part
 from procedures.optional_libraries import opencv
 from tests.benchmarks.damage import DAMAGES, Shape, cuts, damaged
 from tests.proof.evidence import Figure, zero

@@ -12,7 +12,7 @@ from typing import Any
 
 from pymavlink.dialects.v20 import all as dialect
 
-from drivers.mavlink import mavlink_framing
+from drivers.mavlink import frames as mavlink_frames
 from drivers.mavlink.decoder import MavlinkDecoder
 from tests.benchmarks.damage import CONTROL_BITS, DAMAGES, Outcome, Shape, counted, cuts, damaged
 from tests.proof.evidence import Figure
@@ -59,7 +59,7 @@ def attack(frames: int, seed: int, bits: int = BITS) -> Outcome:
     decoder = MavlinkDecoder()
     wanted = decoder.framer._is_wanted  # noqa: SLF001
 
-    def spy(raw: bytes, frame: mavlink_framing.Frame) -> bool:
+    def spy(raw: bytes, frame: mavlink_frames.Frame) -> bool:
         accepted.append(raw)
         return wanted(raw, frame)
 
@@ -93,18 +93,18 @@ class _AnyCheck(int):
 
 def with_weak_check(frames: int, seed: int) -> Outcome:
     """Return the outcome with the check as good as cut to 8 bits."""
-    full = mavlink_framing.crc
+    full = mavlink_frames.crc
 
     def weak(body: bytes, extra: int) -> int:
         # by a hash of the body, not by the CRC's own bits, in which an error of one byte may not show
         is_through = zlib.crc32(body, zlib.crc32(b"control")) % 2**CONTROL_BITS == 0
         return _AnyCheck() if is_through else full(body, extra)
 
-    mavlink_framing.crc = weak
+    mavlink_frames.crc = weak
     try:
         return attack(frames, seed, CONTROL_BITS)
     finally:
-        mavlink_framing.crc = full
+        mavlink_frames.crc = full
 
 
 def proof(size: int, seed: int) -> dict[str, Figure]:

@@ -17,12 +17,11 @@ import numpy as np
 import serial
 
 from drivers.can.can_format import can_format
-from drivers.can.can_port import CanPort
+from drivers.can.can_port import CanPort, SlcanLine
 from drivers.can.frame_record import RECORD, unpack
 from drivers.can.payload_checks import CHECKS
-from drivers.can.slcan_line import SlcanLine
 from drivers.framing import Decoder
-from drivers.simulated.garbled_frames import text_of
+from drivers.simulated.corrupted_frames import text_of
 from procedures.counts.sample_records import CountBlock, SampleBlock
 from tests.benchmarks.damage import DAMAGES, Mutation, Outcome, Shape, counted, cuts
 from tests.proof.evidence import Figure

@@ -99,7 +99,7 @@ def record(number: int, step: Step, recorder: CampaignRecorder, kind: type[Folde
     feed = open_feed(source)
     feed.identify()
     start = step.position if isinstance(step, Dwell) else step.start_position
-    source.device.obey(f"place {start} 5")
+    source.device.execute(f"place {start} 5")
     facts = BenchFacts(float(np.radians(TRUTH.latitude_deg)), 1e-3, 2e-4, Fixture(), asks=False)
     guide = Guide(StageContext(feed, Checklist([step]), facts, kind(recorder)), warms_up=False)
     has_turned = False
@@ -115,7 +115,7 @@ def record(number: int, step: Step, recorder: CampaignRecorder, kind: type[Folde
                 and not isinstance(step, Dwell)
             ):
                 has_turned = True
-                source.device.obey(f"turn {step.axis} {step.direction} {step.revolutions} 2")
+                source.device.execute(f"turn {step.axis} {step.direction} {step.revolutions} 2")
 
 
 def _is_known(folder: Path) -> bool:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from drivers.simulated.line_faults import Fault
+from drivers.simulated.faults import Fault
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from procedures.counts.sample_times import GAP_PERIODS

@@ -14,11 +14,10 @@ from pymavlink.dialects.v20 import all as dialect
 from vqf import VQF
 
 from drivers.can.can_format import OWN_DBC, can_format
-from drivers.can.dbc_file import load_dbc
+from drivers.can.dbc_signals import load_dbc
 from drivers.can.frame_record import unpack
 from drivers.framing import Decoder
-from drivers.mavlink.mavlink_framing import MavlinkFramer
-from drivers.mavlink.messages import fields
+from drivers.mavlink.frames import MavlinkFramer, fields
 from drivers.wire import FORMATS, WireFormat
 from procedures.attitude.complementary_filter import ComplementaryFilter
 from procedures.attitude.kalman_state import UNAIDED_SETTINGS

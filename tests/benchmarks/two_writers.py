@@ -11,12 +11,12 @@ import tempfile
 
 from fixtures_db import database
 from fixtures_db.database import open_db
+from fixtures_db.fixture_measurements import add_level
 from fixtures_db.fixtures import add_fixture, fixture_row
 from fixtures_db.hash_chain import ChainFault
-from fixtures_db.hash_chain_verification import alterations
 from fixtures_db.schema import SlabRow
-from fixtures_db.slab_levels import add_level
 from fixtures_db.stored_calibrations import accept_calibration, history
+from fixtures_db.verification import alterations
 from tests.fixtures_db.factory import NOON, facts, level_row, solution
 from tests.paths import ROOT
 from tests.patience import HANG_S

@@ -76,7 +76,7 @@ def test_the_period_is_known_after_three_seconds_and_not_before() -> None:
     host, known = HostTimes(), list[float]()
     for a in arrivals(4, 6.0)[1]:
         host.take(float(a), np.ones(4, np.int64))
-        if host.is_anew:
+        if host.is_reset:
             known.append(float(a))
     assert len(known) == 1
     assert 3.0 <= known[0] < 3.1

@@ -6,7 +6,7 @@ from threading import Event
 import numpy as np
 import pytest
 
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
 from drivers.errors import BadDeviceUrl, LinkLost, PortNotFound
 from drivers.framing import Decoder, sniff
 from drivers.ports import open_port

@@ -7,7 +7,7 @@ import pytest
 from sqlalchemy import URL, create_engine, make_url, text
 
 from fixtures_db.database import Database, open_db
-from fixtures_db.hash_chain_verification import alterations
+from fixtures_db.verification import alterations
 from tests.fixtures_db.filled_database import fill
 from tests.with_postgres import URL as SERVER
 

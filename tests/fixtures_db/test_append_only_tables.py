@@ -7,12 +7,11 @@ import pytest
 from sqlalchemy import Column, select, text
 from sqlalchemy.exc import DBAPIError
 
-from fixtures_db.anchor import take_anchor
 from fixtures_db.append_only_rows import ROW_TITLES, row_text
 from fixtures_db.append_only_triggers import append_only_tables
 from fixtures_db.database import Database
-from fixtures_db.hash_chain_verification import alterations
 from fixtures_db.schema import Base, CalibrationRow
+from fixtures_db.verification import alterations, take_anchor
 from tests.fixtures_db.factory import protect_again, unprotect
 
 CHAINED = {table.__tablename__: title for table, title in ROW_TITLES.items()}

@@ -12,10 +12,10 @@ from fixtures_db import database
 from fixtures_db.database import Database, open_db
 from fixtures_db.errors import DatabaseBusy, NewerDatabase, NotADatabase, NotWritten, SchemaAltered
 from fixtures_db.fixtures import fixture_row
-from fixtures_db.hash_chain_verification import alterations
 from fixtures_db.migrations import HEAD, KNOWN
 from fixtures_db.migrations.upgrade import config
 from fixtures_db.schema import Base, CubeRow
+from fixtures_db.verification import alterations
 from station.exit_codes import exit_code
 from tests.benchmarks.edited_databases.declaration_edits import VERSION
 from tests.benchmarks.two_writers import both

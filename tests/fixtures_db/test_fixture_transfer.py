@@ -4,15 +4,12 @@ import numpy as np
 import pytest
 
 from fixtures_db.append_only_rows import newest_hash, verify_dates, verify_rows
-from fixtures_db.cube_drawing import drawing
 from fixtures_db.database import Database, open_db
 from fixtures_db.errors import DiffersFromStored, NotInDatabase
-from fixtures_db.expiry_dates import due
-from fixtures_db.face_certificates import certify_faces, cube
+from fixtures_db.fixture_measurements import add_level, certify_faces, cube, drawing
 from fixtures_db.fixture_transfer import dump, restore
-from fixtures_db.fixtures import add_fixture, fixture_row
+from fixtures_db.fixtures import add_fixture, due, fixture_row
 from fixtures_db.schema import CubeMeasurementRow, CubeRow, FaceCertificateRow, SiteRow, SlabLevelRow, SlabRow
-from fixtures_db.slab_levels import add_level
 from fixtures_db.stored_calibrations import accept_calibration
 from procedures.campaign.campaign import FaceCertificate
 from tests.fixtures_db.factory import LATER, NOON, facts, fill_fixtures, level_row, solution, survey_columns

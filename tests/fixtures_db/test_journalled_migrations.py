@@ -8,9 +8,9 @@ import pytest
 from sqlalchemy import Connection, text
 
 from fixtures_db.database import Database, open_db
-from fixtures_db.hash_chain_verification import alterations
 from fixtures_db.journal import journalled
 from fixtures_db.migrations import KNOWN
+from fixtures_db.verification import alterations
 from tests.benchmarks.edited_databases.honest_databases import JOURNAL_SINCE, of_version
 from tests.fixtures_db.filled_database import fill
 from tests.paths import ROOT

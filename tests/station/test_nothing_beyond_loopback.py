@@ -9,10 +9,10 @@ import numpy as np
 import psutil
 import pytest
 
-from drivers.bare_address import whole_url
+from drivers.address_guess import whole_url
 from drivers.ports import open_port
-from drivers.simulated.camera_server import SimulatedCamera
-from drivers.simulated.gnss_server import SimulatedGnss
+from drivers.simulated.companions.camera_server import SimulatedCamera
+from drivers.simulated.companions.gnss_server import SimulatedGnss
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from station.sending import to_foxglove

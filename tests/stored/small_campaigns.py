@@ -10,10 +10,10 @@ from drivers.simulated.bench_in_memory import ALL_POSITIONS, SimulatedBench, sim
 from drivers.simulated.truth import Truth
 from procedures.campaign.campaign import Campaign, RateTable, RestRecord, SoakRecord
 from procedures.campaign.plan_steps import Dwell, Turn
-from procedures.inference.result import Diagnosis
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
 from procedures.frames import TURN_START, rotation
+from procedures.inference.result import Diagnosis
 from procedures.uncertainty.budget import ParameterBudget
 from tests.procedures.diagnosis.planted import wandering, with_reference_time
 

@@ -13,8 +13,8 @@ from drivers.simulated.vehicle_track import VehicleTrack
 from procedures.calibration.joint_calibration import fit
 from procedures.campaign.campaign import DwellRecord, SoakRecord
 from procedures.campaign.plan_steps import Dwell, Turn, turn_steps
-from procedures.diagnosis.residual_rows import Evidence, evidence_of
 from procedures.effects import EFFECTS
+from procedures.evidence.residual_rows import Evidence, evidence_of
 from tests.stored.conftest import StoredResult
 from tests.stored.small_campaigns import unit
 
@@ -78,9 +78,9 @@ def test_what_hands_and_a_vehicle_do_to_a_simulated_unit(stored_result: StoredRe
         imu.place(3, 4.0, np.array([1e-3, -2e-3, 5e-4]))
         imu.heat(3.0, 20.0)
         imu.turn("x", "-", 1, rest_s=1.0)
-        imu.knock(0.5, 0.02)
+        imu.shock(0.5, 0.02)
         imu.creep(1.0, np.array([0.0, 1e-3, 2e-3]))
-        imu.lean(np.array([1.0, 1.0, 0.3]), 3.0)
+        imu.tilt(np.array([1.0, 1.0, 0.3]), 3.0)
         t = np.arange(0.0, 21.0, 5.0)
         imu.drive(VehicleTrack(t + imu.done, np.stack((3 * t, 40 * np.sin(t / 9), 0.1 * t), axis=1)))
         return imu

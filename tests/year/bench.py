@@ -7,7 +7,7 @@ import numpy as np
 
 from drivers.errors import PortBusy, PortNotFound
 from drivers.simulated.device import ByteDevice
-from drivers.simulated.line_faults import Silence
+from drivers.simulated.faults import Silence
 from drivers.simulated.truth import Truth
 from procedures.arrays import IntArray
 from procedures.counts.sample_records import CountBlock
@@ -94,11 +94,11 @@ class Bench:
 
         device.imu.read = remembered  # type: ignore[method-assign]
         if position != 1:
-            device.obey(f"place {position} 1")
+            device.execute(f"place {position} 1")
 
     def say(self, command: str) -> str:
         """Have the hands do something; return what they answer."""
-        answer = self.device.obey(command)
+        answer = self.device.execute(command)
         if not answer.startswith("ok"):
             raise AssertionError(f"{command}: {answer}")
         return answer

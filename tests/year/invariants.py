@@ -14,8 +14,8 @@ import numpy as np
 
 from fixtures_db.campaigns import known_campaign
 from fixtures_db.database import open_db
-from fixtures_db.hash_chain_verification import alterations
 from fixtures_db.stored_calibrations import history
+from fixtures_db.verification import alterations
 from procedures.arrays import IntArray
 from procedures.frames import face_normal, face_of
 from procedures.uncertainty.sources import UNEXPLAINED
@@ -39,7 +39,7 @@ Sent = tuple[IntArray, list[float]]  # of a power-on: its counts (n, 6), what it
 class Errors:
     """Stored values less truth, in their own sigmas, by parameter; ``excused``: why they prove nothing.
 
-    ``untold``: why some are not among them, as the program said itself (`tests.year.unnoticed_leans`).
+    ``untold``: why some are not among them, as the program said itself (`tests.year.undetectable_tilts`).
     """
 
     sigmas: dict[str, float]

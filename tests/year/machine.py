@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 from unittest.mock import patch
 
-from drivers.simulated.errors import HandsRefused
-from drivers.simulated.simulated_hands import SimulatedHands
-from drivers.url_wire_format import wire_of
+from drivers.errors import ControlRefused
+from drivers.ports import wire_of
+from drivers.simulated.bench_control import BenchControl
 from station.stream.live.live_feed import LiveFeed
 from tests.year.bench import STEP_S, Bench
 from tests.year.clock import HostClock, host_clock
@@ -25,12 +25,12 @@ LAZY = (  # what the station imports when it wants it: before the clocks are put
     "station.guide.outcome", "station.guide.port_check", "station.guide.prior_knowledge",
     "station.guide.readiness",
     "station.stream.reader.restarting_reader", "station.stream.gnss.gnss_feed", "station.guide.gnss_in_campaign",
-    "station.guide.monitor_stage", "station.guide.calibration_so_far", "station.devices.imu_probe",
+    "station.guide.monitor_stage", "station.guide.calibration_so_far", "station.device_probe",
     "station.results.campaign_results", "station.results.diagnosis.closed_loop", "station.results.report.report",
     "station.results.solution_json", "station.results.budget_json", "station.results.effect_adopted",
     "station.results.report.measurement_conditions", "station.results.diagnosis.diagnosis_html",
     "station.results.diagnosis.magnetic_field", "station.results.certificate.issuing", "station.demo.run",
-    "station.results.cube_measurement.measure_cube", "fixtures_db.own_effects", "fixtures_db.signed_files",
+    "station.results.cube_measurement.measure_cube", "fixtures_db.user_effects", "fixtures_db.issued_certificates",
     "fixtures_db.migrations.upgrade", "station.commands.verify", "station.demo.comparison", "station.tui.app",
 )  # fmt: skip
 
@@ -64,7 +64,7 @@ class Machine:
         return other
 
     def of(self, address: object) -> "Machine":
-        """Return the machine whose port has this address, text or `DeviceUrl`."""
+        """Return the machine whose port has this address, text or `DeviceAddress`."""
         return self.others.get(str(getattr(address, "text", address)), self)
 
     def say(self, what: str) -> None:
@@ -113,7 +113,7 @@ class Machine:
                 self.of(url), url, path
             ),
             "station.stream.reader.restarting_reader.Reader": partial(InProcessReceiverReader, self),
-            "station.devices.imu_probe.open_port": lambda address: ProbePort(self.of(address)),
+            "station.device_probe.open_port": lambda address: ProbePort(self.of(address)),
             "station.guide.live_campaign.open_feed": self._feed,
             "station.guide.engine.ThreadPoolExecutor": InlineExecutor,
             "station.guide.start_choices.list_ports": list,
@@ -169,7 +169,7 @@ class InlineExecutor:
         """Nothing is under way."""
 
 
-class InProcessHands(SimulatedHands):
+class InProcessHands(BenchControl):
     """The hands of the machine's bench."""
 
     def __init__(self, machine: Machine, address: str) -> None:
@@ -183,8 +183,8 @@ class InProcessHands(SimulatedHands):
         """Do it; return the words after ``ok``."""
         if command.startswith("seen "):  # the bench goes by this clock: it never falls behind
             return []
-        words = self._machine.bench.device.obey(command).split()
+        words = self._machine.bench.device.execute(command).split()
         if words[:1] != ["ok"]:
-            raise HandsRefused(self.address, command, " ".join(words))
+            raise ControlRefused(self.address, command, " ".join(words))
         self._machine.say(f"hands: {command}")
         return words[1:]

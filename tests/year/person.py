@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivers.simulated.simulated_hands import SimulatedHands
+from drivers.simulated.bench_control import BenchControl
 from station.guide.command import CommandVerb, OperatorCommand
 from station.guide.engine import CalibrationEngine
 from station.guide.simulated_operator import SimulatedOperator
@@ -34,7 +34,7 @@ class Carrying:
     def __init__(self, machine: Machine, manner: Manner, rng: np.random.Generator) -> None:
         self._machine, self._manner, self._rng = machine, manner, rng
 
-    def carry(self, hands: SimulatedHands, position: int, move_s: float) -> tuple[float, bool]:
+    def carry(self, hands: BenchControl, position: int, move_s: float) -> tuple[float, bool]:
         """Carry the cube towards ``position``; return when [s] that is over, and whether it is right."""
         rng, manner, wrong = self._rng, self._manner, position
         if rng.random() < manner.wrong_share:

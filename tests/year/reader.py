@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from drivers.device_url import DeviceUrl
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
+from drivers.addresses import DeviceAddress
 from drivers.errors import DriverError, LinkLost
 from station.errors import CannotWrite, cannot_write
 from station.files.mcap_files.new_file import new_channel, new_file
@@ -48,7 +48,7 @@ class InProcessReader:
 
     def __init__(self, machine: Machine, url: str, journal: Path | None) -> None:
         self._machine, self.journal = machine, journal
-        self.address: DeviceUrl = parse_device_url(url)
+        self.address: DeviceAddress = parse_device_url(url)
         self.ended: DriverError | CannotWrite | None = None
         self._journal: InlineJournal | None = None
         self._is_open = False

@@ -3,10 +3,10 @@
 from contextlib import suppress
 from pathlib import Path
 
-from drivers.device_url_parser import parse_device_url
-from drivers.simulated.autopilot import Autopilot
-from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.timed_faults import TimedFault
+from drivers.address_parsing import parse_device_url
+from drivers.simulated.companions.autopilot import Autopilot
+from drivers.simulated.companions.truths import AutopilotTruth
+from drivers.simulated.faults import TimedFault
 from drivers.simulated.truth import Truth
 from station.errors import cannot_write
 from station.stream.reader.messages import Chunk, Item

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 
 from fixtures_db.database import open_db
-from fixtures_db.hash_chain_verification import alterations
 from fixtures_db.stored_calibrations import accept_calibration
+from fixtures_db.verification import alterations
 from procedures.campaign.plan_steps import Dwell, Turn
 from tests.fixtures_db.factory import facts, fill_fixtures, solution
 from tests.year.night import Outcome, one_campaign

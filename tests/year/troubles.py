@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drivers.simulated.timed_faults import MAX_SYSTEM
+from drivers.simulated.faults import MAX_SYSTEM
 from drivers.simulated.truth import Truth
 from fixtures_db.database import Database
 from fixtures_db.model_limits import set_limits

@@ -1,19 +1,18 @@
-"""Every effect that can be planted by name and size.
+"""Every error term that can be planted by name and size.
 
-`docs/reference/simulated-devices.md` lists units and equations.
+Each is a `planted_effect`: of the `sensors` (`thermal` for their temperature), or of the `bench`.
+
+`written_term` plants a user-defined one. `docs/reference/simulated-devices.md` lists units and equations.
 """
 
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from drivers.simulated.effects.accelerometer import ACCELEROMETER
-from drivers.simulated.effects.bench import BENCH
-from drivers.simulated.effects.gyroscope import GYROSCOPE
+from drivers.errors import TruthRefused, UnknownEffect
+from drivers.simulated.effects.bench import BENCH, PROCEDURE, VIBRATION
 from drivers.simulated.effects.planted_effect import PlantedEffect, Stimulus, TriadInput
-from drivers.simulated.effects.procedure import PROCEDURE
-from drivers.simulated.effects.vibration import VIBRATION
+from drivers.simulated.effects.sensors import ACCELEROMETER, GYROSCOPE
 from drivers.simulated.effects.written_term import planted_term
-from drivers.simulated.errors import TruthRefused, UnknownEffect
 from drivers.simulated.truth import Sizes
 
 EFFECTS = {effect.name: effect for effect in (*ACCELEROMETER, *GYROSCOPE, *BENCH, *PROCEDURE, *VIBRATION)}

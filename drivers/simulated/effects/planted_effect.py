@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from drivers.simulated.bench_truth import World
-from drivers.simulated.truth import Sizes
+from drivers.simulated.truth import Sizes, World
 from procedures.arrays import FloatArray
 
 AXES = "xyz"

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from drivers.errors import TruthRefused
 from drivers.simulated.effects.planted_effect import (
     AXES,
     REFERENCE_C,
@@ -22,7 +23,6 @@ from drivers.simulated.effects.planted_effect import (
     TriadInput,
 )
 from drivers.simulated.effects.thermal import sensor_temperature
-from drivers.simulated.errors import TruthRefused
 from drivers.simulated.truth import Sizes
 from procedures.arrays import FloatArray
 
@@ -99,7 +99,7 @@ def planted_term(name: str, text: str) -> PlantedEffect:
 
 
 def _try(name: str, summed: Added, sizes: Sizes) -> None:
-    """Refuse at once what cannot be planted: what no moment tells, or what is finite at none."""
+    """Refuse at once what cannot be planted: what no moment determines, or what is finite at none."""
     try:
         found = np.asarray(summed(_moments(), TriadInput(_moments().f, np.ones(3)), sizes))
     except TruthRefused:

@@ -3,7 +3,7 @@
 import sqlalchemy as sa
 from alembic import op
 
-from fixtures_db.migrations.append_only import protect
+from fixtures_db.migrations.upgrade import protect
 
 revision = "0005"
 down_revision = "0004"
@@ -18,7 +18,7 @@ WHERE EXISTS (SELECT 1 FROM face_certificates f WHERE f.cube_id = cubes.id)
 
 
 def upgrade() -> None:
-    """Create the append-only table of measurements and date the cubes anew."""
+    """Create the append-only table of measurements and date the cubes again."""
     op.create_table(
         "cube_measurements",
         sa.Column("id", sa.Integer(), primary_key=True),

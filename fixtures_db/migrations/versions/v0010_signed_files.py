@@ -3,7 +3,7 @@
 import sqlalchemy as sa
 from alembic import op
 
-from fixtures_db.migrations.append_only import protect
+from fixtures_db.migrations.upgrade import protect
 
 revision = "0010"
 down_revision = "0009"

@@ -4,7 +4,7 @@ import sqlalchemy as sa
 from alembic import op
 
 from fixtures_db.journal import carry_over
-from fixtures_db.migrations.append_only import protect
+from fixtures_db.migrations.upgrade import protect
 
 revision = "0011"
 down_revision = "0010"

@@ -7,16 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from drivers.errors import DriverError
+from drivers.errors import DriverError, TruthRefused, UnknownEffect
 from drivers.mavlink.signing import read_key
-from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.camera_truth import CameraTruth
+from drivers.simulated.companions.truths import AutopilotTruth, CameraTruth
 from drivers.simulated.device import ByteDevice, ScheduledMove
 from drivers.simulated.effects import planted
-from drivers.simulated.errors import TruthRefused, UnknownEffect
-from drivers.simulated.line_faults import Fault
+from drivers.simulated.faults import Fault, TimedFault, camera_faults_from, gnss_faults_from
 from drivers.simulated.server import CAN_TRANSPORTS
-from drivers.simulated.timed_faults import TimedFault, camera_faults_from, gnss_faults_from
 from drivers.simulated.truth import Truth, truth_from
 from drivers.simulated.vehicle_track import VehicleTrack, load_track
 from station.errors import DataRefused
@@ -117,7 +114,7 @@ def _moves(table: ScenarioTable, truth: Truth, where: _KeyLines) -> Iterator[Sch
     device, free_s, queued_s = ByteDevice(truth, table.seed, "counts"), 0.0, 0.0
     for number, hands in enumerate(table.hands):
         at_s = _begin(hands, free_s, where, number)
-        answer = device.obey(hands.do)
+        answer = device.execute(hands.do)
         if not answer.startswith("ok time "):
             raise where.refusal(("hands", number, "do"), f"{hands.do!r}", f"a move ({answer})")
         free_s = at_s + device.imu.done - queued_s

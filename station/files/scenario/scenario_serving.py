@@ -5,8 +5,8 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
 
-from drivers.simulated.camera_server import SimulatedCamera
-from drivers.simulated.gnss_server import SimulatedGnss
+from drivers.simulated.companions.camera_server import SimulatedCamera
+from drivers.simulated.companions.gnss_server import SimulatedGnss
 from drivers.simulated.server import SimulatedDevice
 from station.files.scenario.scenario_reading import Scenario
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 from datetime import date, datetime
 from typing import Any
 
-from fixtures_db.anchor import Anchor
 from fixtures_db.campaigns import is_expired
 from fixtures_db.hash_chain import GENESIS
+from fixtures_db.verification import Anchor
 from station.results.certificate.laboratory import Laboratory
 from station.results.certificate.model_statement import is_simulated
 

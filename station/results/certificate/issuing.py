@@ -12,11 +12,10 @@ from pathlib import Path
 
 from sqlalchemy.orm import Session
 
-from fixtures_db.anchor import take_anchor
 from fixtures_db.database import Database
 from fixtures_db.errors import NotInDatabase
 from fixtures_db.hash_chain import GENESIS
-from fixtures_db.issued import issued_of, next_number, record_issue
+from fixtures_db.issued_certificates import issued_of, next_number, record_issue
 from fixtures_db.schema import CalibrationRow, IssuedCertificateRow
 from fixtures_db.stored_calibrations import (
     calibrated_serials,
@@ -25,6 +24,7 @@ from fixtures_db.stored_calibrations import (
     calibrations_like,
     history,
 )
+from fixtures_db.verification import take_anchor
 from station.errors import DataRefused, Incomplete
 from station.files.sha256sums import sha256_of
 from station.files.text_fields import checked_text

@@ -8,8 +8,7 @@ from typing import NamedTuple
 
 from sqlalchemy.orm import Session
 
-from fixtures_db.cube_measurements import measurement, measurements
-from fixtures_db.face_certificates import cube
+from fixtures_db.fixture_measurements import cube, measurement, measurements
 from fixtures_db.fixtures import fixture_row
 from fixtures_db.schema import CubeRow
 from procedures.bench.cube_drift import CubeComparison, CubeDrift, compare, drift

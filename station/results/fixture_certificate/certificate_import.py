@@ -7,10 +7,9 @@ from pathlib import Path
 import numpy as np
 from sqlalchemy.orm import Session
 
-from fixtures_db.face_certificates import certify_faces
+from fixtures_db.fixture_measurements import add_level, certify_faces
 from fixtures_db.fixtures import add_fixture, fixture_rows
 from fixtures_db.schema import CubeRow, SlabLevelRow, SlabRow
-from fixtures_db.slab_levels import add_level
 from procedures.campaign.campaign import FaceCertificate
 from station.errors import DataRefused
 from station.results.certificate.signing.verification import UNSIGNED, Verified

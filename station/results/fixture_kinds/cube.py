@@ -3,7 +3,7 @@
 import numpy as np
 from sqlalchemy.orm import Session
 
-from fixtures_db.face_certificates import faces_in_force
+from fixtures_db.fixture_measurements import faces_in_force
 from fixtures_db.fixtures import fixture_row, fixture_rows
 from fixtures_db.schema import CubeRow, FaceCertificateRow
 from procedures.units import RAD_PER_ARCSEC

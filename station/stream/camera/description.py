@@ -4,15 +4,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from drivers.device_url import DeviceUrl
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
+from drivers.addresses import CameraAddress, HttpCameraAddress, VideoDeviceAddress
 from drivers.errors import BadDeviceUrl
 from station.errors import DataRefused
 from station.files.fusion_folder.fusion_schema import LensTable
 from station.files.toml_reading import line_of, read_tables, read_text_file
 
 CAMERA_FILE = "camera.toml"  # in a folder that is recorded
-SCHEME = "camera"
 
 
 class CameraTable(LensTable):
@@ -28,7 +27,7 @@ class CameraDescription:
 
     content: bytes
     table: CameraTable
-    address: DeviceUrl
+    address: CameraAddress
 
 
 def read_description(path: Path) -> CameraDescription:
@@ -45,7 +44,7 @@ def read_description(path: Path) -> CameraDescription:
         address = parse_device_url(table.url, "camera")
     except BadDeviceUrl as error:
         raise DataRefused(path, line_of(("url",), lines), repr(table.url), error.expected) from error
-    if address.scheme != SCHEME:
+    if not isinstance(address, HttpCameraAddress | VideoDeviceAddress):
         expected = "camera:http://HOST:PORT/PATH or camera:/dev/videoN"
         raise DataRefused(path, line_of(("url",), lines), repr(table.url), expected)
     return CameraDescription(content, table, address)

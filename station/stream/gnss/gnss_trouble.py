@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from drivers.device_url import DeviceUrl
+from drivers.addresses import MavlinkAddress
 from drivers.mavlink.decoder import MavlinkDecoder
 from procedures.earth.gnss_records import FixType, GnssFix
 from station.stream.beside import SILENT_S  # heartbeats are a second apart
@@ -14,7 +14,7 @@ STILL_COMING_S = 0.9  # frames of others after the last one read
 class GnssTrouble:
     """Watches counters; times are of the station's monotonic clock [s]."""
 
-    def __init__(self, address: DeviceUrl, clock: Callable[[], float]) -> None:
+    def __init__(self, address: MavlinkAddress, clock: Callable[[], float]) -> None:
         self._address, self._clock = address, clock
         self._first_s = max(SILENT_S, 3 / address.rate_hz)  # how long the first fix may take
         self._began = self._frames_at = self._read_at = self._fix_at = clock()

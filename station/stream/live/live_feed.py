@@ -7,10 +7,10 @@ from typing import Protocol
 
 import numpy as np
 
-from drivers.device_url import DeviceUrl
+from drivers.addresses import DeviceAddress
 from drivers.errors import LinkLost, LinkSilent, ReplayEnded, WrongFormat
 from drivers.framing import seen_instead, sniff
-from drivers.url_wire_format import wire_of
+from drivers.ports import wire_of
 from drivers.wire import FORMATS, WireFormat
 from station.errors import DataRefused
 from station.stream.device_addresses import not_another
@@ -42,7 +42,7 @@ TEMPERATURE_SAMPLES = 1000  # the newest samples; some devices send a temperatur
 class ChunkSource(Protocol):
     """Where chunks come from: a reader process."""
 
-    address: DeviceUrl
+    address: DeviceAddress
 
     def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
         """Return what has come, within ``timeout_s``."""

@@ -10,12 +10,11 @@ import time
 from datetime import UTC, datetime
 from pathlib import Path
 
-from drivers.device_url import DeviceUrl
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
+from drivers.addresses import DeviceAddress
 from drivers.errors import DriverError, LinkLost
 from drivers.port_interface import Port
-from drivers.ports import open_port
-from drivers.url_wire_format import frame_descriptions
+from drivers.ports import frame_descriptions, open_port
 from station.errors import CannotWrite
 from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC, GNSS_RAW_TOPIC, RAW_TOPIC, WHEEL_RAW_TOPIC
 from station.stream.reader.journal import Journal
@@ -45,7 +44,7 @@ def main(url: str, journal: str = "") -> None:
 class _Session:
     """One device, one journal or none, one station."""
 
-    def __init__(self, url: DeviceUrl, journal: Path | None, outbox: Outbox) -> None:
+    def __init__(self, url: DeviceAddress, journal: Path | None, outbox: Outbox) -> None:
         self._url, self._outbox = url, outbox
         self._stop = threading.Event()
         self._failure: CannotWrite | None = None

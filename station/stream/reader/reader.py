@@ -8,7 +8,7 @@ import sys
 import time
 from pathlib import Path
 
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
 from drivers.errors import DriverError, LinkLost, ReplayEnded
 from station.errors import CannotWrite
 from station.stream.reader.messages import Item, Quiet, Refusal, unpacked
@@ -25,7 +25,7 @@ class Reader:
     Parameters
     ----------
     url : str
-        The device's address, see `drivers.device_url`.
+        The device's address, see `drivers.addresses`.
     journal : Path
         Where the session's raw bytes go; it must not be there yet. None: they are not kept.
     """

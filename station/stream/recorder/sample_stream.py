@@ -101,7 +101,7 @@ class SampleStream:
             return DecodedChunk(chunk, block, self.decoder.edges, np.arange(0), None)
         if self._is_anew:
             self._counter, self._time, self._values, self._is_doubted = None, np.nan, None, False
-            self._host.begin_anew()
+            self._host.reset()
         steps = self._steps(block)
         time, seconds = self._times(chunk, block, steps)
         self._time = float(time[-1])
@@ -127,7 +127,7 @@ class SampleStream:
         """Return each sample's time [s] and how far it is from the one before."""
         if not self.decoder.kind.has_time:
             time = self._host.take(chunk.host_ns / 1e9, steps)
-            self._is_anew |= self._host.is_anew
+            self._is_anew |= self._host.is_reset
             return time, np.diff(time, prepend=self._time)
         modulus, time = self.decoder.wire.time_modulus, block.device_time
         if modulus is None:

@@ -3,8 +3,8 @@
 import time
 from pathlib import Path
 
-from drivers.device_url import DeviceUrl
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
+from drivers.addresses import DeviceAddress
 from drivers.errors import PortNotFound, ReplayEnded
 from station.files.mcap_files import read_step
 from station.stream.reader import Chunk, GapMark
@@ -31,18 +31,18 @@ class Replay:
     """
 
     def __init__(self, url: str, speed: float = 1.0) -> None:
-        self.address: DeviceUrl = parse_device_url(url)
+        self.address: DeviceAddress = parse_device_url(url)
         self._speed = speed
-        self._chunks = [Chunk(host_ns, data) for host_ns, data in read_step(Path(self.address.path)).raw]
+        self._chunks = [Chunk(host_ns, data) for host_ns, data in read_step(Path(self.address.name)).raw]
         if not self._chunks:
-            raise PortNotFound(self.address.path, "holds no bytes of a device", "name a session or a recording")
+            raise PortNotFound(self.address.name, "holds no bytes of a device", "name a session or a recording")
         self._size = sum(len(chunk.data) for chunk in self._chunks)
         self._at, self._began = 0, time.monotonic()
 
     def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
         """Return the chunks that are due, waiting at most ``timeout_s``; raise `ReplayEnded` after the last."""
         if self._at == len(self._chunks):
-            raise ReplayEnded(self.address.path, self._size)
+            raise ReplayEnded(self.address.name, self._size)
         if not self._speed:
             self._at += 1
             return [self._chunks[self._at - 1]]

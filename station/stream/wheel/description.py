@@ -7,9 +7,9 @@ from urllib.parse import urlencode
 
 from pydantic import Field
 
+from drivers.address_parsing import parse_device_url
+from drivers.addresses import WheelAddress
 from drivers.can.wheel_signal import WheelSignal, wheel_signal
-from drivers.device_url import DeviceUrl
-from drivers.device_url_parser import parse_device_url
 from drivers.errors import BadDeviceUrl
 from station.errors import DataRefused
 from station.files.fusion_folder.fusion_schema import WheelMountTable
@@ -36,7 +36,7 @@ class WheelDescription:
     content: bytes
     dbc: bytes
     table: WheelDescriptionTable
-    address: DeviceUrl
+    address: WheelAddress
     signal: WheelSignal
 
 
@@ -60,4 +60,5 @@ def read_description(path: Path, kept: Path | None = None) -> WheelDescription:
         address = parse_device_url(f"wheel:{table.url}{'&' if '?' in table.url else '?'}{more}")
     except BadDeviceUrl as error:
         raise DataRefused(path, line_of(("url",), lines), repr(table.url), error.expected) from error
+    assert isinstance(address, WheelAddress)  # the scheme given above
     return WheelDescription(content, dbc.read_bytes(), table, address, signal)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from textual.content import Content
 
 from procedures.attitude.laws import JOINT
-from station.calibrated.calibration_in_use import InUse
+from station.calibrated import InUse
 from station.live_attitude.readings import LawReading, MotionState, RestErrorComparison, difference
 from station.monitor.view import ChartPoint, MonitorView
 from station.stream.stream_events import StreamState

@@ -7,7 +7,7 @@ import numpy as np
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.effects import Planted
-from drivers.simulated.effects.procedure import auxiliary
+from drivers.simulated.effects.bench import auxiliary
 from drivers.simulated.truth import Truth
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.plan_steps import Turn, turn_steps

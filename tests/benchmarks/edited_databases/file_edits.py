@@ -6,11 +6,10 @@ import sqlite3
 from collections.abc import Callable
 from pathlib import Path
 
-from fixtures_db.anchor import Anchor, take_anchor
 from fixtures_db.database import open_db
 from fixtures_db.errors import DatabaseError
-from fixtures_db.hash_chain_verification import alterations
 from fixtures_db.stored_calibrations import accept_calibration
+from fixtures_db.verification import Anchor, alterations, take_anchor
 from tests.fixtures_db.factory import facts, solution
 from tests.fixtures_db.filled_database import fill
 

@@ -12,8 +12,7 @@ from sqlalchemy.orm import Session
 from fixtures_db.append_only_rows import ROW_TITLES, row_text
 from fixtures_db.campaigns import manifest_head
 from fixtures_db.hash_chain import GENESIS, canonical, digest
-from fixtures_db.journal import DELETE, entry_text
-from fixtures_db.row_content import contents, journalled_tables
+from fixtures_db.journal import DELETE, contents, entry_text, journalled_tables
 from fixtures_db.schema import Base, CalibrationRow, CampaignRow, UtcDateTime
 from tests.benchmarks.edited_databases import row_edits
 

@@ -18,8 +18,8 @@ from sqlalchemy import text
 
 from fixtures_db.campaigns import campaign, verify_steps
 from fixtures_db.database import Database, open_db
-from fixtures_db.hash_chain_verification import alterations
 from fixtures_db.migrations import HEAD
+from fixtures_db.verification import alterations
 from station import cli
 from station.exit_codes import exit_code
 from station.files.campaign_folder.campaign_reading import read_campaign

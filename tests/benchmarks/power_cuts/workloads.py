@@ -7,8 +7,7 @@ from alembic import command
 from sqlalchemy.engine import URL
 
 from drivers.simulated.truth import Truth
-from fixtures_db.database import open_db
-from fixtures_db.engines import sqlite_engine
+from fixtures_db.database import open_db, sqlite_engine
 from fixtures_db.fixture_transfer import dump
 from fixtures_db.migrations.upgrade import config
 from fixtures_db.stored_calibrations import accept_calibration

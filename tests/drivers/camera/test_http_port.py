@@ -9,7 +9,7 @@ from threading import Thread
 import pytest
 
 from drivers.camera import CameraDecoder, http_port
-from drivers.camera.multipart import CONTENT_TYPE, part
+from drivers.camera.decoder import CONTENT_TYPE, part
 from drivers.errors import LinkLost, PortNotFound
 from drivers.port_interface import Port
 from drivers.ports import open_port

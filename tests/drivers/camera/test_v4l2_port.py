@@ -11,9 +11,9 @@ from threading import Event
 import numpy as np
 import pytest
 
+from drivers.address_parsing import parse_device_url
 from drivers.camera import CameraDecoder, CameraImage
 from drivers.camera.v4l2_port import MAX_WAITING_IMAGES, V4l2Port, set_up
-from drivers.device_url_parser import parse_device_url
 from drivers.errors import LinkLost, PortNotFound
 from drivers.ports import open_port
 from tests.drivers.camera.images import HEIGHT, WIDTH, jpegs

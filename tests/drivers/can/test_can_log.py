@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from can.io import ASCWriter, BLFWriter, CSVWriter, TRCWriter
 
+from drivers.address_parsing import parse_device_url
 from drivers.can.can_format import can_format
-from drivers.device_url_parser import parse_device_url
 from drivers.errors import BadCanFile, ReplayEnded
 from drivers.framing import Decoder
 from drivers.ports import open_port

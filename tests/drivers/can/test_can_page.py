@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from drivers.can.can_format import OWN_DBC, can_format
-from drivers.can.dbc_file import load_dbc
+from drivers.can.dbc_signals import load_dbc
 from drivers.can.mapping_file import KEYS
 from drivers.can.payload_checks import CHECKS
 from tests.drivers.can.frames import DBC, needs_captures

@@ -10,18 +10,17 @@ import can
 import numpy as np
 import pytest
 
+from drivers.address_parsing import parse_device_url
 from drivers.can import can_port, frame_record
-from drivers.device_url_parser import parse_device_url
 from drivers.errors import BadDeviceUrl, LinkLost, PortBusy, PortNotFound
 from drivers.framing import Decoder
 from drivers.port_interface import Port
-from drivers.ports import open_port
+from drivers.ports import open_port, wire_of
+from drivers.simulated.bench_control import BenchControl
 from drivers.simulated.can_lines import SlcanAdapter
 from drivers.simulated.imu import SimulatedImu
 from drivers.simulated.server import CAN_TRANSPORTS, SimulatedDevice
-from drivers.simulated.simulated_hands import SimulatedHands
 from drivers.simulated.truth import Truth
-from drivers.url_wire_format import wire_of
 from procedures.counts.sample_records import CountBlock
 from tests.drivers.can.frames import WIRE, frames_of, samples
 from tests.free_port import free_udp_port
@@ -72,7 +71,7 @@ def test_counts_read_from_a_bus_are_those_in_memory(transport: str) -> None:
     number = free_udp_port() if transport == "udp_multicast" else 0
     with SimulatedDevice(FAST, 5, speed=paced(2.0), transport=transport, port=number, hold=True) as device:
         port, address = open_port(device.url), parse_device_url(device.url)
-        with SimulatedHands(device.control) as hands:
+        with BenchControl(device.control) as hands:
             hands.place(3, 1.0)
             hands.go()
         wire = wire_of(address)

@@ -10,8 +10,7 @@ import pytest
 
 from drivers.can import frame_record
 from drivers.can.can_format import OWN_DBC, OWN_MAP, can_format
-from drivers.can.dbc_file import field_of, identifier_of, load_dbc
-from drivers.can.signal_layout import words_of
+from drivers.can.dbc_signals import field_of, identifier_of, load_dbc, words_of
 from drivers.errors import BadCanFile
 from drivers.framing import Decoder
 from drivers.wire import WireFormat

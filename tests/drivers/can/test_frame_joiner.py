@@ -7,10 +7,10 @@ import pytest
 from numpy.typing import NDArray
 
 from drivers.can import frame_record
+from drivers.can.dbc_signals import SignalField
 from drivers.can.frame_joiner import CanJoiner
 from drivers.can.frame_record import RECORD
 from drivers.can.mapping_file import CanMap, Slot
-from drivers.can.signal_layout import SignalField
 from drivers.wire import FrameCounters
 from procedures.counts.sample_records import RateBlock, SampleBlock
 

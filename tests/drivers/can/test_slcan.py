@@ -8,9 +8,8 @@ import pytest
 import serial
 
 from drivers.can import can_port, frame_record
-from drivers.can.can_port import CanPort
+from drivers.can.can_port import CanPort, SlcanLine
 from drivers.can.frame_record import ERROR
-from drivers.can.slcan_line import SlcanLine
 from drivers.errors import LinkLost
 from tests.benchmarks.hostile_slcan import attack
 

@@ -9,7 +9,7 @@ from drivers.can.frame_record import REMOTE, pack
 from drivers.can.wheel_signal import WheelDecoder, wheel_signal
 from drivers.errors import BadCanFile, BadDeviceUrl
 from drivers.ports import parse_device_url
-from drivers.simulated.wheel_on_can import DBC, SIGNAL
+from drivers.simulated.companions.wheel_on_can import DBC, SIGNAL
 
 FOREIGN = """VERSION ""
 NS_ :
@@ -98,8 +98,8 @@ def test_a_wrong_signal_is_refused_in_one_line(foreign: str, name: str, unit: st
 
 def test_its_address_is_that_of_a_bus_with_a_signal() -> None:
     address = parse_device_url("wheel:can://slcan/dev/ttyACM0?bitrate=500000&dbc=a.dbc&signal=M.S")
-    assert (address.interface, address.path, address.dbc) == ("slcan", "/dev/ttyACM0", "a.dbc")
-    assert (address.signal, address.options) == ("M.S", (("bitrate", "500000"),))
+    assert (address.bus.interface, address.bus.channel, address.bus.dbc) == ("slcan", "/dev/ttyACM0", "a.dbc")
+    assert (address.signal, address.bus.options) == ("M.S", (("bitrate", "500000"),))
     for wrong in ("wheel:can://socketcan/can0", "wheel:serial:///dev/ttyUSB0", "wheel:can://socketcan/can0?dbc=a"):
         with pytest.raises(BadDeviceUrl):
             parse_device_url(wrong)

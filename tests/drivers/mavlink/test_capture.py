@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from drivers.mavlink.decoder import MavlinkDecoder
-from drivers.mavlink.mavlink_framing import MavlinkFramer
-from drivers.mavlink.messages import GPS_RAW_INT, NAMES, fields
+from drivers.mavlink.frames import GPS_RAW_INT, NAMES, MavlinkFramer, fields
 from procedures.earth.gnss_records import FixType, GnssFix, averaged_site
 from tests.paths import DATA
 

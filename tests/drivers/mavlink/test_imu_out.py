@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 from pymavlink.dialects.v20 import all as dialect
 
-from drivers.device_url_parser import parse_mavlink_url
+from drivers.address_parsing import parse_mavlink_url
 from drivers.mavlink.imu_out import ImuOut
-from drivers.udp_port import open_udp
+from drivers.network_ports import open_udp
 from tests.patience import HANG_S
 
 KEY = bytes(range(32))

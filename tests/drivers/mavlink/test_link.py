@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
 from drivers.mavlink.decoder import MavlinkDecoder, Record
-from drivers.mavlink.messages import GLOBAL_POSITION_INT, GPS2_RAW
-from drivers.mavlink.port import MavlinkPort
+from drivers.mavlink.frames import GLOBAL_POSITION_INT, GPS2_RAW
+from drivers.mavlink.session import MavlinkPort
 from drivers.mavlink.signing import SignatureCheck, read_key
 from drivers.ports import open_port
-from drivers.simulated.autopilot_truth import EPOCH_UTC, AutopilotTruth
-from drivers.simulated.gnss_server import SimulatedGnss
-from drivers.simulated.timed_faults import TimedFault
+from drivers.simulated.companions.gnss_server import SimulatedGnss
+from drivers.simulated.companions.truths import EPOCH_UTC, AutopilotTruth
+from drivers.simulated.faults import TimedFault
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack
 from procedures.earth.gnss_records import AirData, Ambient, GnssFix, TimeMark, averaged_site

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 from pymavlink.dialects.v20 import all as dialect
 
-from drivers.mavlink import messages as mavlink
+from drivers.mavlink import frames as mavlink
 from drivers.mavlink.session import MavlinkSession, RequestedMessage
 
 VEHICLE = dialect.MAVLink(None, srcSystem=7, srcComponent=3)

@@ -72,10 +72,10 @@ def test_moves_act_on_the_sample_of_their_time() -> None:
         ("place 3 2 1 -2 3", lambda imu: imu.place(3, 2.0, np.radians([1.0, -2.0, 3.0]))),
         ("carry 5 2 30", lambda imu: imu.carry(5, 2.0, 30.0)),
         ("carry 5 2 30 0.5", lambda imu: imu.carry(5, 2.0, 30.0, 0.5)),
-        ("lean 1 2 -3", lambda imu: imu.lean(np.array([1.0, 2.0, -3.0]))),
-        ("lean 1 2 -3 2", lambda imu: imu.lean(np.array([1.0, 2.0, -3.0]), 2.0)),
+        ("lean 1 2 -3", lambda imu: imu.tilt(np.array([1.0, 2.0, -3.0]))),
+        ("lean 1 2 -3 2", lambda imu: imu.tilt(np.array([1.0, 2.0, -3.0]), 2.0)),
         ("heat 20 5", lambda imu: imu.heat(20.0, 5.0)),
-        ("knock 0.5 2", lambda imu: imu.knock(0.5, 2.0)),
+        ("knock 0.5 2", lambda imu: imu.shock(0.5, 2.0)),
         ("creep 2 1 2 -3", lambda imu: imu.creep(2.0, np.radians([1.0, 2.0, -3.0]))),
         ("turn x + 1", lambda imu: imu.turn("x", "+", 1)),
         ("turn x - 1 2", lambda imu: imu.turn("x", "-", 1, 2.0)),
@@ -84,7 +84,7 @@ def test_moves_act_on_the_sample_of_their_time() -> None:
 )
 def test_a_command_does_what_the_hand_does(command: str, does: Callable[[SimulatedImu], None]) -> None:
     device, hand = ByteDevice(Truth.example(2), 3, "counts"), SimulatedImu(Truth.example(2), 3)
-    assert device.obey(command).startswith("ok time 0.000000 done ")
+    assert device.execute(command).startswith("ok time 0.000000 done ")
     does(hand)
     assert device.imu.done == hand.done
     ours, theirs = device.imu.read(250), hand.read(250)

@@ -5,12 +5,12 @@ import tomllib
 import numpy as np
 import pytest
 
+from drivers.errors import TruthRefused
 from drivers.simulated.bench_in_memory import world_with_effects
-from drivers.simulated.camera_images import CameraImages, CameraMount
-from drivers.simulated.camera_truth import CameraTruth, camera_toml
-from drivers.simulated.errors import TruthRefused
+from drivers.simulated.companions.camera_server import CameraImages, CameraMount
+from drivers.simulated.companions.truths import CameraTruth, camera_toml
+from drivers.simulated.faults import TimedFault
 from drivers.simulated.imu import Z_UP_POSITION
-from drivers.simulated.timed_faults import TimedFault
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import drive
 from procedures.frames import rotation

@@ -7,8 +7,8 @@ import pytest
 
 from drivers.camera import CameraDecoder
 from drivers.ports import open_port
-from drivers.simulated.camera_server import SimulatedCamera
-from drivers.simulated.camera_truth import CameraTruth
+from drivers.simulated.companions.camera_server import SimulatedCamera
+from drivers.simulated.companions.truths import CameraTruth
 from drivers.simulated.truth import Truth
 
 cv2 = pytest.importorskip("cv2", reason="opencv is not installed")

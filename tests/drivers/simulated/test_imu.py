@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivers.simulated.counting_triads import CountingTriads
 from drivers.simulated.cube_motion import flip, rest
 from drivers.simulated.imu import SimulatedImu
+from drivers.simulated.sensor_model import CountingTriads
 from drivers.simulated.truth import Truth
 from procedures.counts.sample_records import CountBlock
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from drivers.simulated.carried_by_hand import carry
+from drivers.errors import TruthRefused
 from drivers.simulated.device import ByteDevice
-from drivers.simulated.errors import TruthRefused
+from drivers.simulated.handling_motion import carry
 from drivers.simulated.imu import SimulatedImu
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import MIN_SPEED_M_S, VehicleTrack
@@ -99,7 +99,7 @@ def test_hands_that_do_not_tremble_turn_about_one_axis_and_stop_in_the_air() -> 
 
 def test_the_command_puts_the_cube_where_it_is_to_stand() -> None:
     device = ByteDevice(Truth.example(1), None, "counts")
-    assert device.obey("carry 20 4 40 2").startswith("ok time")
+    assert device.execute("carry 20 4 40 2").startswith("ok time")
     device.imu.read(round(7.0 / device.truth.sample_period_s))
     last = device.imu.read(50).accel.sum(axis=0) / device.truth.accel_k
     up = C_bn(20, np.zeros(2), np.zeros(2))[:, 2]
@@ -111,7 +111,7 @@ def test_the_command_puts_the_cube_where_it_is_to_stand() -> None:
     "command", ["carry 25 4 40", "carry 3 0 40", "carry 3 4 1e4", "carry 3 4 40 -1", "carry 3 x 40"]
 )
 def test_what_no_hand_does_is_refused_in_a_line(command: str) -> None:
-    answer = ByteDevice(Truth.example(1), None, "counts").obey(command)
+    answer = ByteDevice(Truth.example(1), None, "counts").execute(command)
     assert answer.startswith("error")
     assert "\n" not in answer
 

@@ -8,7 +8,7 @@ import tomllib
 import pytest
 
 from drivers.simulated import pytest_plugin
-from drivers.simulated.gnss_server import SimulatedGnss
+from drivers.simulated.companions.gnss_server import SimulatedGnss
 from drivers.simulated.server import SimulatedDevice
 from tests.paths import ROOT
 

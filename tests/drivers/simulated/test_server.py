@@ -6,15 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivers.errors import LinkLost
+from drivers.errors import ControlRefused, LinkLost
 from drivers.framing import Decoder
 from drivers.port_interface import Port
 from drivers.ports import open_port
-from drivers.simulated.errors import HandsRefused
+from drivers.simulated.bench_control import BenchControl
+from drivers.simulated.faults import Fault
 from drivers.simulated.imu import SimulatedImu
-from drivers.simulated.line_faults import Fault
 from drivers.simulated.server import MAX_BEHIND_S, Pace, SimulatedDevice
-from drivers.simulated.simulated_hands import SimulatedHands
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from procedures.counts.sample_records import SampleBlock
@@ -38,7 +37,7 @@ def received(port: Port, frames: int, decoder: Decoder) -> list[SampleBlock]:
 def test_bytes_read_from_the_port_decode_to_the_counts_in_memory(transport: str, name: str) -> None:
     memory = SimulatedImu(TRUTH, 5)
     with SimulatedDevice(TRUTH, 5, name, speed=0, transport=transport, hold=True) as device:
-        with SimulatedHands(device.control) as hands:
+        with BenchControl(device.control) as hands:
             for hand in (memory, hands):
                 hand.place(3, 10.0)
                 hand.turn("x", "+", 1, 2.0)
@@ -63,14 +62,14 @@ def test_bytes_read_from_the_port_decode_to_the_counts_in_memory(transport: str,
 
 
 def test_hands_answer_errors_and_the_device_lives_on() -> None:
-    with SimulatedDevice(TRUTH, 1, speed=0) as device, SimulatedHands(device.control) as hands:
+    with SimulatedDevice(TRUTH, 1, speed=0) as device, BenchControl(device.control) as hands:
         for command in ("fly", "place", "place 25", "place x", "turn y + 3", "rest -1", ""):
-            with pytest.raises(HandsRefused):
+            with pytest.raises(ControlRefused):
                 hands.say(command)
         assert hands.place(2) > hands.time() >= 0
         assert hands.say("status")[:3] == ["position", "2", "moving"]
-    with pytest.raises(HandsRefused):
-        SimulatedHands(device.control).time()
+    with pytest.raises(ControlRefused):
+        BenchControl(device.control).time()
 
 
 @every_transport
@@ -92,7 +91,7 @@ def test_an_unplugged_port_is_lost_and_comes_back_under_the_same_url(transport: 
     with SimulatedDevice(TRUTH, 1, speed=0, transport=transport, link=link, faults=[fault], hold=True) as device:
         url, decoder = device.url, Decoder(FORMATS["counts"])
         port = open_port(url)
-        with SimulatedHands(device.control) as hands:
+        with BenchControl(device.control) as hands:
             hands.go()
         before = list[SampleBlock]()
         with pytest.raises(LinkLost):

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
+from drivers.errors import TruthRefused, UnknownEffect
 from drivers.simulated.bench_in_memory import world_with_effects
 from drivers.simulated.effects import planted
-from drivers.simulated.errors import TruthRefused, UnknownEffect
 from drivers.simulated.truth import Truth, load_truth, paper_truth, truth_from
 
 TEXT = """

@@ -9,7 +9,7 @@ import pytest
 
 from drivers.can.wheel_signal import WheelDecoder, wheel_signal
 from drivers.ports import open_port
-from drivers.simulated.wheel_on_can import DBC, SIGNAL, SimulatedWheel, told_speeds, wheel_toml
+from drivers.simulated.companions.wheel_on_can import DBC, SIGNAL, SimulatedWheel, wheel_speeds, wheel_toml
 from station.stream.wheel.description import read_description
 from tests.patience import until
 
@@ -18,14 +18,14 @@ def test_a_wheel_tells_its_own_speed_with_noise_while_it_turns_and_nothing_while
     """10 s at rest, then 5 m/s: the wheel is 1 % smaller than it says; its noise is 0.02 m/s, never backwards."""
     t = np.arange(0.0, 400.0, 0.02)
     track: Any = SimpleNamespace(velocities=lambda t: np.where(t[:, None] < 200.0, 0.0, [3.0, 4.0, 0.0]))
-    told = told_speeds(t, track, 1.01, np.random.default_rng(5))
+    told = wheel_speeds(t, track, 1.01, np.random.default_rng(5))
     assert not told[t < 200.0].any()
     moving = told[t >= 200.0]
     assert moving.mean() == pytest.approx(5.0 / 1.01, abs=1e-3)
     assert moving.std() == pytest.approx(0.02, rel=0.05)
     slow: Any = SimpleNamespace(velocities=lambda t: np.full((len(t), 3), 1e-4))
-    assert told_speeds(t, slow, 1.01, np.random.default_rng(5)).min() == 0.0
-    assert told_speeds(t, None, 1.01, np.random.default_rng(5)).tolist() == [0.0] * len(t)
+    assert wheel_speeds(t, slow, 1.01, np.random.default_rng(5)).min() == 0.0
+    assert wheel_speeds(t, None, 1.01, np.random.default_rng(5)).tolist() == [0.0] * len(t)
 
 
 def test_its_file_is_read_as_the_wheel_that_it_is(tmp_path: Path) -> None:

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from drivers.errors import TruthRefused
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.effects import Stimulus, TriadInput, planted
-from drivers.simulated.errors import TruthRefused
 from drivers.simulated.truth import Truth, load_truth
 from procedures.campaign.plan_steps import turn_steps
 from procedures.diagnosis.declared_effects import solve_declared

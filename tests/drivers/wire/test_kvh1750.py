@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from drivers.framing import Decoder, sniff
-from drivers.wire import FORMATS, kvh1750, mpeg2
+from drivers.wire import FORMATS, kvh1750
+from drivers.wire.wire_format import mpeg2_crc
 
 WIRE = FORMATS["kvh1750"]
 # of a real 1750 at rest, kept as a comment in a vehicle project's CRC routine: format A, the CRC is the sensor's
@@ -19,7 +20,7 @@ def frame(dtype: np.dtype, kind: kvh1750.FrameKind, **fields: object) -> bytes:
     for name, value in fields.items():
         frames[name] = value
     body = frames.tobytes()[:-4]
-    return body + mpeg2.crc(body).to_bytes(4, "big")
+    return body + mpeg2_crc(body).to_bytes(4, "big")
 
 
 def test_a_genuine_frame_shows_gravity_and_all_axes_valid() -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from drivers.framing import Decoder, sniff
-from drivers.wire import FORMATS, WireFormat, novatel_log
+from drivers.wire import FORMATS, WireFormat, novatel_binary
 from procedures.counts.sample_records import CountBlock
 from tests.drivers.wire.captures import CAPTURES, needs_captures
 
@@ -84,19 +84,19 @@ def test_a_line_with_other_fields_is_counted_and_refused() -> None:
     for fields in (b"1,2,3", b"00,11,1692,x,00801503,1,2,3,4,5,6", b"00,11,99999999,1.0,0,1,2,3,4,5,6"):
         body = b"RAWIMUSXA,1692,484620.664;" + fields
         decoder = Decoder(FORMATS["rawimusxa"])
-        assert len(decoder.feed(b"%%%s*%08x\r\n" % (body, novatel_log.crc(body)))) == 0
+        assert len(decoder.feed(b"%%%s*%08x\r\n" % (body, novatel_binary.crc(body)))) == 0
         assert decoder.counters.bad_length == 1
 
 
 def test_the_crc_is_novatels_and_not_zlibs() -> None:
     # The published frame's own CRC, and the bitwise definition in the manual on a short message.
-    assert novatel_log.crc(FORMATS["rawimusx"].example[:-4]) == 0xBAAF5F47
+    assert novatel_binary.crc(FORMATS["rawimusx"].example[:-4]) == 0xBAAF5F47
     register = 0
     for octet in b"123456789":
         register ^= octet
         for _ in range(8):
             register = register >> 1 ^ (0xEDB88320 if register & 1 else 0)
-    assert novatel_log.crc(b"123456789") == register != zlib.crc32(b"123456789")
+    assert novatel_binary.crc(b"123456789") == register != zlib.crc32(b"123456789")
 
 
 @pytest.mark.parametrize("wire", [FORMATS["rawimusx"], FORMATS["rawimus"]], ids=lambda wire: wire.name)
@@ -135,6 +135,6 @@ def test_the_imu_error_and_encrypted_bits_are_read(info: int, healthy: bool) -> 
 
 @needs_captures
 def test_gravity_comes_out_of_a_real_frame_at_the_models_scale() -> None:
-    scale = novatel_log.SCALES["HG1700 AG58"]  # type 11: the first frame, level and at rest
+    scale = novatel_binary.SCALES["HG1700 AG58"]  # type 11: the first frame, level and at rest
     block = FORMATS["rawimusx"].decode(np.frombuffer(FORMATS["rawimusx"].example, FORMATS["rawimusx"].frame))
     assert np.linalg.norm(block.accel) * scale.accel * scale.rate_hz == pytest.approx(9.8, abs=0.05)

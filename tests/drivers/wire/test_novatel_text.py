@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivers.framing import MIN_BATCH_BYTES, Decoder
-from drivers.wire import FORMATS, WireFormat, novatel_log
+from drivers.wire import FORMATS, WireFormat, novatel_binary
 from procedures.counts.sample_records import BLOCK_FIELDS, joined_blocks
 from tests.benchmarks.damage import DAMAGES, Shape, damaged
 from tests.drivers.wire.blocks import a_block, each_format, frames_of
@@ -83,7 +83,7 @@ def test_odd_lines_whose_crc_is_right_give_the_same_either_way(wire: WireFormat,
         body = head + b";" + b",".join(fields)
         lines[row] = (
             body
-            + b"*%08x" % novatel_log.crc(body[1:])
+            + b"*%08x" % novatel_binary.crc(body[1:])
             + data.draw(st.sampled_from([b"\r\n", b"\n", b"", b"\r\n\r\n"]))
         )
     assert assert_alike(wire, [b"".join(lines)]) >= 54
@@ -93,7 +93,7 @@ def test_odd_lines_whose_crc_is_right_give_the_same_either_way(wire: WireFormat,
 def test_seconds_are_the_nearest_float(seconds: str) -> None:
     wire = FORMATS["rawimusa"]
     body = b"%%RAWIMUSA,2209,491612.254;2209,%s,ea5afe00,1,2,3,4,5,6" % seconds.encode()
-    line = body + b"*%08x\r\n" % novatel_log.crc(body[1:])
+    line = body + b"*%08x\r\n" % novatel_binary.crc(body[1:])
     [found] = wire.imu.text.lines(line * 3)
     assert np.frombuffer(found.rows, wire.imu.dtype)["seconds"].tolist() == [float(seconds)] * 3
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from drivers.simulated.bench_in_memory import SimulatedBench, world_with_effects
-from drivers.simulated.bench_truth import imu_from_cube
-from drivers.simulated.truth import Truth
+from drivers.simulated.truth import Truth, imu_from_cube
 from procedures.arrays import FloatArray
 from procedures.bench.seating_check import PositionRates, Seating, judge, seating
 from procedures.campaign.campaign import FaceCertificate, Fixture

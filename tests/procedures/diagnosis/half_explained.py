@@ -10,7 +10,7 @@ from procedures.campaign.campaign import Campaign
 from procedures.frames import AXES
 from procedures.inference.result import Diagnosis
 from procedures.uncertainty.budget import budget
-from procedures.uncertainty.given_values import GivenValues, Unexplained
+from procedures.uncertainty.sources import GivenValues, Unexplained
 from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, truth_of
 
 

@@ -18,7 +18,7 @@ from procedures.evidence.linear_model import (
 )
 from procedures.evidence.residual_rows import Evidence, evidence_of
 from procedures.inference.held_out_errors import left_out_groups
-from procedures.statistics.tail_probabilities import log_chi2_sf
+from procedures.statistics.significance import log_chi2_sf
 from tests.benchmarks.diagnosing.designs import certified, unit
 from tests.procedures.diagnosis.redrawn import redrawn, seen_by, small
 

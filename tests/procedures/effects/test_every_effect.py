@@ -12,7 +12,7 @@ import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.effects import EFFECTS as PLANTED
-from drivers.simulated.effects.procedure import auxiliary
+from drivers.simulated.effects.bench import auxiliary
 from drivers.simulated.truth import Truth
 from procedures import effects
 from procedures.arrays import FloatArray

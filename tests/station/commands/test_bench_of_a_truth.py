@@ -7,7 +7,7 @@ import pytest
 
 from drivers.simulated.truth import load_truth
 from fixtures_db.database import open_db
-from fixtures_db.face_certificates import cube
+from fixtures_db.fixture_measurements import cube
 from fixtures_db.fixtures import fixture_row
 from fixtures_db.model_limits import limits_of
 from fixtures_db.schema import SiteRow

@@ -7,14 +7,13 @@ from pathlib import Path
 import pytest
 from mcap.reader import make_reader
 
-from drivers.bare_address import with_absolute_paths
+from drivers.address_guess import with_absolute_paths
+from drivers.address_parsing import parse_device_url
 from drivers.can.can_format import OWN_DBC
-from drivers.device_url_parser import parse_device_url
 from drivers.framing import seen_instead
-from drivers.ports import open_port
+from drivers.ports import open_port, wire_of
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
-from drivers.url_wire_format import wire_of
 from drivers.wire import WireFormat
 from station import cli
 from station.stream.recorder.raw_check import check_raw_bytes

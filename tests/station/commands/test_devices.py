@@ -10,12 +10,12 @@ from threading import Event, Thread
 import pytest
 
 from drivers.ports import open_port
-from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.gnss_server import SimulatedGnss
+from drivers.simulated.companions.gnss_server import SimulatedGnss
+from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from station import cli
-from station.devices.port_survey import (
+from station.device_survey import (
     BAUDS,
     SurveyedPort,
     survey,

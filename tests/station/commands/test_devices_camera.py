@@ -4,9 +4,9 @@ import json
 
 import pytest
 
-from drivers.simulated.camera_server import SimulatedCamera
-from drivers.simulated.camera_truth import CameraTruth
-from drivers.simulated.timed_faults import TimedFault
+from drivers.simulated.companions.camera_server import SimulatedCamera
+from drivers.simulated.companions.truths import CameraTruth
+from drivers.simulated.faults import TimedFault
 from drivers.simulated.truth import Truth
 from station import cli
 from tests.patience import longer, paced

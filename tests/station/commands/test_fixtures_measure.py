@@ -10,8 +10,8 @@ import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
-from fixtures_db.cube_measurements import measurement, measurements
 from fixtures_db.database import open_db
+from fixtures_db.fixture_measurements import measurement, measurements
 from fixtures_db.fixtures import fixture_row
 from fixtures_db.schema import CubeRow
 from procedures.campaign.campaign import Fixture

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.gnss_server import SimulatedGnss
+from drivers.simulated.companions.gnss_server import SimulatedGnss
+from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from station import cli

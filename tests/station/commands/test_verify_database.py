@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from fixtures_db.database import Database, open_db
-from fixtures_db.face_certificates import certify_faces
+from fixtures_db.fixture_measurements import certify_faces
 from fixtures_db.fixtures import add_fixture
 from fixtures_db.hash_chain import Link, faults
 from fixtures_db.schema import CubeRow

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from drivers.simulated.line_faults import Fault
+from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
 from drivers.wire import ALL_CHANNELS
 from procedures.campaign.campaign import Fixture
@@ -86,7 +86,7 @@ class GuideRig:
         return sequel_of(self.folder, tables.site, tables.procedure, self.facts.fixture, done)
 
     def hands(self, command: str) -> None:
-        answer = self.source.device.obey(command)
+        answer = self.source.device.execute(command)
         assert answer.startswith("ok"), answer
 
     def obey(self, verb: str, **what: str) -> None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drivers.simulated.line_faults import Fault
+from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.sha256sums import verify_folder

@@ -13,7 +13,7 @@ import pytest
 
 from drivers.errors import BadDeviceUrl, LinkSilent, PortBusy, PortNotFound, WrongFormat
 from drivers.ports import open_port
-from drivers.simulated.line_faults import Fault
+from drivers.simulated.faults import Fault
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import Database

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
+from drivers.simulated.bench_control import BenchControl
 from drivers.simulated.imu import COUNT_PER_G_S, COUNT_PER_RAD
-from drivers.simulated.simulated_hands import SimulatedHands
 from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import Dwell, Step, as_repeats, dwell_steps, turn_steps
 from station import cli
@@ -23,7 +23,7 @@ Make = Callable[..., GuideRig]
 MOVE_S = 8.0
 
 
-class RigHands(SimulatedHands):
+class RigHands(BenchControl):
     """The hands of a rig's device, without a line to them."""
 
     def __init__(self, rig: GuideRig) -> None:
@@ -33,7 +33,7 @@ class RigHands(SimulatedHands):
     def say(self, command: str) -> list[str]:
         """Do it at once."""
         self.asked.append(command)
-        return self._rig.source.device.obey(command).split()[1:]
+        return self._rig.source.device.execute(command).split()[1:]
 
 
 def phases(views: list[CalibrationView]) -> list[tuple[str, str]]:

@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 from sqlalchemy import text
 
+from drivers.simulated.bench_control import BenchControl
 from drivers.simulated.server import SimulatedDevice
-from drivers.simulated.simulated_hands import SimulatedHands
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
-from fixtures_db.own_effects import add_effect
+from fixtures_db.user_effects import add_effect
 from procedures.error_codes import ErrorCode
 from station import cli
 from station.errors import Altered
@@ -54,7 +54,7 @@ def test_a_folder_says_how_the_imu_was_mounted_and_holds_the_units_own_effects(
             row = add_effect(session, "gyroscope.dead_zone", DEAD_ZONE, truth.model, truth.serial)
             add_effect(session, "gyroscope.dead_zone", DEAD_ZONE.replace("1.0", "2.0"), truth.model, "of another")
         setup = Setup(url=device.url, latitude_deg=31.17, folder=str(folder), dwell_s=4.0)
-        with closing(SimulatedOperator(SimulatedHands(device.control), 5.0)) as operator:
+        with closing(SimulatedOperator(BenchControl(device.control), 5.0)) as operator:
             record_headless(setup, replace(options, is_patient=False), database, operator, lambda view: None)
     found = read_campaign(folder)
     assert found.tables.fixture.imu_axes == ["+y", "-x", "+z"]

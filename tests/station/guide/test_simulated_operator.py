@@ -6,12 +6,11 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from drivers.errors import BadDeviceUrl
+from drivers.errors import BadDeviceUrl, ControlRefused, ControlUnreachable
 from drivers.ports import open_port
+from drivers.simulated.bench_control import BenchControl
 from drivers.simulated.device import MAX_CHUNK_SAMPLES
-from drivers.simulated.errors import HandsRefused, HandsUnreachable
 from drivers.simulated.server import MAX_AHEAD_S, SimulatedDevice
-from drivers.simulated.simulated_hands import SimulatedHands
 from drivers.simulated.truth import Truth
 from procedures.error_codes import ErrorCode
 from station.cli import app
@@ -28,8 +27,8 @@ WANTS_7 = CalibrationView(
 def test_what_was_asked_for_is_done_again_only_when_it_is_long_overdue() -> None:
     with (
         SimulatedDevice(Truth.example(1), 1, speed=0.0) as device,
-        closing(SimulatedOperator(SimulatedHands(device.control), MOVE_S)) as operator,
-        SimulatedHands(device.control) as hands,
+        closing(SimulatedOperator(BenchControl(device.control), MOVE_S)) as operator,
+        BenchControl(device.control) as hands,
         closing(open_port(device.url, 0.1)) as port,
     ):
 
@@ -47,7 +46,7 @@ def test_what_was_asked_for_is_done_again_only_when_it_is_long_overdue() -> None
         assert hands.done() > over + REPEAT_AFTER_S
 
 
-class StubHands(SimulatedHands):
+class StubHands(BenchControl):
     """Hands that answer while ``is_there``, at device time ``now``; ``refusal`` is what they answer instead."""
 
     def __init__(self) -> None:
@@ -57,9 +56,9 @@ class StubHands(SimulatedHands):
     def say(self, command: str) -> list[str]:
         self.calls += 1
         if not self.is_there:
-            raise HandsUnreachable(self.address, command, "Connection refused")
+            raise ControlUnreachable(self.address, command, "Connection refused")
         if self.refusal:
-            raise HandsRefused(self.address, command, self.refusal)
+            raise ControlRefused(self.address, command, self.refusal)
         if command == "time":
             return [str(self.now)]
         self.asked.append(command)
@@ -122,7 +121,7 @@ def test_a_campaign_does_not_begin_with_a_bad_address(tmp_path: Path, wrong: tup
 def test_a_device_faster_than_time_waits_for_a_guide_that_falls_behind() -> None:
     with (
         SimulatedDevice(Truth.example(1), 1, speed=3000.0) as device,
-        SimulatedHands(device.control) as hands,
+        BenchControl(device.control) as hands,
         closing(open_port(device.url, 0.1)) as port,
     ):
         for seen in (0.0, 400.0):

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from drivers.simulated.companions.gnss_server import SimulatedGnss
 from drivers.simulated.device import ByteDevice
-from drivers.simulated.gnss_server import SimulatedGnss
-from drivers.simulated.line_faults import Fault
+from drivers.simulated.faults import Fault
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import Database, open_db

@@ -6,7 +6,7 @@ import pytest
 
 from drivers.errors import LinkSilent
 from drivers.simulated.device import ByteDevice
-from drivers.simulated.line_faults import Fault
+from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
 from procedures.error_codes import ErrorCode
 from station.files.campaign_folder.campaign_reading import read_campaign

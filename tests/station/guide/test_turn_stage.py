@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drivers.simulated.line_faults import Fault
+from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import Dwell, Turn
 from procedures.error_codes import ErrorCode

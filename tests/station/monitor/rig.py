@@ -4,10 +4,10 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
-from drivers.simulated.line_faults import Fault
+from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
+from station.calibrated import InUse
 from station.calibrated.calibration_choice import AppliedCalibration
-from station.calibrated.calibration_in_use import InUse
 from station.monitor.monitor import Monitor, MonitorOptions
 from station.monitor.recording import MonitorRecording
 from station.monitor.view import MonitorVerb, MonitorView
@@ -36,7 +36,7 @@ class MonitorRig:
         )
 
     def hands(self, command: str) -> None:
-        answer = self.source.device.obey(command)
+        answer = self.source.device.execute(command)
         assert answer.startswith("ok"), answer
 
     def obey(self, verb: MonitorVerb) -> None:

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.timed_faults import TimedFault
+from drivers.simulated.companions.truths import AutopilotTruth
+from drivers.simulated.faults import TimedFault
 from drivers.simulated.truth import Truth
 from station.locate.location import Location
 from station.monitor.text_lines import json_line, reading_line

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drivers.simulated.autopilot_truth import AutopilotTruth
+from drivers.simulated.companions.truths import AutopilotTruth
 from station.locate.location import Location
 from station.monitor.text_lines import json_line, reading_line
 from station.monitor.view import MonitorView

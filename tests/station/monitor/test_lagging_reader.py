@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from drivers.simulated.autopilot_truth import AutopilotTruth
+from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.truth import Truth
 from procedures.error_codes import ErrorCode
 from station import cli

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivers.simulated.autopilot_truth import AutopilotTruth
+from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.truth import Truth
 from procedures.earth.gnss_records import FixType, GnssFix
 from station.live_attitude.joint_filter import AidValues

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivers.simulated.autopilot_truth import AutopilotTruth
+from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.truth import Truth
 from procedures.attitude.complementary_gains import Gains
 from procedures.attitude.laws import parse_laws

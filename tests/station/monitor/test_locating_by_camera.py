@@ -7,11 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.camera_images import CameraImages
-from drivers.simulated.camera_server import SimulatedCamera
-from drivers.simulated.camera_truth import CameraTruth, camera_toml
-from drivers.simulated.gnss_server import SimulatedGnss
+from drivers.simulated.companions.camera_server import CameraImages, SimulatedCamera
+from drivers.simulated.companions.gnss_server import SimulatedGnss
+from drivers.simulated.companions.truths import AutopilotTruth, CameraTruth, camera_toml
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from station import cli

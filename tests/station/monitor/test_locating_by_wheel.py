@@ -8,11 +8,18 @@ import numpy as np
 import pytest
 
 from drivers.can.wheel_signal import wheel_signal
-from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.gnss_server import SimulatedGnss
+from drivers.simulated.companions.gnss_server import SimulatedGnss
+from drivers.simulated.companions.truths import AutopilotTruth
+from drivers.simulated.companions.wheel_on_can import (
+    DBC,
+    RATE_HZ,
+    SIGNAL,
+    SimulatedWheel,
+    wheel_speeds,
+    wheel_toml,
+)
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
-from drivers.simulated.wheel_on_can import DBC, RATE_HZ, SIGNAL, SimulatedWheel, told_speeds, wheel_toml
 from station import cli
 from station.files.mcap_files.schemas import WHEEL_RAW_TOPIC
 from station.stream.reader import Chunk
@@ -42,7 +49,7 @@ def record_wheel(folder: Path, late: float) -> None:
     failures, signal = list[Exception](), wheel_signal(DBC, SIGNAL)
     journal = Journal(folder / "wheel_session_1.mcap", {}, failures.append, WHEEL_RAW_TOPIC)
     t = np.arange(0.0, SECONDS, 1 / RATE_HZ)
-    for at, speed in zip(t, told_speeds(t, TRACK, SCALE, np.random.default_rng(1)), strict=True):
+    for at, speed in zip(t, wheel_speeds(t, TRACK, SCALE, np.random.default_rng(1)), strict=True):
         journal.put(Chunk(round((at + late) * 1e9), signal.frame(float(speed), 0)))
     journal.close()
     assert not failures

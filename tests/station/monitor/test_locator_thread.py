@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from drivers.camera import CameraImage
-from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.gnss_server import SimulatedGnss
+from drivers.simulated.companions.gnss_server import SimulatedGnss
+from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from procedures.fusion.fusion_records import ImuSeries

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from pymavlink import mavutil
 
-from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.gnss_server import SimulatedGnss
+from drivers.simulated.bench_control import BenchControl
+from drivers.simulated.companions.gnss_server import SimulatedGnss
+from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.server import SimulatedDevice
-from drivers.simulated.simulated_hands import SimulatedHands
 from drivers.simulated.truth import Truth
 from station import cli
-from station.calibrated.body_axes import body_axes
+from station.calibrated.output_frame import body_axes
 from station.files.sha256sums import verify_folder
 from station.monitor import readers_beside
 from tests.patience import paced
@@ -30,7 +30,7 @@ FLAT = replace(Truth.example(5), faces_rad=np.zeros((6, 2)), slab_tilt_rad=np.ze
 
 def device(truth: Truth = FLAT, position: int = 9, **options: Any) -> SimulatedDevice:
     served = SimulatedDevice(truth, 5, hold=True, **{"speed": paced(SPEED), **options})
-    served.device.obey(f"place {position} 1")
+    served.device.execute(f"place {position} 1")
     served._go.set()  # noqa: SLF001
     return served
 
@@ -119,7 +119,7 @@ def test_lines_of_text_take_keys_and_say_alarms(tmp_path: Path) -> None:
         asked = ("--plain", "--calibration", calibration, "--folder", str(tmp_path / "r"), "--alarm", "roll=30")
         with Program("monitor", served.url, *asked) as program:
             assert program.until("at rest")[0].startswith("SIM-FOG3 SIM-5, calibration calibration.json of 2026")
-            with SimulatedHands(served.control) as hands:
+            with BenchControl(served.control) as hands:
                 hands.place(5, 10.0)
             program.until("ALARM roll")
             program.press("m")

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drivers.simulated.line_faults import Fault
+from drivers.simulated.faults import Fault
 from procedures.arrays import FloatArray
 from procedures.counts.sample_records import CountBlock
 from station.calibration import calibration_of as library_of

@@ -15,9 +15,9 @@ import pytest
 
 from drivers.framing import Decoder
 from drivers.sample_datagram import DATAGRAM
-from drivers.simulated.autopilot_truth import EPOCH_UTC
-from drivers.simulated.gnss_server import SimulatedGnss
-from drivers.simulated.line_faults import Fault
+from drivers.simulated.companions.gnss_server import SimulatedGnss
+from drivers.simulated.companions.truths import EPOCH_UTC
+from drivers.simulated.faults import Fault
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS

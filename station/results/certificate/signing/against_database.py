@@ -10,9 +10,8 @@ from sqlalchemy.orm import Session
 
 from fixtures_db.append_only_rows import verify_rows
 from fixtures_db.errors import NotInDatabase
-from fixtures_db.issued import issued_of, verify_issued
+from fixtures_db.issued_certificates import issued_numbered, issued_of, signed_as, verify_issued
 from fixtures_db.schema import CalibrationRow, IssuedCertificateRow, SignedFileRow
-from fixtures_db.signed_files import issued_numbered, signed_as
 from fixtures_db.stored_calibrations import calibration, verify_chain
 from station.errors import DataRefused
 from station.files.sha256sums import sha256_of

@@ -6,7 +6,7 @@ from pathlib import Path
 from cryptography.hazmat.primitives import hashes
 
 from fixtures_db.database import Database
-from fixtures_db.signed_files import record_signed
+from fixtures_db.issued_certificates import record_signed
 from station.files.xml_document import parse_xml
 from station.results.certificate.signing.pdf_signature import sign_pdf
 from station.results.certificate.signing.pdf_verification import open_pdf, verified_pdf

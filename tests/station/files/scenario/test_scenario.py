@@ -11,7 +11,7 @@ import pytest
 from drivers.camera import CameraDecoder, http_port
 from drivers.framing import Decoder
 from drivers.ports import open_port
-from drivers.simulated.camera_truth import CameraTruth
+from drivers.simulated.companions.truths import CameraTruth
 from drivers.simulated.device import ByteDevice
 from drivers.wire import FORMATS
 from procedures.counts.sample_records import joined_blocks

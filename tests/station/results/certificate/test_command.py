@@ -10,7 +10,7 @@ from sqlalchemy import text
 
 from fixtures_db.database import Database
 from fixtures_db.errors import NotInDatabase
-from fixtures_db.issued import issued_of
+from fixtures_db.issued_certificates import issued_of
 from station.results.certificate.issuing import find_calibration
 from tests.fixtures_db.factory import fill_fixtures, unprotect
 from tests.station.guide.recorded import die, killed

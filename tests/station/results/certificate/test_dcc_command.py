@@ -8,7 +8,7 @@ import pytest
 from sqlalchemy import text
 
 from fixtures_db.database import Database
-from fixtures_db.issued import issued_of
+from fixtures_db.issued_certificates import issued_of
 from station.results.certificate.dcc.validation import schema_faults
 from station.results.certificate.issuing import find_calibration
 from tests.fixtures_db.factory import unprotect

@@ -10,11 +10,10 @@ import pytest
 from fixtures_db.campaign_references import references
 from fixtures_db.campaigns import accept_step, campaign
 from fixtures_db.database import Database, open_db
-from fixtures_db.face_certificates import certify_faces
+from fixtures_db.fixture_measurements import add_level, certify_faces
 from fixtures_db.fixtures import add_fixture
 from fixtures_db.model_limits import set_limits
 from fixtures_db.schema import CubeRow, SiteRow, SlabRow
-from fixtures_db.slab_levels import add_level
 from fixtures_db.stored_calibrations import calibration
 from procedures.campaign.campaign import FaceCertificate
 from procedures.frames import FACES

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from fixtures_db.database import Database
-from fixtures_db.issued import issued_of
+from fixtures_db.issued_certificates import issued_of
 from station.results.certificate.issuing import find_calibration
 from tests.station.results.certificate.conftest import Run, certify
 from tests.station.results.certificate.factory import EXAMPLE

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fixtures_db.database import open_db
-from fixtures_db.face_certificates import cube
+from fixtures_db.fixture_measurements import cube
 from fixtures_db.schema import CubeRow, SlabRow
 from procedures.units import RAD_PER_ARCSEC
 from station import cli

@@ -6,7 +6,7 @@ import numpy as np
 
 from fixtures_db.calibration import CalibrationFacts, calibration_document
 from fixtures_db.hash_chain import GENESIS
-from fixtures_db.runs import Run
+from fixtures_db.stored_calibrations import Run
 from procedures.arrays import FloatArray
 from procedures.calibration.solution_values import Estimate, FitQuality, Solution, TriadCalibration
 

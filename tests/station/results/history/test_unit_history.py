@@ -10,7 +10,7 @@ import pytest
 
 from fixtures_db.calibration import utc_text
 from fixtures_db.model_limits import Limit, each_axis
-from fixtures_db.runs import Run
+from fixtures_db.stored_calibrations import Run
 from station.results.history.unit_history import analysis, entries
 from station.results.history.unit_history_text import history_text
 from tests.station.results.history.fleets import BEGIN, fleet, run, solution

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from drivers.camera import CameraImage
-from drivers.simulated.camera_server import SimulatedCamera
-from drivers.simulated.camera_truth import CameraTruth, camera_toml
+from drivers.simulated.companions.camera_server import SimulatedCamera
+from drivers.simulated.companions.truths import CameraTruth, camera_toml
 from drivers.simulated.truth import Truth
 from procedures.error_codes import ErrorCode
 from station.errors import DataRefused

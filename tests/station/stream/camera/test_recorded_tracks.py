@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivers.simulated.camera_truth import CameraTruth, camera_toml
+from drivers.simulated.companions.truths import CameraTruth, camera_toml
 from procedures.arrays import FloatArray
 from procedures.fusion.vision.feature_tracker import LensModel
 from procedures.fusion.vision.feature_tracks import FeatureTracks

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivers.simulated.autopilot_truth import EPOCH_UTC
-from drivers.simulated.gnss_server import SimulatedGnss
+from drivers.simulated.companions.gnss_server import SimulatedGnss
+from drivers.simulated.companions.truths import EPOCH_UTC
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.campaigns import campaign

@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivers.device_url_parser import parse_device_url
-from drivers.simulated.autopilot import Autopilot
-from drivers.simulated.autopilot_truth import AutopilotTruth
+from drivers.address_parsing import parse_device_url
+from drivers.simulated.companions.autopilot import Autopilot
+from drivers.simulated.companions.gnss_server import SimulatedGnss
+from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.device import ByteDevice
-from drivers.simulated.gnss_server import SimulatedGnss
-from drivers.simulated.line_faults import Fault
+from drivers.simulated.faults import Fault
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
@@ -102,7 +102,7 @@ def record(folder: Path, database: Path, ppm: float, positions: Iterable[int]) -
                 gnss.advance()
 
         for position in positions:
-            bench.device.obey(f"place {position} 2")
+            bench.device.execute(f"place {position} 2")
             rest(bench.device.imu.time + 6.0)
             first = feed.buffer.end
             rest(bench.device.imu.time + 10.0)

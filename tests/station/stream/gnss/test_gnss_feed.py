@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
 from drivers.errors import BadDeviceUrl
-from drivers.simulated.autopilot import Autopilot
-from drivers.simulated.autopilot_truth import EPOCH_UTC, AutopilotTruth
-from drivers.simulated.gnss_server import SimulatedGnss
-from drivers.simulated.timed_faults import TimedFault
+from drivers.simulated.companions.autopilot import Autopilot
+from drivers.simulated.companions.gnss_server import SimulatedGnss
+from drivers.simulated.companions.truths import EPOCH_UTC, AutopilotTruth
+from drivers.simulated.faults import TimedFault
 from drivers.simulated.truth import Truth
 from procedures.earth.gnss_records import GnssFix
 from procedures.error_codes import ErrorCode

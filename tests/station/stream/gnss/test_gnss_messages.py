@@ -3,11 +3,11 @@
 import pytest
 from pymavlink.dialects.v20 import all as dialect
 
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
 from drivers.mavlink.decoder import MavlinkDecoder
 from drivers.mavlink.signing import SignatureCheck
-from drivers.simulated.autopilot import Autopilot
-from drivers.simulated.autopilot_truth import AutopilotTruth
+from drivers.simulated.companions.autopilot import Autopilot
+from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.truth import Truth
 from procedures.earth.gnss_records import FixType, GnssFix
 from station.files.mcap_files.fix_writer import FixWriter

@@ -4,11 +4,11 @@ import re
 
 import pytest
 
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
 from drivers.mavlink.session import MavlinkSession
-from drivers.simulated.autopilot import Autopilot
-from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.timed_faults import TimedFault
+from drivers.simulated.companions.autopilot import Autopilot
+from drivers.simulated.companions.truths import AutopilotTruth
+from drivers.simulated.faults import TimedFault
 from drivers.simulated.truth import Truth
 from station.stream.gnss.gnss_feed import GnssFeed
 from station.stream.reader import Chunk, GapMark

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from drivers.device_url_parser import LINKS
+from drivers.address_parsing import LINKS
 from drivers.mavlink.decoder import MavlinkDecoder
-from drivers.mavlink.messages import GPS2_RAW
+from drivers.mavlink.frames import GPS2_RAW
 from drivers.ports import open_port
-from drivers.simulated.autopilot_truth import AutopilotTruth
-from drivers.simulated.gnss_server import SimulatedGnss
+from drivers.simulated.companions.gnss_server import SimulatedGnss
+from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.truth import Truth
 from procedures.earth.gnss_records import GnssFix
 from station import cli

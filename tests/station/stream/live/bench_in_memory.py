@@ -2,10 +2,10 @@
 
 from collections.abc import Iterable
 
-from drivers.device_url import DeviceUrl
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
+from drivers.addresses import DeviceAddress
 from drivers.simulated.device import ByteDevice
-from drivers.simulated.line_faults import Fault, Silence
+from drivers.simulated.faults import Fault, Silence
 from drivers.simulated.truth import Truth
 from station.files.campaign_folder.campaign_schema import SiteTable
 from station.stream.reader import Chunk, GapMark
@@ -26,7 +26,7 @@ class Source:
         pps: bool = False,
     ) -> None:
         self.device = ByteDevice(truth, seed, format, faults, pps=pps)
-        self.address: DeviceUrl = parse_device_url(f"serial:///dev/simulated?format={format}")
+        self.address: DeviceAddress = parse_device_url(f"serial:///dev/simulated?format={format}")
         self.polls = 0
 
     def poll(self, timeout_s: float) -> list[Chunk | GapMark]:

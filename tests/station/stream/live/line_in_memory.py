@@ -4,13 +4,13 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from drivers.address_parsing import parse_device_url
+from drivers.addresses import DeviceAddress
 from drivers.can.can_format import can_format
 from drivers.can.frame_record import RECORD, pack, unpack
-from drivers.device_url import DeviceUrl
-from drivers.device_url_parser import parse_device_url
 from drivers.simulated.device import ByteDevice
+from drivers.simulated.faults import Fault, Silence
 from drivers.simulated.imu import SimulatedImu
-from drivers.simulated.line_faults import Fault, Silence
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS, WireFormat
 from procedures.arrays import IntArray
@@ -32,7 +32,7 @@ class LineInMemory:
         is_can = format == "can"
         self.wire: WireFormat = can_format(period=PERIOD) if is_can else FORMATS[format]
         where = "can://udp_multicast/239.0.0.1" if is_can else f"serial:///dev/imu?format={format}"
-        self.address: DeviceUrl = parse_device_url(where)
+        self.address: DeviceAddress = parse_device_url(where)
         self._device = ByteDevice(TRUTH, seed, self.wire, faults)
         self._rng = np.random.default_rng(seed)
         self._grain = RECORD.itemsize if is_can else 1

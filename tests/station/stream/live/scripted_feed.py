@@ -3,9 +3,9 @@
 from collections import deque
 from collections.abc import Iterable
 
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
 from drivers.simulated.device import ByteDevice
-from drivers.simulated.line_faults import Fault
+from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from station.stream.live.live_feed import LiveFeed

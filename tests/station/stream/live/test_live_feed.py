@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from drivers.errors import BadDeviceUrl, LinkLost, LinkSilent, ReplayEnded, WrongFormat
-from drivers.simulated.line_faults import Fault
+from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from procedures.error_codes import ErrorCode

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from drivers.simulated.device import ByteDevice
-from drivers.simulated.line_faults import Fault
+from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS, Identity
 from station.files.mcap_files import StepWriter

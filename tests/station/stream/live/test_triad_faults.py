@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drivers.errors import DriverError
-from drivers.simulated.line_faults import Fault
+from drivers.simulated.faults import Fault
 from procedures.arrays import IntArray
 from station.stream.live.live_feed import LiveFeed
 from tests.station.stream.live.triad_in_memory import PERIOD, TriadInMemory, which

@@ -7,9 +7,9 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from drivers.device_url import DeviceUrl
-from drivers.device_url_parser import parse_device_url
-from drivers.simulated.line_faults import Fault, FaultyLine
+from drivers.address_parsing import parse_device_url
+from drivers.addresses import DeviceAddress
+from drivers.simulated.faults import Fault, FaultyLine
 from drivers.triad_port import TriadJoiner
 from drivers.wire import FORMATS, WireFormat, triad
 from procedures.arrays import IntArray
@@ -27,7 +27,9 @@ class TriadInMemory:
 
     def __init__(self, axis: int, faults: Iterable[Fault], seed: int = 1) -> None:
         self.wire: WireFormat = FORMATS["triad"]
-        self.address: DeviceUrl = parse_device_url("triad:?x=serial:///dev/x&y=serial:///dev/y&z=serial:///dev/z")
+        self.address: DeviceAddress = parse_device_url(
+            "triad:?x=serial:///dev/x&y=serial:///dev/y&z=serial:///dev/z"
+        )
         planted: Sequence[Sequence[Fault]] = [list(faults) if k == axis else [] for k in range(3)]
         self._lines = [FaultyLine(AXIS, planted[k], PERIOD, seed) for k in range(3)]
         self._joiner, self._rng, self._sent = TriadJoiner(AXIS), np.random.default_rng(seed), 0

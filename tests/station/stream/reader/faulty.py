@@ -16,12 +16,12 @@ from pathlib import Path
 import numpy as np
 
 from drivers.errors import DriverError
+from drivers.ports import wire_of
+from drivers.simulated.bench_control import BenchControl
+from drivers.simulated.faults import Fault, Sent
 from drivers.simulated.imu import SimulatedImu
-from drivers.simulated.line_faults import Fault, Sent
 from drivers.simulated.server import SimulatedDevice
-from drivers.simulated.simulated_hands import SimulatedHands
 from drivers.simulated.truth import Truth
-from drivers.url_wire_format import wire_of
 from drivers.wire import WireFormat
 from procedures.arrays import IntArray
 from procedures.counts.sample_records import SampleBlock
@@ -144,7 +144,7 @@ class Run:
         ) as device:
             if port:
                 device.device.chunk = once_read(device.device.chunk, port)
-            with Reader(device.url, folder / "journal.mcap") as reader, SimulatedHands(device.control) as hands:
+            with Reader(device.url, folder / "journal.mcap") as reader, BenchControl(device.control) as hands:
                 wire = wire_of(reader.address)
                 assert wire is not None
                 self.feed = WatchedFeed(reader, wire, speed)

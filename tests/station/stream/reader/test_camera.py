@@ -9,7 +9,7 @@ from mcap_protobuf.decoder import DecoderFactory
 
 from drivers.camera import CameraDecoder, CameraImage
 from drivers.errors import PortNotFound
-from drivers.simulated.camera_server import SimulatedCamera
+from drivers.simulated.companions.camera_server import SimulatedCamera
 from drivers.simulated.truth import Truth
 from procedures.error_codes import ErrorCode
 from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC

@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drivers.ports import wire_of
+from drivers.simulated.bench_control import BenchControl
+from drivers.simulated.faults import Fault
 from drivers.simulated.imu import SimulatedImu
-from drivers.simulated.line_faults import Fault
 from drivers.simulated.server import SimulatedDevice
-from drivers.simulated.simulated_hands import SimulatedHands
 from drivers.simulated.truth import Truth
-from drivers.url_wire_format import wire_of
 from procedures.arrays import IntArray
 from station.stream.reader import Chunk, GapMark, Reader
 from station.stream.recorder.sample_stream import DecodedChunk, SampleStream
@@ -32,7 +32,7 @@ class Watched:
                 wire = wire_of(reader.address)
                 assert wire is not None
                 self.stream, self.marks, self.pieces = SampleStream(wire), list[GapMark](), list[DecodedChunk]()
-                with SimulatedHands(device.control) as hands:
+                with BenchControl(device.control) as hands:
                     hands.go()
                 began = time.monotonic()
                 while not self.pieces or self.pieces[-1].block.counter[-1] < last:

@@ -11,12 +11,12 @@ import pytest
 from mcap.reader import make_reader
 
 from drivers import errors
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
 from drivers.errors import DriverError, LinkLost, PortNotFound, ReplayEnded
 from drivers.framing import Decoder
-from drivers.simulated.line_faults import Fault
+from drivers.simulated.bench_control import BenchControl
+from drivers.simulated.faults import Fault
 from drivers.simulated.server import SimulatedDevice
-from drivers.simulated.simulated_hands import SimulatedHands
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from procedures.error_codes import ErrorCode
@@ -87,7 +87,7 @@ def test_an_unplugged_port_is_opened_again_and_the_gap_is_marked_twice(journal: 
     faults = [Fault("unplug", at_s=2.0, seconds=1.0), Fault("unplug", at_s=6.0, seconds=1.0)]
     link = tmp_path / "imu"
     with SimulatedDevice(Truth.example(1), 1, speed=paced(5.0), faults=faults, link=link, hold=True) as device:
-        with Reader(device.url, journal) as reader, SimulatedHands(device.control) as hands:
+        with Reader(device.url, journal) as reader, BenchControl(device.control) as hands:
             hands.go()
             items = collect(reader, 350)
         marks = [item for item in items if isinstance(item, GapMark)]

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivers.device_url_parser import parse_device_url
+from drivers.address_parsing import parse_device_url
 from drivers.errors import ReplayEnded
 from drivers.simulated.device import ByteDevice
-from drivers.simulated.line_faults import Fault
+from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS, WireFormat
 from station.files.mcap_files import COUNTS, RATES, read_step

@@ -35,16 +35,16 @@ def test_what_is_recorded_of_a_unit_is_solved(format: str, tmp_path: Path) -> No
     with open_db(tmp_path / "s.db") as database:
         recorder = open_campaign(tmp_path / "c", unit, SITE, database)
         for position in range(1, 13):
-            hands.obey(f"place {position} 5")
+            hands.execute(f"place {position} 5")
             begins, kept = hands.imu.done + MARGIN_S, []
             while len(kept) < DWELL_S:
                 kept += [block for block in [next(blocks)] if block.begins > begins]
             recorder.accept(Dwell(position, DWELL_S), feed.buffer, runs_of_blocks(kept, None))
         for turn in turn_steps(1, MARGIN_S):
-            hands.obey(f"place {turn.start_position} 5")
+            hands.execute(f"place {turn.start_position} 5")
             begins = hands.imu.done + MARGIN_S
-            hands.obey("rest 12")
-            hands.obey(f"turn {turn.axis} {turn.direction} 1")
+            hands.execute("rest 12")
+            hands.execute(f"turn {turn.axis} {turn.direction} 1")
             ends, kept = hands.imu.done + MARGIN_S, []
             while not kept or kept[-1].ends < ends:
                 kept += [block for block in [next(blocks)] if block.begins > begins]

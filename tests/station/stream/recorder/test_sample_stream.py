@@ -7,10 +7,10 @@ import numpy as np
 from hypothesis import given, settings
 
 from drivers.framing import Decoder
+from drivers.simulated.corrupted_frames import other_unit
 from drivers.simulated.device import ByteDevice
-from drivers.simulated.garbled_frames import other_unit
+from drivers.simulated.faults import Fault
 from drivers.simulated.imu import SimulatedImu
-from drivers.simulated.line_faults import Fault
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from procedures.counts.sample_records import block_rows

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from drivers.errors import PortNotFound, ReplayEnded
-from drivers.simulated.autopilot_truth import AutopilotTruth
+from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.truth import Truth
 from procedures.earth.gnss_records import AirData, FixType, GnssFix, TimeMark
 from procedures.error_codes import ErrorCode

@@ -8,7 +8,7 @@ import pytest
 
 from drivers.can.frame_record import pack
 from drivers.can.wheel_reading import WheelReading
-from drivers.simulated.wheel_on_can import DBC, wheel_toml
+from drivers.simulated.companions.wheel_on_can import DBC, wheel_toml
 from station.files.mcap_files.schemas import RAW_TOPIC, WHEEL_RAW_TOPIC
 from station.stream.reader import Chunk, GapMark
 from station.stream.reader.journal import Journal

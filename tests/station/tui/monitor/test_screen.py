@@ -10,7 +10,8 @@ from station.tui.screens.confirm import ConfirmScreen
 from station.tui.widgets.event_lines import EventLines
 from station.tui.widgets.redrawn_on_change import ValueWidget
 from tests.station.monitor.views import VIEWS
-from tests.station.tui.monitor.session import LARGE, SMALL, MemorySession, Shown, shown
+from tests.station.tui.animation import shown
+from tests.station.tui.monitor.session import LARGE, SMALL, MemorySession, Shown
 
 LOOKS = [  # the usual ones are the pictures of docs/how-to/monitor.md, see test_page.py
     ("waiting", SMALL, ""), ("alarming", SMALL, ""), ("blind", SMALL, ""), ("resting", SMALL, "question_mark"),

@@ -1,0 +1,136 @@
+"""Error terms of the sensors: what is added to ``E f + D`` [g] and ``E omega + D`` [deg/s]; IMU axes.
+
+``triad.raw`` is E f or E omega, per sensor; T in degC, t in s. Sources: IEEE Std 1293 model equation (K2, K3,
+cross products K_ij, scale-factor asymmetry); IEEE Std 952 model equation (temperature, temperature rate, magnetic,
+acceleration sensitivity); Shupe 1980 (temperature rate); the Sagnac sine of an open-loop FOG: H. C. Lefevre, The
+Fiber-Optic Gyroscope.
+"""
+
+from itertools import combinations
+
+import numpy as np
+
+from drivers.simulated.effects.planted_effect import (
+    AXES,
+    JUMP_OPTIONS,
+    MATRIX_KEYS,
+    SETTLING_OPTIONS,
+    VECTOR_KEYS,
+    PlantedEffect,
+    Stimulus,
+    TriadInput,
+    bias_settling,
+    jump,
+    matrix,
+    scale_asymmetry,
+    scale_settling,
+    vector,
+)
+from drivers.simulated.effects.thermal import (
+    LAG_OPTIONS,
+    PLAY_OPTIONS,
+    POLYNOMIAL_KEYS,
+    direction,
+    polynomial,
+    polynomial_of_lag,
+    scale_temperature,
+    scale_temperature_lag,
+)
+from drivers.simulated.truth import Sizes
+from procedures.arrays import FloatArray
+from procedures.units import DEG_H_PER_DEG_S, S_PER_H
+
+
+def _turned(sizes: Sizes, seen: FloatArray) -> FloatArray:
+    """Return sensitivities [deg/h per unit] times what is seen (n or 1, 3) [unit]."""
+    added: FloatArray = np.einsum("qp,np->nq", matrix(sizes), seen) / DEG_H_PER_DEG_S
+    return added
+
+
+def _deg_s(sizes: Sizes) -> FloatArray:
+    return vector(sizes) / DEG_H_PER_DEG_S
+
+
+def _counts_lost(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
+    above = np.abs(triad.raw) - sizes["knee_deg_s"]
+    return np.where(above > 0, -1e-6 * vector(sizes) * above * np.sign(triad.raw), 0.0)
+
+
+GYROSCOPE = (
+    PlantedEffect("gyroscope.g_sensitivity", "deg/h/g", MATRIX_KEYS,
+                  gyro=lambda seen, triad, sizes: _turned(sizes, seen.f)),
+    PlantedEffect("gyroscope.bias_temperature", "deg/h/K", POLYNOMIAL_KEYS,
+                  gyro=lambda seen, triad, sizes: polynomial(sizes, seen.temperature) / DEG_H_PER_DEG_S),
+    PlantedEffect("gyroscope.scale_temperature", "ppm/K", POLYNOMIAL_KEYS, gyro=scale_temperature),
+    PlantedEffect("gyroscope.temperature_lag", "deg/h/K", POLYNOMIAL_KEYS, LAG_OPTIONS,
+                  gyro=lambda seen, triad, sizes: polynomial_of_lag(sizes, seen) / DEG_H_PER_DEG_S),
+    PlantedEffect("gyroscope.scale_temperature_lag", "ppm/K", POLYNOMIAL_KEYS, LAG_OPTIONS,
+                  gyro=scale_temperature_lag),
+    PlantedEffect("gyroscope.bias_settling", "deg/h", VECTOR_KEYS, SETTLING_OPTIONS,
+                  gyro=lambda seen, triad, sizes: bias_settling(seen, triad, sizes) / DEG_H_PER_DEG_S),
+    PlantedEffect("gyroscope.scale_settling", "ppm", VECTOR_KEYS, SETTLING_OPTIONS, gyro=scale_settling),
+    PlantedEffect("gyroscope.temperature_hysteresis", "deg/h", VECTOR_KEYS, PLAY_OPTIONS,
+                  gyro=lambda seen, triad, sizes: _deg_s(sizes) * direction(seen, sizes)),
+    PlantedEffect("gyroscope.temperature_rate", "deg/h/(K/min)", VECTOR_KEYS,
+                  gyro=lambda seen, triad, sizes: _deg_s(sizes) * seen.temperature_rate),
+    PlantedEffect("gyroscope.bias_drift", "deg/h/h", VECTOR_KEYS,
+                  gyro=lambda seen, triad, sizes: _deg_s(sizes) * seen.t / S_PER_H),
+    PlantedEffect("gyroscope.magnetic", "deg/h/uT", MATRIX_KEYS,
+                  gyro=lambda seen, triad, sizes: _turned(sizes, seen.magnetic)),
+    PlantedEffect("gyroscope.scale_asymmetry", "ppm", VECTOR_KEYS, gyro=scale_asymmetry),
+    PlantedEffect("gyroscope.scale_nonlinearity", "ppm/(deg/s)", VECTOR_KEYS,
+                  gyro=lambda seen, triad, sizes: 1e-6 * vector(sizes) * triad.raw * np.abs(triad.raw)),
+    PlantedEffect("gyroscope.sagnac_sine", "rad/(deg/s)", VECTOR_KEYS,
+                  gyro=lambda seen, triad, sizes: triad.raw * (np.sinc(vector(sizes) * triad.raw / np.pi) - 1)),
+    PlantedEffect("gyroscope.counts_lost", "ppm", VECTOR_KEYS, {"knee_deg_s": 30.0}, gyro=_counts_lost),
+    PlantedEffect("gyroscope.jump", "deg/h", VECTOR_KEYS, JUMP_OPTIONS,
+                  gyro=lambda seen, triad, sizes: jump(seen, triad, sizes, 1 / DEG_H_PER_DEG_S)),
+)  # fmt: skip
+
+
+_PRODUCT_KEYS = tuple(sensor + one + other for sensor in AXES for one, other in combinations(AXES, 2))
+_OWN_KEYS = tuple(sensor + other for sensor in AXES for other in AXES if sensor != other)
+
+
+def _cross_product(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
+    added = np.zeros(np.broadcast_shapes(triad.raw.shape, (1, 3)))
+    for key in _PRODUCT_KEYS + _OWN_KEYS:
+        if key in sizes:
+            sensor, one, other = (AXES.index(axis) for axis in (key if len(key) == 3 else key[0] + key))
+            added[:, sensor] += sizes[key] * (triad.raw[:, one] * triad.raw[:, other])
+    return added
+
+
+def _relaxation(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
+    by = stimulus.f if sizes["by_force"] else 1.0
+    added: FloatArray = vector(sizes) * by * np.exp(-stimulus.rest_s / sizes["tau_s"])
+    return added
+
+
+ACCELEROMETER = (
+    PlantedEffect("accelerometer.quadratic", "g/g^2", VECTOR_KEYS,
+                  accel=lambda seen, triad, sizes: vector(sizes) * triad.raw**2),
+    PlantedEffect("accelerometer.cubic", "g/g^3", VECTOR_KEYS,
+                  accel=lambda seen, triad, sizes: vector(sizes) * triad.raw**3),
+    PlantedEffect("accelerometer.scale_asymmetry", "ppm", VECTOR_KEYS, accel=scale_asymmetry),
+    PlantedEffect("accelerometer.cross_product", "g/g^2", _OWN_KEYS + _PRODUCT_KEYS, accel=_cross_product),
+    PlantedEffect("accelerometer.bias_temperature", "g/K", POLYNOMIAL_KEYS,
+                  accel=lambda seen, triad, sizes: polynomial(sizes, seen.temperature)),
+    PlantedEffect("accelerometer.scale_temperature", "ppm/K", POLYNOMIAL_KEYS, accel=scale_temperature),
+    PlantedEffect("accelerometer.temperature_rate", "g/(K/min)", VECTOR_KEYS,
+                  accel=lambda seen, triad, sizes: vector(sizes) * seen.temperature_rate),
+    PlantedEffect("accelerometer.temperature_lag", "g/K", POLYNOMIAL_KEYS, LAG_OPTIONS,
+                  accel=lambda seen, triad, sizes: polynomial_of_lag(sizes, seen)),
+    PlantedEffect("accelerometer.scale_temperature_lag", "ppm/K", POLYNOMIAL_KEYS, LAG_OPTIONS,
+                  accel=scale_temperature_lag),
+    PlantedEffect("accelerometer.bias_settling", "g", VECTOR_KEYS, SETTLING_OPTIONS, accel=bias_settling),
+    PlantedEffect("accelerometer.scale_settling", "ppm", VECTOR_KEYS, SETTLING_OPTIONS, accel=scale_settling),
+    PlantedEffect("accelerometer.temperature_hysteresis", "g", VECTOR_KEYS, PLAY_OPTIONS,
+                  accel=lambda seen, triad, sizes: vector(sizes) * direction(seen, sizes)),
+    PlantedEffect("accelerometer.bias_drift", "g/h", VECTOR_KEYS,
+                  accel=lambda seen, triad, sizes: vector(sizes) * seen.t / S_PER_H),
+    PlantedEffect("accelerometer.relaxation", "g", VECTOR_KEYS, {"tau_s": 30.0, "by_force": 0.0},
+                  accel=_relaxation),
+    PlantedEffect("accelerometer.jump", "g", VECTOR_KEYS, JUMP_OPTIONS,
+                  accel=lambda seen, triad, sizes: jump(seen, triad, sizes, 1.0)),
+)  # fmt: skip
