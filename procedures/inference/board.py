@@ -1,12 +1,12 @@
 """Hypotheses beside the evidence: columns in the complement of the model's own, and the prior of each."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from procedures.arrays import FloatArray, IntArray
+from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.effects.effect import Effect
 from procedures.evidence.candidates import Candidate
 from procedures.evidence.residual_rows import Evidence
@@ -104,24 +104,26 @@ class Board:
     basis: FloatArray
 
     @cached_property
-    def separable(self) -> Mapping[str, bool]:
-        """Say of every name whether any of its options shows beside the model's own parameters, were these free.
+    def not_separable(self) -> tuple[str, ...]:
+        """The names that would show if the bench's parameters were known, and do not while these are free.
 
-        What only the ranges of bench parameters show, as a quadratic term beside faces without a certificate, is
-        not separable from them here.
+        A quadratic term beside faces without a certificate is one. What the campaign does not excite is none.
         """
         data = ~self.evidence.is_range
         A = (self.evidence.A / self.evidence.sigma[:, None])[data]
+        of_bench = np.any(self.evidence.A[~data] != 0, axis=0)
+        known, free = self._shown(data, A[:, ~of_bench]), self._shown(data, A)
+        return tuple(each.name for each in self.hypotheses if each.name in known and each.name not in free)
+
+    def _shown(self, data: BoolArray, A: FloatArray) -> set[str]:
+        """Return the names of which an option shows by a sigma in data beside parameters of columns A."""
         U, size = left_singular(A)
         Q = U[:, size > np.finfo(float).eps * len(A) * np.max(size, initial=0.0)]
         whole = np.linalg.norm(self.H[data], axis=0)
         seen = np.linalg.norm(self.H[data] - Q @ (Q.T @ self.H[data]), axis=0)
         seen = np.where(seen > priors.NEGLIGIBLE * whole, seen, 0.0)
-        found = dict.fromkeys((each.name for each in self.hypotheses), False)
-        for option in self.options:
-            at = self.hypotheses[option.hypothesis]
-            found[at.name] |= bool(at.amplitudes[-1] * np.max(seen[option.columns], initial=0.0) > 1.0)
-        return found
+        most = [(self.hypotheses[each.hypothesis], seen[each.columns]) for each in self.options]
+        return {one.name for one, by in most if one.amplitudes[-1] * np.max(by, initial=0.0) > 1.0}
 
     @cached_property
     def options_of(self) -> Sequence[IntArray]:

@@ -20,6 +20,7 @@ from procedures.frames import AXES, TRIADS
 from procedures.inference import priors
 from procedures.inference.board import Board, Hypothesis, Option
 from procedures.inference.smooth_functions import Function, driver_in, functions, unrecorded, walk
+from procedures.statistics.least_squares import left_singular
 
 CUBIC = 4  # neighbours that a cubic goes through
 OF_ROWS = {
@@ -146,15 +147,23 @@ def _plainest(
     every = np.concatenate([np.zeros(0, dtype=np.int64), *(each.columns for each in options)])
     sums = csr_array((np.ones(len(every)), (owner, every)), shape=(len(options), W.shape[1]))
     whole, most = np.maximum(sums @ np.sum(W**2, axis=0), 1e-300), np.zeros(len(options))
+    explained = np.zeros(len(options))  # squares of y, by the plain effect that does most of what an option does
     for columns in spans.values():
-        Q, r = np.linalg.qr(W[:, columns])
-        taken = np.sum((Q[:, np.abs(np.diag(r)) > 0].T @ W) ** 2, axis=0)
-        most = np.maximum(most, sums @ taken / whole)
+        U, size = left_singular(W[:, columns])
+        Q = U[:, size > np.finfo(float).eps * len(W) * np.max(size, initial=0.0)]
+        share = sums @ np.sum((Q.T @ W) ** 2, axis=0) / whole
+        explained = np.where(share > most, np.sum((Q.T @ y) ** 2), explained)
+        most = np.maximum(most, share)
+
+    def is_kept(option: Option, share: float, plain: float) -> bool:
+        is_free = option.is_bent or hypotheses[option.hypothesis].kind == "nameless"
+        if option.is_plain or not is_free or share < 1 - priors.UNRESOLVED:
+            return True
+        return bool(_explained(W[:, option.columns], y) - plain > priors.WINDOW)
+
     return tuple(
-        each for each, share in zip(options, most, strict=True)
-        if each.is_plain or not (each.is_bent or hypotheses[each.hypothesis].kind == "nameless")
-        or share < 1 - priors.UNRESOLVED
-        or (1 - share) * _explained(W[:, each.columns], y) > priors.WINDOW
+        each for each, share, plain in zip(options, most.tolist(), explained.tolist(), strict=True)
+        if is_kept(each, share, plain)
     )  # fmt: skip
 
 

@@ -37,8 +37,8 @@ class Inferred:
 
     @property
     def not_separable(self) -> tuple[str, ...]:
-        """The names whose columns the model's own parameters take wholly: this bench cannot show them."""
-        return tuple(name for name, is_seen in self.board.separable.items() if not is_seen)
+        """The names that this bench cannot tell from its own parameters."""
+        return self.board.not_separable
 
 
 def infer(subject: BaseModel, effects: Sequence[Effect]) -> Inferred:
@@ -54,11 +54,11 @@ def infer(subject: BaseModel, effects: Sequence[Effect]) -> Inferred:
             now = subject.refit(wanted)
         except DoesNotFit:
             break
-        search = Search(library.with_adopted(now.evidence, _bent(now)).on(now.evidence))
+        search = Search(library.with_adopted(now.evidence, _bent(now, pool)).on(now.evidence))
         best = search.run()
     found = posterior(search)
     for curved in [each for each in now.added if each.effect.added is not None]:
-        search, now, found = _beside_rivals(subject, library, begin, (search, now, found), curved)
+        search, now, found = _beside_rivals(subject, pool, library, begin, (search, now, found), curved)
     best = search.best
     fits = now.fits if now.bare is None else averaged_fits(search, now.bare, found.causes)
     wanted = _candidates(search.board, best)
@@ -69,7 +69,12 @@ def infer(subject: BaseModel, effects: Sequence[Effect]) -> Inferred:
 
 
 def _beside_rivals(
-    subject: BaseModel, library: Library, begin: Search, held: tuple[Search, Refit, Posterior], curved: Candidate
+    subject: BaseModel,
+    pool: Candidates,
+    library: Library,
+    begin: Search,
+    held: tuple[Search, Refit, Posterior],
+    curved: Candidate,
 ) -> tuple[Search, Refit, Posterior]:
     """Hold an effect that is not linear in its coefficients against what else the cause may be.
 
@@ -90,7 +95,7 @@ def _beside_rivals(
             continue
         with suppress(DoesNotFit):
             refit = subject.refit([*(each for each in now.added if each is not curved), rival])
-            other = Search(library.with_adopted(refit.evidence, _bent(refit)).on(refit.evidence))
+            other = Search(library.with_adopted(refit.evidence, _bent(refit, pool)).on(refit.evidence))
             other.run()
             stands[name] = (other, refit, posterior(other))
     densities = np.array([_log_density(each) for each, _, _ in stands.values()])
@@ -116,13 +121,21 @@ def _log_density(search: Search) -> float:
     return search.best.log_odds + float(tail(search.board, np.array(y @ y)))
 
 
-def _bent(now: Refit) -> list[Candidate]:
-    """Return the effects in a refit, with their columns at the coefficients found where these are not linear."""
+def _bent(now: Refit, pool: Candidates) -> list[Candidate]:
+    """Return the effects in a refit, with their columns at the coefficients found where these are not linear.
+
+    How large they may be is as before, for a unit of its grade: not what they were held by.
+    """
     terms, _ = terms_at(now.evidence, now.added, now.values)
     found = list[Candidate]()
     for each, term in zip(now.added, terms, strict=True):
         k = len(each.columns.coefficients) - len(each.columns.nonlinear)
-        own = each.effect.plausible_of(each.columns)
+        ways = [
+            way
+            for way in pool[each.effect.name]
+            if len(way.columns.coefficients) == len(each.columns.coefficients)
+        ]
+        own = ways[0].term.plausible
         found.append(replace(each, term=Term(term.H[:, :k], own[:k])))
     return found
 

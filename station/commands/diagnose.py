@@ -193,13 +193,16 @@ def _say(
 
 
 def _wanted(document: dict[str, Any], loaded: Sequence["LoadedCampaign"]) -> "Sequence[Measurement]":
-    """Return what to measure next: first what parts the readings of what is proposed."""
+    """Return what to measure next: what separates proposals, then findings, then what this bench cannot show."""
     from procedures.frames import FACES
     from station.results.diagnosis.diagnosis_wording import known_findings
     from station.results.diagnosis.next_measurements import next_measurements
 
     is_certified = all(len(one.campaign.fixture.faces) == len(FACES) for one in loaded)
-    known = next_measurements(known_findings(document), loaded[0].tables.fixture.imu_axes, is_certified)
+    hidden = [{"effect": name, "confidence": "possible"} for name in document.get("not_separable", {})]
+    known = next_measurements(
+        [*known_findings(document), *hidden], loaded[0].tables.fixture.imu_axes, is_certified
+    )
     if not (names := [one["next"]["measurement"] for one in document["findings"] if "next" in one]):
         return known
     from station.results.diagnosis.next_of_proposals import planned

@@ -26,10 +26,11 @@ def finding(found: Diagnosed, effect: str) -> dict[str, Any]:
 
 
 def test_what_was_planted_is_named_with_its_size(warmed: Diagnosed) -> None:
-    assert warmed.document["verdict"] == "established"
+    """With one single exponential T and dT/dt are one: the rate needs 17 times what its catalogue states."""
+    assert warmed.document["verdict"] == "likely"
     found = finding(warmed, "accelerometer.bias_temperature")
     assert (found["kind"], found["confidence"], found["aliases"], found["unit"]) == (
-        "instrument", "established", [], "g/K",
+        "instrument", "likely", ["accelerometer.temperature_rate"], "g/K",
     )  # fmt: skip
     for axis, true in (("x", 8e-5), ("y", -5e-5), ("z", 9e-5)):
         got = found["coefficients"][axis]
@@ -73,11 +74,10 @@ def test_with_a_temperature_effect_parameters_hold_at_25_degc(warmed: Diagnosed,
     assert uncertified.document["solution"]["reference_temperature_c"] != 25.0
 
 
-def test_without_certificate_the_plan_mounts_the_imu_otherwise_twice(uncertified: Diagnosed) -> None:
+def test_without_certificate_the_plan_is_what_the_bench_cannot_show(uncertified: Diagnosed) -> None:
     assert "free positions" in uncertified.document["not_separable"]["accelerometer.quadratic"]
-    second = uncertified.plan.with_name("next_2.toml")
-    mounted = [path.read_text().split("imu_axes = ")[1].splitlines()[0] for path in (uncertified.plan, second)]
-    assert mounted == ['["+y", "-x", "+z"]', '["+x", "+z", "-y"]']
+    assert set(uncertified.document["not_separable"]) >= {"accelerometer.quadratic"}
+    assert 'attitude = "free"' in uncertified.plan.read_text()
 
 
 def test_two_faces_alone_are_exit_5_and_partial_says_how_level_they_stood(
