@@ -26,7 +26,8 @@ def findings_of(found: Inferred) -> tuple[tuple[Finding, ...], tuple[Unnamed, ..
             unnamed.append(Unnamed(cause.form, cause.nameless, cause.joint, cause.note, cause.shares))
         else:
             named.append(_finding(found, cause, cause.coefficients, left_out))
-    return tuple(named), tuple(unnamed)
+    forms = {each.what: each for each in reversed(unnamed)}  # of one form the likeliest: causes are in that order
+    return tuple(named), tuple(each for each in unnamed if forms[each.what] is each)
 
 
 def _finding(found: Inferred, cause: Cause, of: Coefficients, left_out: Sequence[IntArray]) -> Finding:

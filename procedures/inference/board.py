@@ -32,6 +32,11 @@ class Hypothesis:
     driver: str = ""
 
     @property
+    def curve(self) -> str:
+        """What it is where its own law does not hold: a function of what drives it."""
+        return f"a function of {self.driver}" if self.is_named and self.driver else self.name
+
+    @property
     def is_named(self) -> bool:
         """Say whether an effect of the catalogue stands behind it."""
         return self.effect is not None

@@ -79,7 +79,9 @@ def posterior(search: Search) -> Posterior:
     held = np.zeros((len(models), len(board.hypotheses)), dtype=bool)
     for i, model in enumerate(models):
         held[i, list(model.names)] = True
-    probabilities = weights @ (held & ~_bent_further(board, held))
+    present = weights @ held
+    probabilities = weights @ (held & ~_bent_further(board, models, held))
+    alone = np.divide(probabilities, present, out=np.ones_like(present), where=present > 0)
     best, causes = search.best, list[Cause]()
     for hypothesis, own in _acting(board, best.members):
         rest = [each for each in best.members if each not in own]
@@ -93,7 +95,9 @@ def posterior(search: Search) -> Posterior:
         order = [int(j) for j in np.argsort(-shares) if shares[j] >= priors.NEGLIGIBLE]
         first = order[0] if order else int(np.argmax(shares))
         named = [j for j in order if board.hypotheses[j].is_named]
-        nameless = float(sum(s for s, h in zip(shares, board.hypotheses, strict=True) if not h.is_named))
+        nameless = float(sum(
+            s * (1 - a) if h.is_named else s for s, a, h in zip(shares, alone, board.hypotheses, strict=True)
+        ))  # fmt: skip
         top = named[0] if named else first
         member = beside.member(board, top)
         found = averaged(board, rest, top, member) if board.hypotheses[top].is_named else None
@@ -104,7 +108,7 @@ def posterior(search: Search) -> Posterior:
         causes.append(Cause(
             board.hypotheses[top], float(min(probabilities[top], shares[top])), of_group,
             {board.hypotheses[j].name: float(shares[j]) for j in order}, nameless, found,
-            board.hypotheses[form].name, board.options[beside.member(board, form).option].note,
+            board.hypotheses[form].curve, board.options[beside.member(board, form).option].note,
             float(log_sum(total)),
             tuple(_places(board, beside, top)),
         ))  # fmt: skip
@@ -112,16 +116,18 @@ def posterior(search: Search) -> Posterior:
     return Posterior(tuple(sorted(causes, key=lambda each: -each.evidence)), every, best)
 
 
-def _bent_further(board: Board, held: BoolArray) -> BoolArray:
-    """Return in which models (m, h) a curve of the catalogue needs a function of the same driver beside it.
+def _bent_further(board: Board, models: Sequence[Model], held: BoolArray) -> BoolArray:
+    """Return in which models (m, h) a curve of the catalogue is not enough to follow what drives it.
 
-    Together they are another curve: the name is not what acts, as its law does not hold alone.
+    Beside it stands a function of the same driver, or it acts more often than twice, as by many jumps. Together
+    they are another curve: the name is not what acts, as its law does not hold alone.
     """
     nameless = np.array([not each.is_named for each in board.hypotheses])
     drivers = np.array([each.driver for each in board.hypotheses])
     found = np.zeros_like(held)
     for i in np.flatnonzero(~nameless & (drivers != "")).tolist():
         found[:, i] = held[:, nameless & (drivers == drivers[i])].any(axis=1)
+        found[:, i] |= [model.names.count(i) > priors.MOST_PLACES for model in models]
     return found
 
 

@@ -45,6 +45,7 @@ UNRESOLVED = 0.05
 # How exact the answer is.
 NEGLIGIBLE = 0.01  # a share that changes no word and no second decimal
 BREADTH = 3  # models of one size from which the next are grown
+MOST_PLACES = 2  # of one cause within a triad: a unit that jumps more often follows a curve of its own
 LARGEST = 8  # causes in a model: a unit with more needs a repair, no diagnosis
 
 ESTABLISHED, LIKELY = 0.99, 0.9  # probability from which a cause is called so

@@ -33,7 +33,7 @@ class Measurement:
     imu_axes: tuple[str, ...] = ()
 
 
-Make = Callable[[Mapping[str, Any], Sequence[str]], Measurement]  # of a finding of diagnosis/1, and imu_axes
+Make = Callable[[Mapping[str, Any], Sequence[str]], Measurement]  # of a finding of diagnosis/2, and imu_axes
 
 
 def remounted(about: str) -> Make:

@@ -1,4 +1,4 @@
-"""The noise of channels as `noise/1` (docs/reference/file-formats.md), the same in `diagnosis/1`."""
+"""The noise of channels as `noise/1` (docs/reference/file-formats.md), the same in `diagnosis/2`."""
 
 from collections.abc import Mapping, Sequence
 from math import isfinite, log
