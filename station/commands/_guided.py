@@ -20,7 +20,7 @@ from station.files.toml_reading import expected_of
 from station.guide.view import ENDED_STAGES, CalibrationView
 
 if TYPE_CHECKING:
-    from station.guide.start_engine import EngineOptions
+    from station.guide.options import EngineOptions
 
 WarmUp = Annotated[
     bool, option("--warm-up/--no-warm-up", "", "Wait until the unit has warmed up. Not with --headless.")
@@ -96,12 +96,12 @@ def guide(options: "EngineOptions", screen: Display) -> int:
     if screen.headless:
         from fixtures_db.database import open_db
         from station.guide.headless import run_headless
-        from station.guide.text_lines import PlainScreen
+        from station.guide.plain_screen import PlainScreen
 
         show = PlainScreen(typer.echo, rings=False).show
         with open_db(options.database) as database:
             return _code(run_headless(options, database, show, stores=screen.stores))
-    from station.guide.start_engine import engine_process
+    from station.guide.client import engine_process
 
     with engine_process(options) as socket:
         return _code(_serve(socket, screen) if screen.web else _look(socket, screen, options))

@@ -12,9 +12,8 @@ import time
 import typer
 
 from station.guide.client import EngineConnection
-from station.guide.command import OperatorCommand
-from station.guide.text_lines import PlainScreen, between_words, listen
-from station.guide.view import ENDED_STAGES, VERDICT_STAGES, CalibrationView
+from station.guide.plain_screen import PlainScreen, between_words, listen
+from station.guide.view import ENDED_STAGES, VERDICT_STAGES, CalibrationView, OperatorCommand
 
 UNANSWERED_S = 60.0  # with a question that nobody can answer: it may go away, as when the cube is put elsewhere
 

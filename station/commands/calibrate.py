@@ -103,9 +103,9 @@ def calibrate(
     """
     from station.commands._guided import Display, campaigns_root, guide, set_up
     from station.files.setup import Setup
-    from station.guide.command import OperatorCommand
     from station.guide.last_setup import load_setup
-    from station.guide.start_engine import EngineOptions
+    from station.guide.options import EngineOptions
+    from station.guide.view import OperatorCommand
 
     given = {
         "url": device, "gnss": gnss, "folder": str(out) if out else "",

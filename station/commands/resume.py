@@ -53,10 +53,10 @@ def resume(
     from fixtures_db.database import open_db
     from station.commands._guided import Display, campaigns_root, guide
     from station.errors import DataRefused
-    from station.guide.command import OperatorCommand
     from station.guide.last_setup import load_setup
-    from station.guide.start_choices import unfinished_campaigns
-    from station.guide.start_engine import EngineOptions
+    from station.guide.options import EngineOptions
+    from station.guide.start_screen import unfinished_campaigns
+    from station.guide.view import OperatorCommand
 
     with open_db(db) as database:
         found = unfinished_campaigns(database)

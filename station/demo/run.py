@@ -22,10 +22,9 @@ from station.demo.unit import demo_truth
 from station.errors import CannotWrite, Incomplete, cannot_write
 from station.files.atomic_file import replace_file
 from station.files.setup import Setup
-from station.guide.hand_style import HandStyle
 from station.guide.headless import record_headless
 from station.guide.options import CalibrationOptions
-from station.guide.simulated_operator import SimulatedOperator
+from station.guide.simulated_operator import HandStyle, SimulatedOperator
 from station.guide.view import CalibrationView
 from station.results.campaign_results import CampaignResults, make_results, store
 from station.results.certificate.issuing import issue

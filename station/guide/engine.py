@@ -21,17 +21,15 @@ from procedures.errors import ProcedureError
 from station.errors import CannotWrite, DataRefused, DiskFull, StationError
 from station.exit_codes import exit_code
 from station.files.setup import Setup
-from station.guide.command import OperatorCommand
 from station.guide.last_setup import save_setup
 from station.guide.options import CalibrationOptions
-from station.guide.readiness_in_background import ReadinessInBackground, announce_readiness
 from station.guide.setup_view import PortCheck, Readiness, StartView
-from station.guide.start_choices import start_view
+from station.guide.start_screen import ReadinessInBackground, announce_readiness, start_view
 from station.guide.step_names import for_people
-from station.guide.view import ENDED_STAGES, CalibrationView, StageName, Verdict
+from station.guide.view import ENDED_STAGES, CalibrationView, OperatorCommand, StageName, Verdict
 
 if TYPE_CHECKING:
-    from station.guide.finished_campaign import GuidedCampaign
+    from station.guide.campaign.live_campaign import GuidedCampaign
     from station.guide.simulated_operator import SimulatedOperator
     from station.results.campaign_results import CampaignResults
 
@@ -166,8 +164,7 @@ class CalibrationEngine:
 
     def _do_again(self, campaign: "GuidedCampaign", command: OperatorCommand) -> None:
         """Open the device of a campaign that is complete, to do a step again; what refuses changes nothing."""
-        from station.guide.finished_campaign import finished
-        from station.guide.live_campaign import resume
+        from station.guide.campaign.campaign_start import finished, resume
 
         folder = campaign.folder
         self._publish(self.view.model_copy(update={"stage": "connecting", "line": "connecting", "hint": FOR_UNIT}))
@@ -245,7 +242,7 @@ class CalibrationEngine:
         self.view = self.view.model_copy(update={"start": start.model_copy(update=changes)})
 
     def _finish(self, campaign: "GuidedCampaign") -> None:
-        from station.guide.outcome import verdict_view
+        from station.guide.campaign.verdict import verdict_view
         from station.results.campaign_results import (
             make_results,  # scipy and matplotlib: not before they are wanted
         )
@@ -280,7 +277,7 @@ class CalibrationEngine:
         if self._is_stored:
             self._end("left", "the calibration is stored; there is nothing to cancel")
             return
-        from station.guide.interrupted_campaigns import cancel_campaign
+        from station.guide.campaign.interrupted_campaigns import cancel_campaign
 
         campaign.close()
         cancel_campaign(campaign.folder, self._database)
@@ -311,7 +308,7 @@ class CalibrationEngine:
 
 def prefetch() -> None:
     """Import what a campaign needs, while nobody waits for it."""
-    import station.guide.port_check  # noqa: F401
+    import station.guide.campaign.port_check  # noqa: F401
 
 
 def _with_verdict(view: CalibrationView, verdict: Verdict) -> CalibrationView:
@@ -325,20 +322,19 @@ def _with_verdict(view: CalibrationView, verdict: Verdict) -> CalibrationView:
 
 
 def _look(verb: str, url: str) -> PortCheck:
-    from station.guide.port_check import check_port, check_receiver
+    from station.guide.campaign.port_check import check_port, check_receiver
 
     return check_port(url) if verb == "check" else check_receiver(url)
 
 
 def _begun(setup: Setup, database: Database, options: CalibrationOptions) -> "GuidedCampaign":
-    from station.guide.live_campaign import begin
+    from station.guide.campaign.campaign_start import begin
 
     return begin(setup, database, options)
 
 
 def _resumed(folder: Path, database: Database, options: CalibrationOptions) -> "GuidedCampaign":
-    from station.guide.finished_campaign import finished
-    from station.guide.live_campaign import resume
+    from station.guide.campaign.campaign_start import finished, resume
 
     return finished(folder, database) or resume(folder, database, options)
 
@@ -361,6 +357,6 @@ def _is_planned_on_the_way(folder: Path) -> bool:
 def _awaited(setup: Setup) -> str:
     if not setup.gnss:
         return FOR_UNIT
-    from station.guide.gnss_in_campaign import MAX_SITE_WAIT_S, SITE_FIXES
+    from station.guide.campaign.gnss_receiver import MAX_SITE_WAIT_S, SITE_FIXES
 
     return f"waiting for the unit, and up to {MAX_SITE_WAIT_S:g} s for {SITE_FIXES} positions of the receiver"

@@ -5,13 +5,11 @@ from dataclasses import replace
 
 from fixtures_db.database import Database
 from station.files.setup import Setup
-from station.guide.command import OperatorCommand
+from station.guide.campaign.campaign_start import begin
 from station.guide.engine import CalibrationEngine
-from station.guide.live_campaign import begin
-from station.guide.options import CalibrationOptions
+from station.guide.options import CalibrationOptions, EngineOptions
 from station.guide.simulated_operator import HandsLost, SimulatedOperator
-from station.guide.start_engine import EngineOptions
-from station.guide.view import ENDED_STAGES, VERDICT_STAGES, CalibrationView
+from station.guide.view import ENDED_STAGES, VERDICT_STAGES, CalibrationView, OperatorCommand
 from station.stream.live.live_feed import REPLUG_S
 
 

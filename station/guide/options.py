@@ -1,14 +1,19 @@
 """How a guided calibration is run."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from station.files.setup import Setup
+from station.guide.setup_view import FrozenValue
+from station.guide.view import OperatorCommand
 
 if TYPE_CHECKING:
     from procedures.campaign.plan_steps import Step
+    from station.guide.simulated_operator import SimulatedOperator
+
+TREMOR_SEED = 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,3 +47,47 @@ class CalibrationOptions:
     is_patient: bool = True
     imu_axes: Sequence[str] = ()
     wanted: AskedSigmas | None = None
+
+
+class EngineOptions(FrozenValue):
+    """What the engine's process is told: as `station.guide.options.CalibrationOptions`, with files by their names.
+
+    ``until_limits``, ``sigma`` and ``noise`` say what a campaign goes on for whose steps are not fixed.
+    ``hands`` is the control address of a simulated device whose cube is then moved without a person; ``first``
+    is obeyed at once.
+    """
+
+    root: Path
+    database: str | None = None
+    setup: Setup = Setup()
+    plan: Path | None = None
+    asks: bool = True
+    warms_up: bool = True
+    hands: str | None = None
+    move_s: float = 45.0
+    tremor: bool = False
+    until_limits: bool = False
+    sigma: tuple[str, ...] = ()
+    noise: tuple[Path, ...] = ()
+    first: OperatorCommand | None = None
+
+    def engine(self) -> CalibrationOptions:
+        """Return the engine's options; raise `DataRefused` if the plan cannot be read."""
+        options = CalibrationOptions(self.root, self.setup, (), self.asks, self.warms_up)
+        if self.until_limits or self.sigma:
+            return replace(options, wanted=AskedSigmas(self.until_limits, self.sigma, self.noise))
+        if self.plan is None:
+            return options
+        from station.files.campaign_folder import plan_toml  # a screen need not wait for it
+
+        return replace(options, steps=plan_toml.read_plan(self.plan), imu_axes=plan_toml.read_mounting(self.plan))
+
+    def operator(self) -> "SimulatedOperator | None":
+        """Return who moves the cube, None where a person does."""
+        if not self.hands:
+            return None
+        from drivers.simulated.simulated_hands import SimulatedHands
+        from station.guide.simulated_operator import HandStyle, SimulatedOperator
+
+        style = HandStyle(TREMOR_SEED, wrong_share=0.0) if self.tremor else None
+        return SimulatedOperator(SimulatedHands(self.hands), self.move_s, style)

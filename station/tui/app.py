@@ -1,7 +1,6 @@
 """The application: draws the session's view and sends what the operator asks. It knows nothing by itself."""
 
-from station.guide.command import CalibrationSession, OperatorCommand
-from station.guide.view import CalibrationView
+from station.guide.view import CalibrationSession, CalibrationView, OperatorCommand
 from station.tui.common_app import CommonApp
 from station.tui.screens import screen_for
 from station.tui.screens.modal import Modal

@@ -1,6 +1,6 @@
 """Run the screens in this terminal; Textual is imported only where there is a screen."""
 
-from station.guide.command import CalibrationSession
+from station.guide.view import CalibrationSession
 from station.monitor.view import MonitorSession
 
 REFRESH_HZ = 10.0

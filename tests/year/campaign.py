@@ -19,10 +19,9 @@ from station.demo.run import demo_laboratory
 from station.errors import Incomplete
 from station.files.campaign_folder.campaign_schema import read_campaign_toml
 from station.files.setup import Setup
-from station.guide.command import OperatorCommand
 from station.guide.engine import CalibrationEngine
 from station.guide.options import CalibrationOptions
-from station.guide.view import ENDED_STAGES, CalibrationView
+from station.guide.view import ENDED_STAGES, CalibrationView, OperatorCommand
 from station.results.certificate.issuing import issue
 from station.stream.stream_events import NewEvents
 from tests.year.bench import ADDRESS, Bench

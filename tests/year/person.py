@@ -4,11 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivers.simulated.bench_control import BenchControl
-from station.guide.command import CommandVerb, OperatorCommand
+from drivers.simulated.simulated_hands import SimulatedHands
 from station.guide.engine import CalibrationEngine
 from station.guide.simulated_operator import SimulatedOperator
-from station.guide.view import CalibrationView, OperatorQuestion
+from station.guide.view import CalibrationView, CommandVerb, OperatorCommand, OperatorQuestion
 from tests.year.machine import InProcessHands, Machine
 
 OFF_DEG = 3.0  # of a cube put down on a crumb, at most
@@ -29,7 +28,7 @@ class Manner:
 
 
 class Carrying:
-    """How this person carries a cube, as `station.guide.hand_style.HandStyle` is asked."""
+    """How this person carries a cube, as `station.guide.simulated_operator.HandStyle` is asked."""
 
     def __init__(self, machine: Machine, manner: Manner, rng: np.random.Generator) -> None:
         self._machine, self._manner, self._rng = machine, manner, rng

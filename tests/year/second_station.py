@@ -11,10 +11,9 @@ from fixtures_db.schema import CubeRow, SlabRow
 from procedures.campaign.plan_steps import Dwell
 from station.demo.example_bench import add_example
 from station.files.setup import Setup
-from station.guide.command import OperatorCommand
 from station.guide.engine import CalibrationEngine
 from station.guide.options import CalibrationOptions
-from station.guide.view import ENDED_STAGES, Verdict
+from station.guide.view import ENDED_STAGES, OperatorCommand, Verdict
 from tests.year.bench import Bench
 from tests.year.findings import Finding, expect
 from tests.year.machine import Machine

@@ -7,9 +7,8 @@ from textual.binding import Binding
 from textual.containers import Horizontal, Vertical
 from textual.widgets import ContentSwitcher
 
-from station.guide.command import OperatorCommand
-from station.guide.enough_to_solve import lacking
-from station.guide.view import CalibrationView, StageName
+from station.guide.campaign.checklist import lacking
+from station.guide.view import CalibrationView, OperatorCommand, StageName
 from station.tui.orientation import is_counter_clockwise
 from station.tui.screens.framed import FramedScreen
 from station.tui.widgets.banner import BannerText

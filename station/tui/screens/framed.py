@@ -7,8 +7,7 @@ from textual.app import ComposeResult
 from textual.containers import Vertical
 from textual.content import Content
 
-from station.guide.command import OperatorCommand
-from station.guide.view import CalibrationView, LinkView
+from station.guide.view import CalibrationView, LinkView, OperatorCommand
 from station.text.plural import plural
 from station.tui.screens.stage import StageScreen
 from station.tui.widgets.banner import Banner, BannerText

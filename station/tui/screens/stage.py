@@ -8,8 +8,7 @@ from textual.binding import ActiveBinding, Binding
 from textual.content import Content
 from textual.screen import Screen
 
-from station.guide.command import CommandVerb, OperatorCommand
-from station.guide.view import CalibrationView, StageName
+from station.guide.view import CalibrationView, CommandVerb, OperatorCommand, StageName
 from station.tui.durations_in_words import duration_in_words
 from station.tui.screens.confirm import ConfirmScreen
 from station.tui.screens.help import HelpScreen, keys_of

@@ -11,9 +11,8 @@ from textual.widgets import Button, Input, OptionList, Select, Static
 from textual.widgets.option_list import Option
 
 from station.files.setup import Setup
-from station.guide.command import CommandVerb, OperatorCommand
 from station.guide.setup_view import StartView, UnfinishedCampaign
-from station.guide.view import CalibrationView
+from station.guide.view import CalibrationView, CommandVerb, OperatorCommand
 from station.tui.durations_in_words import duration_in_words
 from station.tui.screens.ready import ReadyScreen
 from station.tui.screens.stage import StageScreen

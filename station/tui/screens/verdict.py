@@ -10,8 +10,7 @@ from textual.binding import Binding
 from textual.containers import Horizontal, ScrollableContainer, Vertical
 from textual.widgets import Static
 
-from station.guide.command import OperatorCommand
-from station.guide.view import CalibrationView
+from station.guide.view import CalibrationView, OperatorCommand
 from station.tui.screens.diagnosis import DiagnosisScreen
 from station.tui.screens.stage import StageScreen
 from station.tui.widgets.number_table import NumberTable

@@ -2,8 +2,8 @@
 
 from textual.content import Content
 
-from station.guide.instruction_words import rounded
 from station.guide.view import WarmUpView
+from station.guide.wording import rounded
 from station.tui.bars import bar
 from station.tui.durations_in_words import duration_in_words
 from station.tui.widgets.redrawn_on_change import ValueWidget

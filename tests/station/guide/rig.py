@@ -11,16 +11,14 @@ from drivers.wire import ALL_CHANNELS
 from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Dwell, Step
 from station.files.campaign_folder.notes import WantedRecord, read_no_moves, write_note
-from station.guide.asked_sigmas import sequel_of
-from station.guide.command import OperatorCommand
-from station.guide.folder_recorder import FolderRecorder
-from station.guide.guide import Guide
-from station.guide.interrupted_campaigns import reopen
-from station.guide.resumed_campaign import NO_ACCEPTED_STEPS, AcceptedSteps, read_accepted_steps
-from station.guide.sequential_campaign import SequentialCampaign
-from station.guide.stage_context import BenchFacts, StageContext
-from station.guide.step_checklist import Checklist
-from station.guide.view import CalibrationView
+from station.guide.campaign.accepted_steps import NO_ACCEPTED_STEPS, AcceptedSteps, read_accepted_steps
+from station.guide.campaign.checklist import Checklist
+from station.guide.campaign.folder_recorder import FolderRecorder
+from station.guide.campaign.interrupted_campaigns import reopen
+from station.guide.campaign.sequential_campaign import SequentialCampaign, sequel_of
+from station.guide.stages.guide import Guide
+from station.guide.stages.stage_context import BenchFacts, StageContext
+from station.guide.view import CalibrationView, OperatorCommand
 from station.stream.live.live_feed import open_feed
 from station.stream.recorder.accepted_step_writer import open_campaign
 from tests.empty_database import empty_db

@@ -20,12 +20,10 @@ from fixtures_db.database import Database
 from station.errors import CannotWrite
 from station.exit_codes import exit_code
 from station.files.setup import Setup
-from station.guide.command import OperatorCommand
 from station.guide.engine import REFUSALS, CalibrationEngine
 from station.guide.headless import run_headless
-from station.guide.options import CalibrationOptions
-from station.guide.start_engine import EngineOptions
-from station.guide.view import CalibrationView
+from station.guide.options import CalibrationOptions, EngineOptions
+from station.guide.view import CalibrationView, OperatorCommand
 from tests.empty_database import empty_db
 from tests.patience import HANG_S
 

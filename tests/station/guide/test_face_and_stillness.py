@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from procedures.frames import FACES, face_normal, rotation
-from station.guide.dwell_attempt import OTHERWISE, OTHERWISE_BLOCKS, DwellAttempt
-from station.guide.face_and_stillness import BlockLook, FaceAndStillnessGate, opposite_faces
+from station.guide.checks.dwell_attempt import OTHERWISE, OTHERWISE_BLOCKS, DwellAttempt
+from station.guide.checks.face_and_stillness import BlockLook, FaceAndStillnessGate, opposite_faces
 from station.stream.live.stillness import Block
 
 

@@ -11,9 +11,9 @@ from procedures.campaign.plan_steps import Dwell, turn_steps
 from station.files.campaign_folder.campaign_schema import read_campaign_toml
 from station.files.campaign_folder.notes import keep_plan, write_note
 from station.files.setup import Setup
-from station.guide.command import OperatorCommand
 from station.guide.engine import CalibrationEngine
 from station.guide.options import CalibrationOptions
+from station.guide.view import OperatorCommand
 from station.results.kept_tilted_dwells import doubt_of
 from tests.empty_database import empty_db
 from tests.station.guide.stored import recorded

@@ -15,7 +15,7 @@ from procedures.units import RAD_PER_ARCSEC
 from station.files.campaign_folder import notes
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.sha256sums import verify_folder
-from station.guide.move_chain import ANEW, INTERRUPTED, LONG, LOST, MoveChain
+from station.guide.checks.transfers import ANEW, INTERRUPTED, LONG, LOST, MoveChain
 from station.stream.recorder import accepted_step_writer as recording
 from station.stream.recorder.accepted_step_writer import MovedFrom
 from tests.station.guide.recorded import SAMPLES, TAPE

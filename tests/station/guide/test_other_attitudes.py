@@ -13,8 +13,8 @@ from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.plan_toml import read_plan, write_plan
 from station.files.setup import Setup
-from station.guide.instruction_words import instruction
-from station.guide.live_campaign import usual_steps
+from station.guide.campaign.campaign_start import usual_steps
+from station.guide.wording import instruction
 from tests.station.guide.rig import GuideRig, dwells
 
 Make = Callable[..., GuideRig]

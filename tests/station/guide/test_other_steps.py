@@ -20,13 +20,12 @@ from station.calibrated.calibration_in_use import InUse
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.sha256sums import verify_folder
-from station.guide import folder_recorder
-from station.guide.calibration_so_far import calibration_so_far
-from station.guide.instruction_words import instruction
-from station.guide.interrupted_campaigns import reopen
-from station.guide.monitored_words import laws_in_words
-from station.guide.resumed_campaign import read_accepted_steps
+from station.guide.campaign import folder_recorder
+from station.guide.campaign.accepted_steps import read_accepted_steps
+from station.guide.campaign.folder_recorder import calibration_so_far
+from station.guide.campaign.interrupted_campaigns import reopen
 from station.guide.view import CalibrationView
+from station.guide.wording import instruction, laws_in_words
 from station.stream.recorder.connected_unit import Unit
 from tests.refusals import refused
 from tests.station.campaign_writing import write_campaign

@@ -14,8 +14,8 @@ from procedures.dwells_and_turns.twelve_position import is_determined
 from procedures.frames import FACES, face_normal, face_of
 from procedures.uncertainty.budget import combined_budget
 from procedures.uncertainty.sources import HEADING, SourceCell
-from station.guide.enough_to_solve import lacking
-from station.guide.outcome import change_in_words, verdict_rows
+from station.guide.campaign.checklist import lacking
+from station.guide.campaign.verdict import change_in_words, verdict_rows
 from station.guide.view import StepView
 from station.results.parameters_by_name import applied, parameters, shifts
 from station.results.verdict import VerdictWord, judge, judged_in_words

@@ -22,9 +22,9 @@ from procedures.campaign.campaign import FaceCertificate
 from procedures.frames import FACES
 from station.files.campaign_folder.notes import write_note
 from station.files.setup import Setup
-from station.guide.live_campaign import site_table, usual_steps
-from station.guide.prior_knowledge import read_prior_knowledge
-from station.guide.readiness import readiness
+from station.guide.campaign.campaign_start import usual_steps
+from station.guide.campaign.live_campaign import site_table
+from station.guide.campaign.readiness import read_prior_knowledge, readiness
 from station.guide.setup_view import PortCheck, Readiness
 from station.results import campaign_results as module
 from station.results.campaign_results import CampaignResults, make_results, store

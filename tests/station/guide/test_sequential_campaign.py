@@ -10,10 +10,9 @@ from procedures.campaign.plan_steps import Dwell
 from procedures.planning.campaign_design import CampaignDesign, Placing
 from procedures.planning.sequential import NextPlacing
 from station.files.campaign_folder.notes import WantedRecord
-from station.guide import sequential_campaign
-from station.guide.accepted_dwell import AcceptedDwell
-from station.guide.measured_noise import NOISE_S
-from station.guide.sequential_campaign import SequentialCampaign
+from station.guide.campaign import sequential_campaign
+from station.guide.campaign.accepted_steps import AcceptedDwell
+from station.guide.campaign.sequential_campaign import NOISE_S, SequentialCampaign
 from tests.procedures.planning.bench_of_moves import HALVES, bench, order, unit
 from tests.station.guide.rig import GuideRig
 

@@ -19,13 +19,12 @@ from fixtures_db.fixtures import add_fixture
 from fixtures_db.schema import CubeRow, SlabRow
 from station.errors import CannotWrite
 from station.files.setup import Setup
-from station.guide.command import OperatorCommand
+from station.guide.campaign.port_check import check_port, check_receiver
 from station.guide.engine import CalibrationEngine
 from station.guide.last_setup import load_setup, save_setup, setup_file
 from station.guide.options import CalibrationOptions
-from station.guide.port_check import check_port, check_receiver
-from station.guide.start_choices import start_view
-from station.guide.view import CalibrationView
+from station.guide.start_screen import start_view
+from station.guide.view import CalibrationView, OperatorCommand
 from tests.patience import HANG_S, paced
 from tests.station.guide.recorded import begin
 

@@ -5,8 +5,8 @@ from collections.abc import Callable
 
 import pytest
 
+from station.guide.plain_screen import verdict_lines
 from station.guide.step_names import files_as_steps, for_people, gap_in_words, step_typed
-from station.guide.text_lines import verdict_lines
 from station.stream.stream_events import Event
 from tests.station.guide.rig import GuideRig
 from tests.station.tui import views

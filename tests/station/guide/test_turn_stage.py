@@ -14,7 +14,7 @@ from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.campaign_schema import read_campaign_toml
-from station.guide.seating_watch import FIRST_ON_FACE
+from station.guide.checks.seating import FIRST_ON_FACE
 from station.guide.view import CalibrationView
 from tests.refusals import refused
 from tests.station.guide.rig import GuideRig

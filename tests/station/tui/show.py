@@ -5,8 +5,7 @@
 
 import sys
 
-from station.guide.command import OperatorCommand
-from station.guide.view import CalibrationView
+from station.guide.view import CalibrationView, OperatorCommand
 from station.stream.stream_events import Event
 from station.tui.run import run_screens
 from tests.paths import ROOT

@@ -8,7 +8,7 @@ from textual.widget import Widget
 
 from drivers.errors import DriverError, LinkLost, LinkSilent, PortBusy, PortDenied, WrongFormat
 from station.errors import DataRefused, cannot_write
-from station.guide.guide import trouble_of
+from station.guide.stages.guide import trouble_of
 from station.guide.view import CalibrationView, StageName
 from station.stream.recorder.connected_unit import UnitChanged
 from station.stream.stream_events import Event

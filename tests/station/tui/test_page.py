@@ -5,7 +5,7 @@ import re
 import pytest
 from textual.binding import Binding
 
-from station.guide.guide import trouble_of
+from station.guide.stages.guide import trouble_of
 from station.tui.app import StationApp
 from station.tui.screens import SCREENS, screen_for
 from station.tui.screens.campaign import STAGE_LOOKS

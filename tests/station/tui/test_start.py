@@ -4,9 +4,8 @@ import pytest
 from textual.events import Key
 
 from station.files.setup import Setup
-from station.guide.command import OperatorCommand
 from station.guide.setup_view import Choice, PortCheck, Readiness, ReadyLine, StartView
-from station.guide.view import CalibrationView
+from station.guide.view import CalibrationView, OperatorCommand
 from station.tui.screens.help import HelpScreen
 from station.tui.screens.ready import ReadyScreen
 from station.tui.screens.start import CONSIDER_S
