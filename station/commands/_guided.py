@@ -174,7 +174,7 @@ def _look(socket: Path, screen: Display, options: "EngineOptions") -> Calibratio
             from station.commands._plain import follow
 
             return follow(connection, changed, options.first, rings=not screen.quiet)
-        from station.tui.run import run_screens
+        from station.tui import run_screens
 
         run_screens(connection, slow=screen.slow, quiet=screen.quiet)
         return connection.view

@@ -3,8 +3,7 @@
 from station.guide.view import CalibrationSession, CalibrationView, OperatorCommand
 from station.tui.common_app import CommonApp
 from station.tui.screens import screen_for
-from station.tui.screens.modal import Modal
-from station.tui.screens.question import ANSWER_LATER, QuestionScreen
+from station.tui.screens.modals import ANSWER_LATER, Modal, QuestionScreen
 from station.tui.screens.stage import StageScreen
 
 

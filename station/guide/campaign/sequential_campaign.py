@@ -2,7 +2,7 @@
 
 It looks at what was done, how long, and how much the unit scatters: never at the values that were found
 (`procedures.planning.sequential`). White noise is what was known before, times what the accepted dwells show. Of a
-unit of which nothing is known the first dwell lasts two minutes and shows it (`station.guide.campaign.sequential_campaign`).
+unit of which nothing is known the first dwell lasts two minutes and shows it (`measured_noise`).
 """
 
 from collections.abc import Iterable, Sequence

@@ -9,15 +9,22 @@ from textual.widgets import ContentSwitcher
 
 from station.guide.campaign.checklist import lacking
 from station.guide.view import CalibrationView, OperatorCommand, StageName
-from station.tui.orientation import is_counter_clockwise
-from station.tui.screens.framed import FramedScreen
-from station.tui.widgets.banner import BannerText
-from station.tui.widgets.cube_widget import CubePair
-from station.tui.widgets.gates_panel import GatesPanel
-from station.tui.widgets.limits_lines import LimitsLines
+from station.tui.screens.stage import FramedScreen
+from station.tui.widgets.common import BannerText
+from station.tui.widgets.cube import CubePair
+from station.tui.widgets.orientation import is_counter_clockwise
 from station.tui.widgets.step_grid import GridCursor, StepGrid
-from station.tui.widgets.step_panels import AcceptedBar, MonitoredLines, SeatingLines, SoakLines, StepWords
-from station.tui.widgets.turn_gauge import TurnGauge
+from station.tui.widgets.step_panels import (
+    AcceptedBar,
+    GatesPanel,
+    LimitsLines,
+    MonitoredLines,
+    SeatingLines,
+    SoakLines,
+    StepWords,
+    TurnGauge,
+    WarmUpPanel,
+)
 
 STAGES: tuple[StageName, ...] = ("place", "settle", "dwell", "turn", "paused")
 CLOCKWISE, COUNTER_CLOCKWISE = "↻", "↺"
@@ -186,3 +193,32 @@ class CampaignScreen(FramedScreen):
 
 def _is_badly_seated(view: CalibrationView) -> bool:
     return view.gates is not None and not view.gates.is_seated
+
+
+class WarmUpScreen(FramedScreen):
+    """Shows how far the unit has settled."""
+
+    HELPS = {
+        "warm_up": "The IMU warms up. Leave the cube at rest on the surface plate. The positions start "
+        "automatically when temperature rate and gyro drift are below limits that the station "
+        "determines for this unit. If you skip the warm-up, this is recorded and uncertainties increase."
+    }
+    BINDINGS = [
+        Binding("s", "skip", "Skip warm-up", tooltip="begin now; this is recorded, and uncertainties increase")
+    ]
+
+    def _inner(self) -> ComposeResult:
+        self.panel = WarmUpPanel()
+        yield self.panel
+
+    def _now(self, view: CalibrationView) -> BannerText:
+        return BannerText("WARM-UP", "◷", "$primary", view.line, view.hint)
+
+    def _draw(self, view: CalibrationView) -> None:
+        super()._draw(view)
+        self.panel.show(view.warm_up)
+
+    def action_skip(self) -> None:
+        """Ask, then begin without having settled."""
+        text = "This is recorded, and the uncertainties increase."
+        self.confirm("Skip the warm-up?", text, "Yes, skip it", "skip_warm_up", "warm_up")

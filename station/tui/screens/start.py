@@ -13,13 +13,11 @@ from textual.widgets.option_list import Option
 from station.files.setup import Setup
 from station.guide.setup_view import StartView, UnfinishedCampaign
 from station.guide.view import CalibrationView, CommandVerb, OperatorCommand
-from station.tui.durations_in_words import duration_in_words
-from station.tui.screens.ready import ReadyScreen
+from station.tui.screens.modals import ReadyLines, ReadyScreen
 from station.tui.screens.stage import StageScreen
-from station.tui.setup_entries import seconds_needed
-from station.tui.widgets.ready_lines import ReadyLines
-from station.tui.widgets.setup_fields import SetupInput
-from station.tui.widgets.setup_form import SetupForm
+from station.tui.widgets.common import duration_in_words
+from station.tui.widgets.setup_entries import seconds_needed
+from station.tui.widgets.setup_form import SetupForm, SetupInput
 
 START_HELP = (
     "Press Enter to resume an unfinished campaign, or fill in the form and begin. Tab and shift+Tab go from field "

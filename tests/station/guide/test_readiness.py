@@ -23,7 +23,7 @@ from procedures.frames import FACES
 from station.files.campaign_folder.notes import write_note
 from station.files.setup import Setup
 from station.guide.campaign.campaign_start import usual_steps
-from station.guide.campaign.live_campaign import site_table
+from station.guide.campaign.campaign_tables import site_table
 from station.guide.campaign.readiness import read_prior_knowledge, readiness
 from station.guide.setup_view import PortCheck, Readiness
 from station.results import campaign_results as module

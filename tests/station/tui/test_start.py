@@ -6,10 +6,9 @@ from textual.events import Key
 from station.files.setup import Setup
 from station.guide.setup_view import Choice, PortCheck, Readiness, ReadyLine, StartView
 from station.guide.view import CalibrationView, OperatorCommand
-from station.tui.screens.help import HelpScreen
-from station.tui.screens.ready import ReadyScreen
+from station.tui.screens.modals import HelpScreen, ReadyScreen
 from station.tui.screens.start import CONSIDER_S
-from station.tui.setup_entries import ENTRIES, problems, setup_of, texts_of
+from station.tui.widgets.setup_entries import ENTRIES, problems, setup_of, texts_of
 from tests.station.tui import start_views
 from tests.station.tui.session import Screens, screens
 

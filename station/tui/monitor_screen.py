@@ -7,23 +7,22 @@ from textual.binding import Binding
 from textual.containers import Grid, Horizontal, Vertical
 from textual.screen import Screen
 
-from station.monitor.view import MonitorVerb, MonitorView
-from station.tui.monitor.location_widgets import LocationReadings, TrackMap
-from station.tui.monitor.widgets import (
+from station.monitor.view import MonitorSession, MonitorVerb, MonitorView
+from station.tui.common_app import CommonApp
+from station.tui.monitor_widgets import (
     CalibrationLine,
     Horizon,
     LawTable,
+    LocationReadings,
     Readings,
     RestComparison,
     StateLine,
     Streams,
     StripChart,
+    TrackMap,
 )
-from station.tui.screens.confirm import ConfirmScreen
-from station.tui.screens.help import HelpScreen, keys_of
-from station.tui.widgets.event_lines import EventLines
-from station.tui.widgets.key_line import KeyLine
-from station.tui.widgets.title_bar import TitleBar
+from station.tui.screens.modals import ConfirmScreen, HelpScreen, keys_of
+from station.tui.widgets.common import EventLines, KeyLine, TitleBar
 
 MONITOR_HELP = (
     "Roll and pitch of forward-right-down axes. The residual is the angle between the vertical of the "
@@ -195,3 +194,29 @@ def state_of(view: MonitorView) -> tuple[str, str, str]:
     if view.recording:
         return "● RECORDING", "$success", f"{view.folder}/{view.recording}"
     return "○ NOT RECORDED", "$muted", "r begins a recording" if view.folder else "use --folder FOLDER to record"
+
+
+class MonitorApp(CommonApp):
+    """The screen of one monitor."""
+
+    def __init__(self, session: MonitorSession, *, refresh_hz: float = 10.0, is_quiet: bool = False) -> None:
+        super().__init__(refresh_hz=refresh_hz, is_quiet=is_quiet)
+        self._session = session
+        self._view: MonitorView | None = None
+        self.monitor = MonitorScreen(session.send)
+
+    async def on_mount(self) -> None:
+        """Begin to look at the session."""
+        await self.push_screen(self.monitor)
+        await super().on_mount()
+
+    def pull(self) -> None:
+        """Show the session's view if it is another; close when it is over."""
+        view = self._session.view
+        if view is self._view:
+            return
+        self.ring(view.events, is_first=self._view is None)
+        self._view = view
+        self.monitor.show(view)
+        if view.is_over:
+            self.exit()
