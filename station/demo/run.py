@@ -24,7 +24,7 @@ from station.files.atomic_file import replace_file
 from station.files.setup import Setup
 from station.guide.headless import record_headless
 from station.guide.options import CalibrationOptions
-from station.guide.simulated_operator import HandStyle, SimulatedOperator
+from station.guide.simulated_operator import HandlingStyle, SimulatedOperator
 from station.guide.view import CalibrationView
 from station.results.campaign_results import CampaignResults, make_results, store
 from station.results.certificate.issuing import issue
@@ -101,7 +101,7 @@ def run_demo(
         setup = _setup(bench, url, campaign, request)
         operator = SimulatedOperator(BenchControl(control), SIMULATED_MOVE_S)
         if not request.has_turns:
-            operator = SimulatedOperator(BenchControl(control), FLIP_S, HandStyle(request.seed))
+            operator = SimulatedOperator(SimulatedHands(control), FLIP_S, HandlingStyle(request.seed))
         record_headless(setup, options, db, operator, show)
         recorded()
         steps = sorted(path for kind in ("dwell", "turn", "move") for path in campaign.glob(f"{kind}_*.mcap"))

@@ -1,4 +1,4 @@
-"""A screen's end of the engine's Unix socket."""
+"""Starts the engine's process and connects a screen to its Unix socket; the process ends with its starter."""
 
 import socket
 import subprocess

@@ -1,7 +1,7 @@
 """The engine of a guided calibration: from the start screen through a campaign to a verdict, one view at a time.
 
-It owns the device, the folder and the database; screens only look and ask. Whatever it refuses is said in the
-view and nothing is lost: what was accepted is on the disk.
+It owns the device, the folder and the database; screens only show views and send commands. Refusals are shown in
+the view and nothing is lost: accepted steps are on the disk.
 
 The start screen waits for nothing that only a campaign needs: the modules of a campaign, numerics among them, are
 imported where one begins, and by `prefetch` meanwhile.
@@ -25,7 +25,7 @@ from station.guide.last_setup import save_setup
 from station.guide.options import CalibrationOptions
 from station.guide.setup_view import PortCheck, Readiness, StartView
 from station.guide.start_screen import ReadinessInBackground, announce_readiness, start_view
-from station.guide.step_names import for_people
+from station.guide.step_names import without_file_names
 from station.guide.view import ENDED_STAGES, CalibrationView, OperatorCommand, StageName, Verdict
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ LOOK_VERBS = {
 
 
 class CalibrationEngine:
-    """At most one campaign; ``publish`` is told each view that is worth showing before something slow."""
+    """At most one campaign; ``publish`` is called with each view that is worth showing before something slow."""
 
     def __init__(
         self, database: Database, options: CalibrationOptions, publish: Callable[[CalibrationView], None]
@@ -73,7 +73,7 @@ class CalibrationEngine:
 
     @view.setter
     def view(self, view: CalibrationView) -> None:
-        self._view = for_people(view)
+        self._view = without_file_names(view)
 
     def round(self) -> None:
         """Let the campaign go on for a moment, or do nothing."""
@@ -110,10 +110,10 @@ class CalibrationEngine:
     def _is_stored(self) -> bool:
         return self._verdict is not None and bool(self._verdict.stored_sha256)
 
-    def obey(self, command: OperatorCommand) -> None:
-        """Do as the operator says; what is refused is said in the view."""
+    def execute(self, command: OperatorCommand) -> None:
+        """Execute a command; a refusal is shown in the view."""
         try:
-            self._obey(command)
+            self._execute(command)
         except (CannotWrite, DatabaseError) as error:
             self._fail(error)
         except DriverError as error:  # what an answer brought to light: this is another unit
@@ -121,8 +121,8 @@ class CalibrationEngine:
                 raise
             self._end("left", str(error), exit_code(error) or 0)
 
-    def watched_by(self, operator: "SimulatedOperator") -> None:
-        """Let who moves the cube look; hands that do not answer are waited for, hands that refuse end it."""
+    def move_cube_by(self, operator: "SimulatedOperator") -> None:
+        """Show the view to the simulated operator; wait for hands that do not answer, end if hands refuse."""
         lost = operator.lost
         try:
             operator.look(self.view)
@@ -141,10 +141,10 @@ class CalibrationEngine:
         if self._campaign is not None:
             self._campaign.close()
 
-    def _obey(self, command: OperatorCommand) -> None:
+    def _execute(self, command: OperatorCommand) -> None:
         campaign = self._campaign
         if campaign is None:
-            self._obey_at_start(command)
+            self._execute_at_start(command)
         elif command.verb == "cancel":
             self._cancel(campaign)
         elif command.verb == "leave":
@@ -159,7 +159,7 @@ class CalibrationEngine:
             self._do_again(campaign, command)
         else:
             self._verdict = None if command.verb in {"redo", "more"} else self._verdict
-            campaign.obey(command)
+            campaign.execute(command)
             self._show(campaign)
 
     def _do_again(self, campaign: "GuidedCampaign", command: OperatorCommand) -> None:
@@ -177,9 +177,9 @@ class CalibrationEngine:
             again.say("rejected", f"not repeated: {error}")
             self._show(again)
         else:
-            self._obey(command)
+            self._execute(command)
 
-    def _obey_at_start(self, command: OperatorCommand) -> None:
+    def _execute_at_start(self, command: OperatorCommand) -> None:
         if command.verb in LOOK_VERBS:
             if command.verb not in self._looks:
                 self._looks[command.verb] = self._aside.submit(_look, command.verb, command.url)
@@ -205,7 +205,7 @@ class CalibrationEngine:
             self._end("cancelled", "nothing was started; the database is unchanged")
 
     def _consider(self, setup: Setup) -> None:
-        """Have it said how ready the set-up is that stands in the form."""
+        """Ask how ready the set-up in the form is."""
         start = self.view.start or StartView()
         self._considered = setup
         self._considering.ask(setup, start.check, start.receiver)

@@ -1,4 +1,4 @@
-"""How a guided calibration is run."""
+"""Options of a guided calibration, and those of the engine's process."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -17,7 +17,7 @@ TREMOR_SEED = 1
 
 
 @dataclass(frozen=True, slots=True)
-class AskedSigmas:
+class TargetUncertainties:
     """What a campaign is to go on for: ``limits`` of the IMU's model, sigmas by name as `station plan` takes them.
 
     ``noise``: campaigns of the unit that say its noise; else the database is asked.
@@ -46,15 +46,15 @@ class CalibrationOptions:
     warms_up: bool = True
     is_patient: bool = True
     imu_axes: Sequence[str] = ()
-    wanted: AskedSigmas | None = None
+    wanted: TargetUncertainties | None = None
 
 
 class EngineOptions(FrozenValue):
-    """What the engine's process is told: as `station.guide.options.CalibrationOptions`, with files by their names.
+    """Options of the engine's process: as `CalibrationOptions`, with files by their names.
 
     ``until_limits``, ``sigma`` and ``noise`` say what a campaign goes on for whose steps are not fixed.
     ``hands`` is the control address of a simulated device whose cube is then moved without a person; ``first``
-    is obeyed at once.
+    is executed at once.
     """
 
     root: Path
@@ -75,7 +75,7 @@ class EngineOptions(FrozenValue):
         """Return the engine's options; raise `DataRefused` if the plan cannot be read."""
         options = CalibrationOptions(self.root, self.setup, (), self.asks, self.warms_up)
         if self.until_limits or self.sigma:
-            return replace(options, wanted=AskedSigmas(self.until_limits, self.sigma, self.noise))
+            return replace(options, wanted=TargetUncertainties(self.until_limits, self.sigma, self.noise))
         if self.plan is None:
             return options
         from station.files.campaign_folder import plan_toml  # a screen need not wait for it
@@ -87,7 +87,7 @@ class EngineOptions(FrozenValue):
         if not self.hands:
             return None
         from drivers.simulated.simulated_hands import SimulatedHands
-        from station.guide.simulated_operator import HandStyle, SimulatedOperator
+        from station.guide.simulated_operator import HandlingStyle, SimulatedOperator
 
-        style = HandStyle(TREMOR_SEED, wrong_share=0.0) if self.tremor else None
+        style = HandlingStyle(TREMOR_SEED, wrong_share=0.0) if self.tremor else None
         return SimulatedOperator(SimulatedHands(self.hands), self.move_s, style)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 from textwrap import wrap
 
 from station.guide.setup_view import Readiness
-from station.guide.step_names import files_as_steps, step_typed
+from station.guide.step_names import files_as_steps, step_named
 from station.guide.view import (
     ENDED_STAGES,
     CalibrationSession,
@@ -44,18 +44,18 @@ AT_THE_END: dict[StageName, str] = {  # what can be typed then, each followed by
 REFUSED = "g try again, an address (such as serial:///dev/ttyUSB1) try that one, q leave: nothing was recorded"
 SHORTEST_ADDRESS = 4  # a shorter line is a slip
 STEP_VERBS: dict[str, CommandVerb] = {"r": "redo", "n": "choose"}
-SAID_STAGES = frozenset({"warm_up", "place", "settle", "paused", "connecting", "solving", *ENDED_STAGES})
+SPOKEN_STAGES = frozenset({"warm_up", "place", "settle", "paused", "connecting", "solving", *ENDED_STAGES})
 
 
 class PlainScreen:
     """Writes what is new in each view through ``say``; ``rings`` adds the terminal's bell.
 
-    ``asks``: a person is there to type, and is told what can be typed where nothing goes on without them.
+    ``asks``: a person is there to type; what can be typed is written where all waits for it.
     """
 
     def __init__(self, say: Callable[[str], None], *, rings: bool, asks: bool = False) -> None:
         self._say, self._rings, self._asks = say, rings, asks
-        self._told = defaultdict[str, str](str)  # what was written last, by kind
+        self._written = defaultdict[str, str](str)  # what was written last, by kind
         self._new_events = NewEvents()
 
     def show(self, view: CalibrationView) -> None:
@@ -66,10 +66,10 @@ class PlainScreen:
                 self._once("keys", KEYS_HELP)
         if view.readiness:
             self._once("ready", "\n".join(ready_lines(view.readiness)))
-            self._told["ends"] = ", ".join(view.readiness.said)
+            self._written["ends"] = ", ".join(view.readiness.said)
         for event in self._new_events.of(view.events):
             self._hear(event)
-        is_said = view.stage in SAID_STAGES or (view.turn is not None and view.turn.is_to_rest)
+        is_said = view.stage in SPOKEN_STAGES or (view.turn is not None and view.turn.is_to_rest)
         task = view.line if is_said or not view.link.is_live else ""
         if task:
             at = (
@@ -86,7 +86,7 @@ class PlainScreen:
             choices = "; ".join(f"{choice.key}: {choice.title}" for choice in view.question.choices)
             self._once("question", f"{view.question.text} {choices}")
         else:
-            self._told["question"] = ""
+            self._written["question"] = ""
         self._prompt(view)
 
     def _prompt(self, view: CalibrationView) -> None:
@@ -98,7 +98,7 @@ class PlainScreen:
         self._once("prompt", AT_THE_END.get(view.stage, ""))
 
     def _hear(self, event: Event) -> None:
-        if (ends := self._told["ends"]) and event.text.endswith(ends):
+        if (ends := self._written["ends"]) and event.text.endswith(ends):
             return  # it stands below what is ready
         self._say(f"{event.text}{chr(7) * BELL_STROKES[event.sound] if self._rings else ''}")
 
@@ -121,10 +121,10 @@ class PlainScreen:
             self._once("seconds", f"warming up, {seconds:.0f} s{left if seconds else ''}, {view.warm_up.note}")
 
     def _once(self, kind: str, text: str) -> None:
-        if kind == "seconds" and text.split(",")[0] == self._told[kind].split(",")[0]:
+        if kind == "seconds" and text.split(",")[0] == self._written[kind].split(",")[0]:
             return
-        if text != self._told[kind]:
-            self._told[kind] = text
+        if text != self._written[kind]:
+            self._written[kind] = text
             if text:
                 self._say(text)
 
@@ -167,7 +167,7 @@ def command_of(line: str, view: CalibrationView, first: OperatorCommand | None =
     if view.question and key in {choice.key for choice in view.question.choices}:
         return OperatorCommand(verb="answer", key=key)
     if key in STEP_VERBS and rest:
-        step = step_typed(rest, view.steps)
+        step = step_named(rest, view.steps)
         return OperatorCommand(verb=STEP_VERBS[key], step=step) if step else None
     verb = STAGE_KEYS.get((view.stage, key)) or CALIBRATION_KEYS.get(key)
     return OperatorCommand(verb=verb) if verb else None

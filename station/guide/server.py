@@ -1,6 +1,8 @@
-"""The engine's end of the Unix socket: views out to every screen, commands in, a line of JSON each.
+"""The engine as a process, served on its Unix socket until stdin is closed.
 
-The socket stands in a folder of its own that only its user may enter.
+Views go out to every screen, commands come in, a line of JSON each. The socket is in a folder of its own that only
+its user may enter. A round of the engine that takes long, mostly because of a slow disk, is reported meanwhile by
+a `StallNotice`: the engine cannot do so itself.
 """
 
 import contextlib
@@ -105,13 +107,13 @@ class _Screen(socketserver.StreamRequestHandler):
         left.set()
 
 
-HELD_UP_S = 3.0  # a round of the engine takes 0.1 s, accepting a step 0.3 s
+STALL_S = 3.0  # a round of the engine takes 0.1 s, accepting a step 0.3 s
 LOOK_S = 0.5
-SAYS_ITSELF = frozenset({"start", "connecting", "solving"}) | ENDED_STAGES | VERDICT_STAGES
-HINT = "writing to the disk for {seconds:.0f} s, which is slow: do nothing; all accepted steps are safe"
+SELF_EXPLAINED_STAGES = frozenset({"start", "connecting", "solving"}) | ENDED_STAGES | VERDICT_STAGES
+STALL_HINT = "writing to the disk for {seconds:.0f} s, which is slow: do nothing; all accepted steps are safe"
 
 
-class HeldUpWatch:
+class StallNotice:
     """Publishes ``shown``'s view with a hint while a round lasts; use it in a ``with``."""
 
     def __init__(
@@ -122,7 +124,7 @@ class HeldUpWatch:
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="held up", daemon=True)
 
-    def __enter__(self) -> "HeldUpWatch":
+    def __enter__(self) -> "StallNotice":
         self._thread.start()
         return self
 
@@ -142,10 +144,10 @@ class HeldUpWatch:
     def _run(self) -> None:
         while not self._stop.wait(LOOK_S):
             since, view = self._since, self._shown()
-            if since is None or view is None or view.stage in SAYS_ITSELF:
+            if since is None or view is None or view.stage in SELF_EXPLAINED_STAGES:
                 continue
-            if (seconds := time.monotonic() - since) >= HELD_UP_S:
-                self._publish(view.model_copy(update={"hint": HINT.format(seconds=seconds)}))
+            if (seconds := time.monotonic() - since) >= STALL_S:
+                self._publish(view.model_copy(update={"hint": STALL_HINT.format(seconds=seconds)}))
 
 
 IDLE_S = 0.1
@@ -173,17 +175,17 @@ def _serve(server: ViewServer, database: Database, options: EngineOptions, stop:
     if options.first is None:
         server.publish(engine.view)
         threading.Thread(target=_prefetch, args=(stop,), daemon=True).start()
-    with HeldUpWatch(lambda: server.view, server.publish) as watch, closing(engine):
+    with StallNotice(lambda: server.view, server.publish) as watch, closing(engine):
         if options.first is not None:
-            engine.obey(options.first)
+            engine.execute(options.first)
         while not stop.is_set():
             for command in server.commands(0.0 if engine.is_busy else IDLE_S):
-                engine.obey(command)
+                engine.execute(command)
             with watch.round():
                 engine.round()
             server.publish(engine.view)
             if engine.is_busy and (operator := operator or options.operator()):
-                engine.watched_by(operator)
+                engine.move_cube_by(operator)
 
 
 def _prefetch(stop: threading.Event) -> None:

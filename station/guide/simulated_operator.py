@@ -1,4 +1,4 @@
-"""Who moves the cube when nobody does: the hands of a simulated device, told by the views as a person would be."""
+"""Moves the cube of a simulated device: it follows the instructions of the views as a person would."""
 
 import time
 from collections.abc import Callable
@@ -17,7 +17,7 @@ TREMOR_DEG_S = (20.0, 60.0)  # deg/s, the least and the greatest amplitude of a 
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class HandStyle:
+class HandlingStyle:
     """``seed`` draws what each move is like.
 
     ``wrong_share`` of them end in another position, ``pause_share`` stop in the air, for up to ``pause_s`` [s].
@@ -76,7 +76,7 @@ class SimulatedOperator:
     """
 
     def __init__(
-        self, hands: BenchControl, move_s: float, style: HandStyle | None = None, behind_s: float = 0.0,
+        self, hands: SimulatedHands, move_s: float, style: HandlingStyle | None = None, behind_s: float = 0.0,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:  # fmt: skip
         self._hands, self._move_s, self._style, self._clock = hands, move_s, style, clock
@@ -115,8 +115,8 @@ class SimulatedOperator:
         if self.lost and self._clock() < self._called + RETRY_S:
             return
         try:
-            self._call_again() if self.lost else self._obey(view)
-        except ControlUnreachable as error:
+            self._call_again() if self.lost else self._execute(view)
+        except HandsUnreachable as error:
             self._called = self._clock()
             if not self.lost:
                 self.lost, self._lost_since = str(error), self._called
@@ -133,7 +133,7 @@ class SimulatedOperator:
         """Let the hands go."""
         self._hands.close()
 
-    def _obey(self, view: CalibrationView) -> None:
+    def _execute(self, view: CalibrationView) -> None:
         seen = -np.inf if view.time_s is None else self._seen_s(view)
         if seen > self._said + SEEN_EVERY_S:
             self._hands.seen(seen)

@@ -1,4 +1,7 @@
-"""How ready a set-up is, found out aside: the form waits neither for the database nor for what that imports."""
+"""What the start screen offers (ports, cubes, slabs, campaigns to resume), and how ready the set-up is.
+
+Readiness is computed in the background: the form waits neither for the database nor for what that imports.
+"""
 
 from concurrent.futures import Executor, Future
 from typing import TYPE_CHECKING
@@ -27,7 +30,7 @@ Asked = tuple[Setup, PortCheck | None, PortCheck | None]  # set-up, the looks at
 
 
 class ReadinessInBackground:
-    """Answers the newest of what it was asked; what was asked meanwhile is left out."""
+    """Answers the newest request; those that came in between are dropped."""
 
     def __init__(self, database: Database, options: CalibrationOptions, aside: Executor) -> None:
         self._database, self._options, self._aside = database, options, aside
@@ -76,7 +79,7 @@ def announce_readiness(
     """Tell the operator how a campaign can end whose unit has answered, before anything is recorded."""
     from station.files.campaign_folder.notes import read_note
 
-    if (unit := campaign.as_checked()) is None:
+    if (unit := campaign.unit_check()) is None:
         return None
     setup = (read_note(campaign.folder, Setup) or Setup()).model_copy(update={"url": unit.url})
     ready = current_readiness(

@@ -1,7 +1,7 @@
-"""What a guided calibration shows: one frozen value that says everything a screen, a line of text or a test needs.
+"""What a guided calibration shows and what an operator can ask: one frozen value each, as JSON between processes.
 
-The engine makes it, a screen draws it; nothing flows back but `station.guide.view.OperatorCommand`. It crosses
-a process border as JSON. Angles in deg, rates in deg/s, times in s of the device unless a name says otherwise.
+The engine makes a `CalibrationView` with all that a screen, a line of text or a test needs; a screen draws it and
+sends an `OperatorCommand`. Angles in deg, rates in deg/s, times in s of the device unless a name says otherwise.
 """
 
 from typing import Literal, Protocol
@@ -132,7 +132,7 @@ class SoakView(FrozenValue):
 
 
 class LawView(FrozenValue):
-    """What a law reads [deg], of the axes that lie north, east, down where the cube is to stand."""
+    """What a filter reads [deg], of the axes that lie north, east, down where the cube is to stand."""
 
     law: str
     roll_deg: float
@@ -140,7 +140,7 @@ class LawView(FrozenValue):
 
 
 class MonitoredView(FrozenValue):
-    """A monitor step: what each law reads, the angle between two, by which calibration; ``text``: why not."""
+    """A monitor step: what each filter reads, the angle between two, by which calibration; ``text``: why not."""
 
     laws: tuple[LawView, ...] = ()
     difference_deg: float | None = None

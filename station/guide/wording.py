@@ -1,4 +1,4 @@
-"""Positions, faces and turns in words."""
+"""Instructions and readings in words: positions, faces, turns, soaks, monitor steps."""
 
 from math import floor, log10
 
@@ -11,7 +11,7 @@ _WORDS = {"U": "up", "D": "down", "E": "east", "W": "west", "N": "north", "S": "
 
 
 def rounded(value: float, limit: float) -> str:
-    """Return a value as finely as two digits of its limit: 0.000 beside 0.029, never 4.35e-14."""
+    """Return a value as finely as two digits of its limit: 0.000 for a limit of 0.029, never 4.35e-14."""
     digits = max(1 - floor(log10(abs(limit))), 0) if limit else 3
     return f"{value:.{digits}f}"
 
@@ -27,7 +27,7 @@ def face_in_words(name: str) -> str:
     return f"{name[0].upper()} points {name[2:]}"
 
 
-def lean_in_words(way: UpDirection) -> str:
+def tilt_in_words(way: UpDirection) -> str:
     """Return how the cube is to lean: ``on an edge, X half up, Y half down``."""
     half = {sign: [axis for axis, one in zip("XYZ", way, strict=True) if one == sign] for sign in (1, -1)}
     said = [f"{' and '.join(axes)} half {word}" for axes, word in ((half[1], "up"), (half[-1], "down")) if axes]
@@ -70,7 +70,7 @@ def turn_instruction(turn: Turn) -> str:
 
 
 def instruction(step: Step, *, way: UpDirection = (1, 1, 0)) -> str:
-    """Return where the cube is to be put; ``way``: how it is to lean."""
+    """Return where the cube is to be put; ``way``: how it is to be tilted."""
     after = f"; then leave it for {step.seconds:.0f} s" if isinstance(step, Soak | Monitor) else ""
     if isinstance(step, Dwell | Monitor) or (isinstance(step, Soak) and step.position):
         once_more = " once more" if isinstance(step, Dwell) and step.repeat else ""
@@ -79,7 +79,7 @@ def instruction(step: Step, *, way: UpDirection = (1, 1, 0)) -> str:
     if isinstance(step, Soak) and step.up:
         return f"put the cube down so that {face_in_words(step.up)}{after}"
     if isinstance(step, FreePosition | Soak):
-        return f"tilt the cube {lean_in_words(way)}, near 45 deg; prop it{after}"
+        return f"tilt the cube {tilt_in_words(way)}, near 45 deg; prop it{after}"
     where = f"{step.start_position}: {axes_in_words(step.start_position)}"
     return f"put the cube in position {where}; do not turn it before you are asked to"
 

@@ -23,11 +23,11 @@ class StationApp(CommonApp):
         if view is not self._view:
             self.ring(view.events, is_first=self._view is None)
             self._view = view
-        self._close_what_does_not_fit(view)
+        self._close_outdated_modals(view)
         self._show(view)
         self._ask(view)
 
-    def _close_what_does_not_fit(self, view: CalibrationView) -> None:
+    def _close_outdated_modals(self, view: CalibrationView) -> None:
         is_other = not isinstance(self._base, screen_for(view.stage))
         while len(self.screen_stack) > 2:
             top = self.screen

@@ -1,4 +1,4 @@
-"""What the applications have in common: themes, bells, the palette of all actions."""
+"""What both applications share: themes, bells, the palette of all actions."""
 
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
@@ -14,7 +14,7 @@ from textual.timer import Timer, TimerCallback
 
 from station.stream.stream_events import Event, NewEvents, Sound
 
-OURS = {  # colours that no theme of Textual's has; the axes are red, green and blue
+EXTRA_COLOURS = {  # colours that no theme of Textual's has; the axes are red, green and blue
     "axis-x": "#ff6b6b",
     "axis-y": "#5fd38d",
     "axis-z": "#5aa9ff",
@@ -35,7 +35,7 @@ STATION = Theme(
     background="#10161d",
     surface="#18212b",
     panel="#202c38",
-    variables=OURS,
+    variables=EXTRA_COLOURS,
 )
 HIGH_CONTRAST = Theme(
     name="high-contrast",
@@ -159,7 +159,7 @@ class CommonApp(App[None]):
 
     def get_theme_variable_defaults(self) -> dict[str, str]:
         """Give every theme the colours that are ours."""
-        return super().get_theme_variable_defaults() | OURS
+        return super().get_theme_variable_defaults() | EXTRA_COLOURS
 
     def ring(self, events: Sequence[Event], *, is_first: bool) -> None:
         """Ring for the events that are new; those of the first view are old."""

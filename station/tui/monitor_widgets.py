@@ -27,7 +27,7 @@ MOTION_LOOKS: dict[MotionState, tuple[str, str]] = {
 }
 STEEP_PITCH_DEG = 89.0  # deg of pitch, beyond which roll and heading are one
 LABEL_COLUMNS = 13
-LAW_LINES, LAW_COLUMNS = 2, 44  # that are left for what is to be said of laws
+LAW_LINES, LAW_COLUMNS = 2, 44  # that are left for notes on filters
 
 
 class StateLine(ValueWidget[tuple[str, str, str]]):
@@ -63,10 +63,12 @@ class Readings(ValueWidget[MonitorView]):
         steep = "  undefined at ±90°" if abs(reading.pitch) > STEEP_PITCH_DEG else ""
         p, q, r = (_short(rate, 3) for rate in reading.rate)
         x, y, z = (_short(bias, 2) for bias in reading.bias)
-        is_told = reading.heading is None or view.location is not None  # beside the place, as of the same moment
-        heading = "" if is_told else f"  HDG {(reading.heading or 0.0) % 360:.1f}"
+        is_shown_elsewhere = (
+            reading.heading is None or view.location is not None
+        )  # with the position, as of the same moment
+        heading = "" if is_shown_elsewhere else f"  HDG {(reading.heading or 0.0) % 360:.1f}"
         sigma = f"u {reading.sigma:14.3f} deg   "
-        if math.isnan(reading.sigma):  # a mixing law has none
+        if math.isnan(reading.sigma):  # a complementary filter has none
             sigma = f"by {view.laws[0].law:21}"
         warm = "" if reading.temperature is None else f"   {reading.temperature:.1f} degC"
         return Content("\n").join((
@@ -108,7 +110,7 @@ class RestComparison(ValueWidget[RestErrorComparison]):
 
 
 class LawTable(ValueWidget[tuple[LawReading, ...]]):
-    """Two laws side by side and how they differ, and where a mixing law will settle."""
+    """Two filters side by side and how they differ, and the bias that a complementary filter will have."""
 
     DEFAULT_CSS = "LawTable { height: 5; padding-left: 1; }"
 
@@ -126,7 +128,7 @@ class LawTable(ValueWidget[tuple[LawReading, ...]]):
 
 
 def _settles(law: LawReading, lines: int) -> list[Content]:
-    """Return the bias of a law at this bank, or what is against the law, in one line or two."""
+    """Return the bias of a filter at this bank, or what is against the filter, in one line or two."""
     if law.note:
         return [Content.styled(line, "$warning") for line in textwrap.wrap(law.note, LAW_COLUMNS)[:lines]]
     if law.settles is None:

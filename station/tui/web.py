@@ -54,9 +54,9 @@ def serve(
     Whoever is to see one and the same thing in every tab runs it elsewhere and has ``command`` attach to it.
     A closed tab ends its process and nothing else.
 
-    ``announce`` is told once, when browsers may come, the one URL that is answered. It holds a secret: whoever
-    knows it and is on this machine may drive the program. ``port`` 0: any free one. ``report`` says which file is
-    shown at ``report`` below that URL, None while there is none.
+    ``announce`` is called once, when browsers may come, with the one URL that is answered. It holds a secret:
+    whoever knows it and is on this machine may drive the program. ``port`` 0: any free one. ``report`` says which
+    file is shown at ``report`` below that URL, None while there is none.
 
     Raises
     ------

@@ -1,8 +1,8 @@
 """The web server: textual-serve's, on the loopback only, behind a `Guard`, with a page that asks nobody else.
 
 Only pages of this server may ask, and they know its secret. A foreign page in the same browser can send requests
-here but not choose their ``Origin``; a page whose name was bound again to 127.0.0.1 (DNS rebinding) has its own name
-in ``Host``. Neither of them, nor another user of this machine, knows the token in the path.
+here but not choose their ``Origin``; a page whose name was bound again to 127.0.0.1 (DNS rebinding) has its own
+name in ``Host``. Neither of them, nor another user of this machine, knows the token in the path.
 """
 
 import asyncio
@@ -60,7 +60,7 @@ class Guard:
         return await handler(request)
 
     async def add_headers(self, request: web.Request, response: web.StreamResponse) -> None:
-        """Have the browser ask nobody else, show the page in no other, and tell its address to nobody.
+        """Have the browser ask nobody else, show the page in no other, and send its address to nobody.
 
         The report runs nothing at all: what was typed into a form stands in it.
         """
@@ -79,7 +79,7 @@ class Guard:
         )
 
 
-STOP_S = 3.0  # for a program to end when it is told to
+STOP_S = 3.0  # for a program to end when it is asked to
 
 
 class Tab(AppService):
@@ -96,7 +96,7 @@ class Tab(AppService):
         )
 
     async def run(self) -> None:
-        """Hand on what the program draws until it has ended."""
+        """Stream what the program draws until it has ended."""
         try:
             await super().run()
         finally:

@@ -1,4 +1,4 @@
-"""What the accepted steps of a resumed campaign leave for those after them."""
+"""What accepted steps leave for later ones: count rates of dwells, closure of turns, recorded free attitudes."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace

@@ -31,11 +31,11 @@ from station.guide.campaign.checklist import Checklist
 from station.guide.campaign.disk_space import WARM_UP_S, refuse_full
 from station.guide.campaign.folder_lock import folder_lock
 from station.guide.campaign.folder_recorder import FolderRecorder
-from station.guide.campaign.gnss_receiver import reopened, said_of_site, sited, utc_now
+from station.guide.campaign.gnss_receiver import reopen_receiver, setup_with_site, site_text, utc_now
 from station.guide.campaign.interrupted_campaigns import clear_unfinished, has_row, is_unfinished, reopen
 from station.guide.campaign.live_campaign import FinishedCampaign, LiveCampaign
 from station.guide.campaign.port_check import RECORD_INSTEAD
-from station.guide.campaign.sequential_campaign import limits_of, sequel_of, wanted_record
+from station.guide.campaign.sequential_campaign import limits_of, sequential_plan, target_record
 from station.guide.last_setup import from_anywhere
 from station.guide.options import CalibrationOptions
 from station.guide.stages.guide import Guide
@@ -77,10 +77,10 @@ def begin(setup: Setup, database: Database, options: CalibrationOptions) -> Live
                 feed.address.name, None, found, "an IMU with six channels", RECORD_INSTEAD, ErrorCode.CHANNELS
             )
         refuse_full(folder, steps, 1 / unit.period, WARM_UP_S if options.warms_up else 0.0)
-        given, setup = setup, setup if gnss is None else sited(setup, gnss, folder)
+        given, setup = setup, setup if gnss is None else setup_with_site(setup, gnss, folder)
         write_note(folder, setup)
         write_note(folder, _record(feed, unit))
-        remarks = _keep_wanted(folder, database, unit, options)
+        remarks = _write_targets(folder, database, unit, options)
         if options.wanted is None:
             keep_plan(folder, steps)
         recorder = open_campaign(
@@ -91,16 +91,16 @@ def begin(setup: Setup, database: Database, options: CalibrationOptions) -> Live
         )  # fmt: skip
         facts, tables = _facts(recorder.tables, fixture, setup, options), recorder.tables
         counts = tables.imu.output != "rate"
-        sequel = sequel_of(folder, tables.site, tables.procedure, fixture, counts=counts)
+        planner = sequential_plan(folder, tables.site, tables.procedure, fixture, counts=counts)
         limits = limits_of(database, unit, tables.site, tables.procedure, fixture, counts=counts)
         context = StageContext(
-            feed, Checklist(steps), facts, FolderRecorder(recorder), sequel=sequel, limits=limits
+            feed, Checklist(steps), facts, FolderRecorder(recorder), planner=planner, limits=limits
         )
         guide = Guide(context, warms_up=options.warms_up)
         for remark in remarks:
             context.event_log.say("", remark)
         if gnss is not None:
-            context.event_log.say("", said_of_site(given, gnss))
+            context.event_log.say("", site_text(given, gnss))
         return LiveCampaign(reader, feed, unit, guide, recorder, options, stack.pop_all(), gnss)
     raise AssertionError("unreachable")
 
@@ -121,22 +121,22 @@ def resume(folder: Path, database: Database, options: CalibrationOptions) -> Liv
         recorder = reopen(folder, database)
         steps = kept_plan(folder) or usual_steps(setup)
         reader, feed = _opened(options.setup.url or setup.url, folder, stack)
-        gnss, missed = reopened(stack, setup, folder)
+        gnss, missed = reopen_receiver(stack, setup, folder)
         imu = recorder.tables.imu
         unit = feed.identify(imu.model, imu.serial, has_begun=True)
         fixture, _ = cube_fixture(database, recorder.tables.fixture.id, recorder.tables.fixture.imu_axes)
         recorded = read_accepted_steps(folder) if recorder.accepted else AcceptedSteps()
-        done = _as_it_runs(recorded, recorder, feed)
+        done = _after_power_cycle(recorded, recorder, feed)
         checklist = Checklist(steps, recorder.accepted, done.seconds, read_no_moves(folder))
         refuse_full(folder, checklist.open_steps, 1 / unit.period, WARM_UP_S if options.warms_up else 0.0)
         facts = _facts(recorder.tables, fixture, setup, options)
         counts = imu.output != "rate"
-        sequel = sequel_of(
+        planner = sequential_plan(
             folder, recorder.tables.site, recorder.tables.procedure, fixture, recorded, counts=counts
         )
         of_bench = recorder.tables.site, recorder.tables.procedure, fixture
         limits = limits_of(database, unit, *of_bench, recorded, counts=counts)
-        context = StageContext(feed, checklist, facts, FolderRecorder(recorder), done, sequel, limits)
+        context = StageContext(feed, checklist, facts, FolderRecorder(recorder), done, planner, limits)
         record = read_note(folder, UnitRecord)
         unsure = record if record is not None and not record.serial_from_wire else None
         guide = Guide(context, warms_up=options.warms_up, unsure=unsure)
@@ -148,11 +148,11 @@ def resume(folder: Path, database: Database, options: CalibrationOptions) -> Liv
     raise AssertionError("unreachable")
 
 
-def _keep_wanted(folder: Path, database: Database, unit: Unit, options: CalibrationOptions) -> list[str]:
+def _write_targets(folder: Path, database: Database, unit: Unit, options: CalibrationOptions) -> list[str]:
     """Keep what the campaign is to go on for, if its steps are not fixed; return what no campaign can do."""
     if options.wanted is None:
         return []
-    record, remarks = wanted_record(database, unit, options.wanted)
+    record, remarks = target_record(database, unit, options.wanted)
     write_note(folder, record)
     return remarks
 
@@ -164,7 +164,7 @@ def _opened(url: str, folder: Path, stack: ExitStack) -> tuple[RestartableReader
     return reader, reader.feed
 
 
-def _as_it_runs(done: AcceptedSteps, recorder: CampaignRecorder, feed: LiveFeed) -> AcceptedSteps:
+def _after_power_cycle(done: AcceptedSteps, recorder: CampaignRecorder, feed: LiveFeed) -> AcceptedSteps:
     """Return what the steps so far leave, the unit perhaps switched off and on since the last of them."""
     files = [recorder.folder / table.file for table in recorder.tables.steps()]
     if not files or not feed.tells_time or feed.stamp is None:

@@ -1,4 +1,4 @@
-"""A campaign's cube, site and procedure as ``campaign.toml`` says them, from the database and the set-up."""
+"""Cube, site, procedure and error terms as ``campaign.toml`` holds them, from the database and the set-up."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -94,7 +94,7 @@ def _checked(table: type[T], values: Mapping[str, object]) -> T:
 def planned_bench(
     database: Database, cube: str | None, latitude: float | None, campaigns: Sequence[Path] = ()
 ) -> Campaign:
-    """Return a campaign without steps, of a ``cube`` by its name and a ``latitude`` [deg] beside the last set-up.
+    """Return a campaign without steps, of a ``cube`` by its name and a ``latitude`` [deg], with the last set-up.
 
     Where none is given it is at the site of the first of ``campaigns`` that states one.
 

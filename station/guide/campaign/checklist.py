@@ -1,4 +1,4 @@
-"""The steps of a campaign: which are to do, which are done, which comes next. Any order is taken."""
+"""The steps of a campaign: which are to do, which are done, which comes next, and whether they can be solved."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -10,7 +10,7 @@ from station.guide.view import StepView
 
 MOVE_S = 45.0  # what a person takes to place the cube
 TURN_SPEED_DEG_S = 35.0
-GRIP_S = 20.0  # before and after a turn, besides its rests
+GRIP_S = 20.0  # before and after a turn, in addition to its rests
 STEP_FIELDS = (
     "position",
     "repeat",
@@ -125,7 +125,7 @@ class Checklist:
         )
 
     def replan(self, steps: Iterable[Step]) -> None:
-        """Have ``steps`` done next, in the place of those that were never begun."""
+        """Replace the steps that were never recorded with ``steps``."""
         done = [step for step in self.steps if self.attempts[step.name]]
         self.steps = (*done, *steps)
         self.attempts = {step.name: self.attempts.get(step.name, 0) for step in self.steps}
@@ -145,10 +145,10 @@ class Checklist:
             state = "live"
         elif not self.attempts[name]:
             state = "todo"
-        told = (state, self.attempts[name], self._seconds.get(name, 0.0), self._notes.get(name, ""))
+        values = (state, self.attempts[name], self._seconds.get(name, 0.0), self._notes.get(name, ""))
         shown = self._shown.get(name)
-        if shown is None or (shown.state, shown.attempts, shown.seconds, shown.note) != told:
-            shown = self._shown[name] = self._view_of(step, *told)
+        if shown is None or (shown.state, shown.attempts, shown.seconds, shown.note) != values:
+            shown = self._shown[name] = self._view_of(step, *values)
         return shown
 
     def _view_of(
@@ -173,7 +173,7 @@ def step_duration(step: Step) -> float:
     return MOVE_S + step.seconds
 
 
-def lacking(steps: Sequence[StepView]) -> str:
+def why_not_solvable(steps: Sequence[StepView]) -> str:
     """Return why the steps done so far surely cannot be solved and which positions are to do, else empty.
 
     Scale factors, misalignments and bias of an accelerometer are four numbers: rests determine them where each

@@ -24,7 +24,7 @@ RESULTS_BYTES = 20_000_000  # report, diagnosis, database
 
 @dataclass(frozen=True, slots=True)
 class DiskSpace:
-    """Room in ``folder`` in bytes: what a campaign needs, what is free; None where it cannot be told."""
+    """Room in ``folder`` in bytes: what a campaign needs, what is free; None where it is not known."""
 
     folder: Path
     needed: int
@@ -44,7 +44,7 @@ def disk_needed(steps: Sequence[Step], rate_hz: float, warm_up_s: float = WARM_U
 
 
 def disk_free(folder: Path) -> int | None:
-    """Return the bytes that this user may still write where ``folder`` is or will be; None if that is not told."""
+    """Return the bytes that this user may still write where ``folder`` is or will be; None if not known."""
     there = folder.absolute()
     while not there.exists() and there != there.parent:
         there = there.parent

@@ -1,4 +1,4 @@
-"""Where a guided campaign's steps go: the recorder, and the notes beside it in the folder."""
+"""Writes the accepted steps of a guided campaign and its notes into the folder, and solves them in between."""
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
@@ -34,7 +34,7 @@ from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
 THIS_CAMPAIGN = "this campaign"
 
 
-def calibration_so_far(folder: Path, database: str, unit: Unit, wire: WireFormat) -> AppliedCalibration:
+def interim_calibration(folder: Path, database: str, unit: Unit, wire: WireFormat) -> AppliedCalibration:
     """Return the campaign's own calibration, without effects; else the unit's stored one, or its maker's scale.
 
     Raises
@@ -56,7 +56,7 @@ def calibration_so_far(folder: Path, database: str, unit: Unit, wire: WireFormat
 
 
 class FolderRecorder:
-    """On the disk and in the database is what `accept` was told when it returns."""
+    """When `accept` returns, the step is on the disk and in the database."""
 
     def __init__(self, recorder: CampaignRecorder) -> None:
         self._recorder = recorder
@@ -79,7 +79,7 @@ class FolderRecorder:
         ``moved`` how the cube came there. ``seats`` says how far off (2,) [rad] the cube sat in dwells before,
         None: well; that is written with it. Returns the name of its file.
         """
-        spans = spans_left_out(runs, buffer)
+        spans = discarded_spans(runs, buffer)
         said: dict[str, object] = dict(read) if kept_seat is None else {"kept_seat_rad": list(kept_seat)}
         said |= {"turn_on": turn_on} if turn_on > 1 else {}
         off = {each.name: None if seat is None else seat.tolist() for each, seat in seats.items()}
@@ -97,7 +97,7 @@ class FolderRecorder:
             return STANDARD_GRAVITY
         return site.gravity_m_s2 or normal_gravity(float(np.radians(site.latitude_deg)), site.height_m)
 
-    def calibration_so_far(self, unit: Unit, wire: WireFormat) -> AppliedCalibration:
+    def interim_calibration(self, unit: Unit, wire: WireFormat) -> AppliedCalibration:
         """Return what to read the unit by: the steps accepted so far, its stored calibration, or its maker's.
 
         Raises
@@ -105,7 +105,7 @@ class FolderRecorder:
         DataRefused
             If there is none of them.
         """
-        return calibration_so_far(self._recorder.folder, self._recorder.database_url, unit, wire)
+        return interim_calibration(self._recorder.folder, self._recorder.database_url, unit, wire)
 
     def keep_steps(self, steps: Sequence[Step]) -> None:
         """Keep what the campaign is to have."""
@@ -116,7 +116,7 @@ class FolderRecorder:
         keep_no_move(self._recorder.folder, step.name, why)
 
     def keep_first_rest(self, rate: FloatArray, noise: FloatArray) -> None:
-        """Keep how the unit looks at rest, rate (6,) [count/s] and noise (6,), to know it again."""
+        """Keep how the unit looks at rest, rate (6,) [count/s] and noise (6,), to recognise it later."""
         known = read_note(self._recorder.folder, UnitRecord)
         if known is not None and known.rate is None:
             seen = {"rate": tuple(rate.tolist()), "noise": tuple(noise.tolist())}
@@ -140,7 +140,7 @@ class FolderRecorder:
         write_tables(recorder.folder, recorder.tables)
 
 
-def spans_left_out(runs: Sequence[SampleRun], buffer: SampleBuffer) -> list[int]:
+def discarded_spans(runs: Sequence[SampleRun], buffer: SampleBuffer) -> list[int]:
     """Return how many samples each step from run to run is, where nothing is missing in between."""
     between = [(before[1], after[0]) for before, after in pairwise(runs)]
     return [first - last + 1 for last, first in between if buffer.last_break(last - 1, first + 1) is None]

@@ -1,4 +1,4 @@
-"""A GNSS receiver beside a guided campaign: the site at its beginning, time and the sample rate all along."""
+"""The GNSS receiver of a guided campaign: the site at its beginning, then time and the sample rate."""
 
 import json
 import time
@@ -41,8 +41,8 @@ class NoFix(DriverError):
 class SampleRateWatch:
     """The device's sample rate against GNSS time, else this machine's clock; each trouble is said once.
 
-    A machine's clock is right to about 1e-4, so that it can tell 0.1 %. What is more than 5 % off is taken to be a
-    simulated or replayed device at another pace than time's and is left alone.
+    A computer's clock is right to about 1e-4, so that it can detect an error of 0.1 %. A rate that is more than 5
+    % off is assumed to be that of a simulated or replayed device at another speed, and is not reported.
     """
 
     def __init__(self, feed: LiveFeed, event_log: EventLog, gnss: GnssFeed | None) -> None:
@@ -61,7 +61,7 @@ class SampleRateWatch:
             self._event_log.say("rejected" if now else "", now or well)
 
 
-def sited(setup: Setup, gnss: GnssFeed, folder: Path) -> Setup:
+def setup_with_site(setup: Setup, gnss: GnssFeed, folder: Path) -> Setup:
     """Return the set-up with what it does not state of its site taken from averaged fixes; note them in a file.
 
     Raises
@@ -83,7 +83,7 @@ def sited(setup: Setup, gnss: GnssFeed, folder: Path) -> Setup:
     return setup.model_copy(update=new)
 
 
-def said_of_site(given: Setup, gnss: GnssFeed) -> str:
+def site_text(given: Setup, gnss: GnssFeed) -> str:
     """Return where the receiver stands, with sigma, and how that compares with the site given, in words."""
     if (site := gnss.site()) is None:
         return "no position from GNSS; the site is as stated"
@@ -92,7 +92,7 @@ def said_of_site(given: Setup, gnss: GnssFeed) -> str:
     return "; ".join([f"site from GNSS: {site_in_words(site)}", *warnings])
 
 
-def reopened(stack: ExitStack, setup: Setup, folder: Path) -> tuple[GnssFeed | None, str]:
+def reopen_receiver(stack: ExitStack, setup: Setup, folder: Path) -> tuple[GnssFeed | None, str]:
     """Open the receiver of a resumed campaign; the site is known, so that it also goes on without one."""
     if not setup.gnss:
         return None, ""

@@ -1,4 +1,4 @@
-"""Campaigns that were interrupted: how one is resumed, how one is given up.
+"""Campaigns that were interrupted: how one is resumed, cancelled, or removed if it was killed before it began.
 
 At accept the order is file, ``SHA256SUMS``, ``campaign.toml``, row in the database. A kill in between leaves a
 step half accepted; `reopen` decides: with a row it is accepted; named in ``campaign.toml`` it is adopted; a file
@@ -118,8 +118,8 @@ KNOWN = (
 def is_unfinished(names: Collection[str], has_row: bool = False) -> bool:
     """Say whether a folder holds such a beginning: the journal that is opened first, or the lock alone.
 
-    A ``campaign.toml`` beside them has no step, as there is no step's file: the program was killed before the
-    campaign had its row in the database. ``has_row`` says that it has one.
+    A ``campaign.toml`` in the same folder has no step, as there is no step's file: the program was killed before
+    the campaign had its row in the database. ``has_row`` says that it has one.
     """
     is_begun = any(fnmatch(name, JOURNAL) for name in names) or set(names) <= {LOCK_FILE}
     known = KNOWN if has_row else (*KNOWN, TOML)
@@ -133,7 +133,7 @@ def has_row(database: Database, folder: Path) -> bool:
 
 
 def clear_unfinished(folder: Path) -> None:
-    """Take away what such a beginning noted; what it read from ports stays. Hold the folder's lock meanwhile."""
+    """Remove the notes of such a beginning; what was read from ports stays. Hold the folder's lock meanwhile."""
     try:
         for file in folder.iterdir():
             if file.name != LOCK_FILE and file.suffix != ".mcap":

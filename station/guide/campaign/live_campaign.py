@@ -1,4 +1,4 @@
-"""A campaign on a live device: the reader, the stream, the guide, and the folder that everything goes to."""
+"""A campaign on a live device (reader, stream, guide, folder), or one that is complete and needs no device."""
 
 from contextlib import ExitStack
 from pathlib import Path
@@ -85,22 +85,22 @@ class LiveCampaign:
         self.guide.stream_is_back()
         for block in self._feed.ready():
             self.guide.take(block)
-        self.guide.glance(self._feed.newest())
+        self.guide.show_newest(self._feed.newest())
 
     def view(self, base: CalibrationView) -> CalibrationView:
         """Return ``base`` with everything filled in."""
         unit = f"{self.unit.model} {self.unit.serial}"
         return self.guide.view(base.model_copy(update={"unit": unit, "folder": str(self.folder)}))
 
-    def as_checked(self) -> PortCheck:
+    def unit_check(self) -> PortCheck:
         """Return what a look at its port says of the unit."""
         imu, rate = self.recorder.tables.imu, 1 / self.unit.period
         unit = PortCheck(url=self._reader.reader.address.text, is_good=True, rate_hz=rate, output=imu.output)
         return unit.model_copy(update={"model": imu.model, "serial": imu.serial})
 
-    def obey(self, command: OperatorCommand) -> None:
+    def execute(self, command: OperatorCommand) -> None:
         """Do as the operator says."""
-        self.guide.obey(command)
+        self.guide.execute(command)
 
     @property
     def disk(self) -> DiskSpace:
@@ -149,7 +149,7 @@ class FinishedCampaign:
     def round(self) -> None:
         """Do nothing: nothing comes."""
 
-    def obey(self, command: OperatorCommand) -> None:
+    def execute(self, command: OperatorCommand) -> None:
         """Do nothing: what needs the device needs a `LiveCampaign`."""
 
     def say(self, sound: Sound, text: str) -> None:
@@ -168,7 +168,7 @@ class FinishedCampaign:
             }
         )  # fmt: skip
 
-    def as_checked(self) -> None:
+    def unit_check(self) -> None:
         """Say nothing of a unit: none is read."""
 
     def close(self) -> None:

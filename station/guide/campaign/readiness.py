@@ -3,7 +3,7 @@
 Verdict and certificate follow the same rules afterwards: `station.results.verdict.judge` says NOT_MEASURED where a
 limited parameter is not estimated, `fixtures_db.campaign_references.why_measured` why a calibration is only
 measured, and `station.results.certificate.missing_statements` refuses a certificate whose campaign lacks
-something. What a laboratory's file can still say afterwards is not asked for here.
+something. What a laboratory's file can still state afterwards is not required here.
 """
 
 from collections.abc import Mapping, Sequence

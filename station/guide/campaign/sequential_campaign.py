@@ -1,8 +1,11 @@
-"""A campaign that goes on until what is wanted is met: what comes next, when a dwell is enough, how far it is.
+"""A campaign that continues until target uncertainties are met: the next step, when a dwell is enough, progress.
 
-It looks at what was done, how long, and how much the unit scatters: never at the values that were found
-(`procedures.planning.sequential`). White noise is what was known before, times what the accepted dwells show. Of a
-unit of which nothing is known the first dwell lasts two minutes and shows it (`measured_noise`).
+The plan depends on the steps that were done, their length and the unit's noise, never on the estimated values
+(`procedures.planning.sequential`). White noise is the noise known before, scaled by what the accepted dwells show.
+If nothing is known of a unit, its first dwell lasts two minutes and shows the noise (`measured_noise`): the scale
+of the accelerometers is what 1 g makes of the vertical one, that of the gyroscopes follows from turns or dwells,
+else the rate at rest is taken for the Earth's alone. Bias instability from step to step is not visible at rest: it
+is assumed to be as much as two minutes of white noise.
 """
 
 from collections.abc import Iterable, Sequence
@@ -30,7 +33,7 @@ from station.files.campaign_folder.notes import NAMES as NOTES
 from station.files.campaign_folder.notes import WantedRecord, read_note
 from station.guide.campaign.accepted_steps import NO_ACCEPTED_STEPS, AcceptedDwell, AcceptedSteps
 from station.guide.campaign.campaign_tables import bench_of
-from station.guide.options import AskedSigmas
+from station.guide.options import TargetUncertainties
 from station.guide.view import LimitView
 from station.results.planning.continued import NO_ATTITUDE_LEFT, SigmaSoFar, all_else, sigmas_so_far
 from station.results.planning.hand_times import hand_times
@@ -87,7 +90,7 @@ class SequentialCampaign:
         self._asked, self._counts = wanted(record.sigmas), counts
         self._is_fixed, self._is_measured = is_fixed, record.accel_white is None
         self._known: UnitNoise | None = None  # until the first dwell has shown it
-        self._steps: StepInformation | None = None  # by the noise that is reckoned with
+        self._steps: StepInformation | None = None  # computed with the known noise
         self._take(recorded_noise(record))
         self._done = list(done)
         self._next: NextPlacing | None = None
@@ -106,15 +109,15 @@ class SequentialCampaign:
             self._done.append((step.name, placing))
 
     def _take(self, noise: UnitNoise | None) -> None:
-        """Reckon by a unit's noise, where it is known."""
+        """Plan with a unit's noise, where it is known."""
         if noise is not None:
             self._known = noise
-            self._reckon_by(noise)
+            self._plan_with(noise)
             usual = None if self._is_fixed else self._sigmas.of(usual_design())
             self._wanted = self._asked if usual is None else with_all_solved(self._asked, usual)
 
-    def _reckon_by(self, noise: UnitNoise) -> None:
-        """Reckon on: the bench stays, and what takes long is of it alone."""
+    def _plan_with(self, noise: UnitNoise) -> None:
+        """Take another noise; what depends on the bench alone is kept, because it takes long to compute."""
         known = self._steps
         steps = StepInformation(self._bench, noise, self._hands) if known is None else known.with_noise(noise)
         self._steps, self._sigmas = steps, DesignSigmas(steps)
@@ -129,7 +132,7 @@ class SequentialCampaign:
         ratios = np.array([self._ratios(each, seconds) for each, seconds in seen])
         if len(ratios) and self._known is not None:
             accel, gyro = np.clip(np.sqrt(np.mean(ratios, axis=0)), LEAST_FACTOR, MOST_FACTOR)
-            self._reckon_by(self._known.times(float(accel), float(gyro)))
+            self._plan_with(self._known.times(float(accel), float(gyro)))
 
     def steps(self, *, goes_on: bool = False) -> Sequence[Dwell]:
         """Return the dwells that bring it on soonest, the next one first; none when all is met.
@@ -152,7 +155,7 @@ class SequentialCampaign:
 
     @property
     def noise(self) -> UnitNoise | None:
-        """The unit's noise as it is reckoned with; None while it is not known."""
+        """The unit's noise as it is used for planning; None while it is not known."""
         return None if self._known is None else self._sigmas.steps.noise
 
     @property
@@ -235,7 +238,7 @@ def _view(each: SigmaSoFar) -> LimitView:
     return LimitView(text=each.text, share=min(1 / each.ratio**2, 1.0) if each.ratio > 0 else 1.0)
 
 
-def wanted_record(database: Database, unit: Unit, asked: AskedSigmas) -> tuple[WantedRecord, list[str]]:
+def target_record(database: Database, unit: Unit, asked: TargetUncertainties) -> tuple[WantedRecord, list[str]]:
     """Return what is asked of a unit's campaign, and what no campaign can do about some of it.
 
     Raises
@@ -271,7 +274,7 @@ def wanted_record(database: Database, unit: Unit, asked: AskedSigmas) -> tuple[W
     ), remarks  # fmt: skip
 
 
-def sequel_of(
+def sequential_plan(
     folder: Path, site: SiteTable | None, care: ProcedureTable, fixture: Fixture,
     done: AcceptedSteps = NO_ACCEPTED_STEPS, *, counts: bool = True,
 ) -> SequentialCampaign | None:  # fmt: skip
@@ -300,7 +303,7 @@ def limits_of(
 ) -> SequentialCampaign | None:  # fmt: skip
     """Return what says of a fixed plan how far what the unit's model limits is; None where nothing is limited.
 
-    It reckons by what the campaign's own dwells scatter by: nobody waits for older ones.
+    The noise is that of the campaign's own dwells: no older campaign is searched.
     """
     try:
         _, rows = limits_named(database, unit.model)

@@ -11,7 +11,7 @@ from fixtures_db.stored_calibrations import last_calibration
 from procedures.calibration.solution_values import StepResidual
 from procedures.frames import AXES
 from station.files.campaign_folder.notes import read_left_out
-from station.guide.step_names import gap_in_words, verdict_for_people
+from station.guide.step_names import gap_in_words, verdict_without_file_names
 from station.guide.view import Verdict, VerdictRow
 from station.results.diagnosis.diagnosis_text import diagnosis_text, warnings_of
 from station.results.diagnosis.diagnosis_wording import verdict_sentence
@@ -64,7 +64,7 @@ def verdict_view(results: "CampaignResults", database: Database) -> Verdict:
         report=str(results.report_file),
         solution=str(results.solution_file),
     )
-    return verdict_for_people(verdict)
+    return verdict_without_file_names(verdict)
 
 
 def _to_redo(results: "CampaignResults") -> str:

@@ -1,4 +1,4 @@
-"""The cube as it stands beside the cube as wanted: what is left to do, and a heading that stays wrong."""
+"""How the cube stands compared with the requested step: what is left to do, and a heading that stays wrong."""
 
 import numpy as np
 

@@ -1,7 +1,7 @@
-"""Follows the cube from the counts of the stream: how it stands, whether it rests or is carried.
+"""Follows the cube's attitude from the counts of the stream, and reports a transfer that was too fast.
 
-At rest gravity says the face and the tilts, and the Earth's rate, over the whole of a rest, the heading. Between
-two rests the gyros' counts turn it. What nothing has told yet is not known, and is said to be.
+At rest gravity determines the face and the tilts, and the Earth's rate, over the whole rest, the heading. Between
+two rests the gyroscopes' counts rotate it. What was not determined yet is marked as not known.
 """
 
 from dataclasses import dataclass, field
@@ -37,9 +37,9 @@ TURN_TICK_S = 0.05  # a hand turns a cube by some degrees in it
 GRAVITY_WINDOW_S = 0.25  # of the newest samples, whose specific force is taken for gravity
 LEVELLING_GAIN = 0.5  # of the way to where gravity seems to be, while hands push as well
 MAX_FORCE_SHARE_OFF_GRAVITY = 0.1  # of gravity, by which the specific force may differ from it
-MAX_REST_S = 60  # of a rest: a longer one is a soak, or lasts until biases have wandered
+MAX_REST_S = 60  # of a rest: a longer one is a soak, or lasts until biases have drifted
 MARKS_STD = np.radians(2.0)  # how well the marks are kept to by a position that was accepted
-KNOWN_HEADING_STD = np.radians(15.0)  # of a heading that tells four directions apart
+KNOWN_HEADING_STD = np.radians(15.0)  # of a heading by which four directions can be distinguished
 ROUGH_K_STD = 0.3
 TURNED_K_STD = 0.005  # of a gyro that was turned itself: how the turn closed, and the Earth's rate
 
@@ -80,7 +80,7 @@ class CubeTracker:
 
     @property
     def is_heading_known(self) -> bool:
-        """Whether four directions are told apart."""
+        """Whether four directions can be distinguished."""
         return bool(self.heading_std < KNOWN_HEADING_STD)
 
     def take(self, block: Block, look: BlockLook) -> None:
@@ -97,7 +97,7 @@ class CubeTracker:
         self._base = self.now = base
         self._block = block
 
-    def glance(self) -> None:
+    def show_newest(self) -> None:
         """Take what has come since the last whole second, for show only."""
         buffer, block, base = self._context.feed.buffer, self._block, self._base
         if (
@@ -140,10 +140,10 @@ class CubeTracker:
             rest.seconds, rest.total = rest.seconds + 1, rest.total + block.rate
         self._resting = rest.rate
         level = tilt_corrected(rest.before, self._context.gate.way_up(rest.rate[3:]), 1.0)
-        return self._as_left(self._by_earth(level, rest, look))
+        return self._with_accepted_heading(self._with_earth_heading(level, rest, look))
 
-    def _by_earth(self, level: CubeAttitude, rest: _Rest, look: BlockLook) -> CubeAttitude:
-        """Return the resting cube with the heading that the Earth's rate tells, if it does."""
+    def _with_earth_heading(self, level: CubeAttitude, rest: _Rest, look: BlockLook) -> CubeAttitude:
+        """Return the resting cube with the heading from the Earth's rate, if it determines it."""
         context, rate, first = self._context, rest.rate[:3], 0.0
         k = None if self._scale is None else self._scale[0]
         if not context.accepted_dwells:  # then the scale factor is part of the question
@@ -163,8 +163,8 @@ class CubeTracker:
         whole = float(np.angle(np.exp(1j * (first + off))))
         return heading_corrected(level, whole, off_std, self._k_std)
 
-    def _as_left(self, level: CubeAttitude) -> CubeAttitude:
-        """Return the cube with the heading of the position that it was accepted in, where nothing tells better."""
+    def _with_accepted_heading(self, level: CubeAttitude) -> CubeAttitude:
+        """Return the cube with the heading of its accepted position, where nothing determines it better."""
         position = self._context.position
         self._outdated = self._outdated if position == self._outdated else 0
         if position == self._outdated or level.heading_std(self._k_std) < KNOWN_HEADING_STD:
@@ -216,13 +216,13 @@ class CubeTracker:
             )
 
 
-class BriskMoveWatch:
+class FastMoveWatch:
     """Looks at the move under way each time the cube has come to rest; the same move is complained of once."""
 
     def __init__(self, context: StageContext) -> None:
         self._context = context
         self._moved: list[Block] = []  # since it rested
-        self._told: int | None = None  # the first row of the move that was too brisk
+        self._reported: int | None = None  # the first row of the move that was too brisk
 
     def take(self, block: Block, look: BlockLook) -> None:
         """Take a second of the stream."""
@@ -233,7 +233,7 @@ class BriskMoveWatch:
             self._moved.append(block)
         elif self._moved:
             first, self._moved = self._moved[0], []
-            if begin != self._told:
+            if begin != self._reported:
                 self._judge(begin, max(begin, first.first), block)
 
     def _judge(self, begin: int, first: int, block: Block) -> None:
@@ -243,8 +243,8 @@ class BriskMoveWatch:
         coning = coning_of(series, k * np.pi / 180 * np.eye(3), np.zeros(3))
         if not coning > MAX_CONING_RAD:
             return
-        self._told = begin
-        context.chain.brisk(coning)
+        self._reported = begin
+        context.chain.too_fast(coning)
         enough = ceil(long_enough_s(coning, (block.first - first) * period))
         arcsec = coning / RAD_PER_ARCSEC
         context.event_log.say(

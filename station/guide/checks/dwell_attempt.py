@@ -1,8 +1,8 @@
-"""One attempt at a dwell: seconds are accepted one by one, a knock costs the disturbed ones only.
+"""One attempt at a dwell: if the bench is bumped, only the affected seconds are discarded.
 
-A cube that was knocked stands where it stood; a cube that was moved does not, and its dwell begins again. What
-tells them apart is the rotation that the gyros saw while it was disturbed, whole seconds from rest to rest: it is
-zero for a knock. A cube that creeps is still every second: its level accelerometers give it away in the end.
+A cube that was bumped stands where it stood; a cube that was moved does not, and its dwell starts again. They are
+distinguished by the rotation that the gyroscopes measured during the disturbance, whole seconds from rest to rest:
+it is zero for a shock. A cube that creeps is still every second: its level accelerometers detect it at the end.
 """
 
 from collections.abc import Callable, Sequence
@@ -19,8 +19,8 @@ from station.stream.live.stillness import Block
 from station.stream.recorder.sample_buffer import SampleRun
 
 TOUCHED = "touched just after placement"
-OTHERWISE = "the cube has changed its position since the start of the dwell"
-OTHERWISE_BLOCKS = 5  # still ones in a row, away from what was kept: then what was kept was not at rest
+POSITION_CHANGED = "the cube has changed its position since the start of the dwell"
+CHANGED_BLOCKS = 5  # still ones in a row, away from what was kept: then what was kept was not at rest
 MOVED_DEG = 0.05
 CALM_BLOCKS = 1  # still ones after a disturbance that are not used
 FEW_BLOCKS = 3
@@ -28,7 +28,7 @@ RECENT_BLOCKS = 20  # while rates drift
 OFF_SIGMA = 6.0
 EARLY_BLOCKS = 5  # a cube that is disturbed as early as this was not let go yet
 CREEP_CHI2 = 20.0  # of two level axes: chance passes it once in 20000 dwells
-CREEP_RAD = 1e-4  # 20 arcsec: below it the biases of a good unit may wander as well
+CREEP_RAD = 1e-4  # 20 arcsec: below it the biases of a good unit may drift as much
 
 
 class DwellAttempt:
@@ -44,10 +44,10 @@ class DwellAttempt:
         self._wanted, self._period, self._k, self._drifts = samples, period, gyro_k, drifts
         self.kept: list[Block] = []
         self._newest: list[Block] = []  # still, and not followed by a still one yet
-        self._away: list[Block] = []  # since it was last at rest
+        self._disturbed: list[Block] = []  # since it was last at rest
         self._calm = 0
         self.is_turned = False  # while it was disturbed
-        self._otherwise = 0  # still blocks in a row that are off what was kept
+        self._changed = 0  # still blocks in a row that are off what was kept
         self._sigma: FloatArray = np.full(6, np.inf)
 
     @property
@@ -60,24 +60,24 @@ class DwellAttempt:
         """Whether enough was accepted."""
         return _samples(self.kept) >= self._wanted
 
-    def ends_here(self) -> None:
+    def stop_early(self) -> None:
         """Take it that what was accepted is enough."""
         self._wanted = min(self._wanted, _samples(self.kept))
 
     @property
     def is_disturbed(self) -> bool:
-        """Whether seconds are being left out."""
-        return bool(self._away)
+        """Whether seconds are being discarded."""
+        return bool(self._disturbed)
 
     @property
     def is_early(self) -> bool:
-        """Whether so little was accepted that who disturbs it had not let go."""
+        """Whether so little was accepted that the operator had not let go yet."""
         return len(self.kept) < EARLY_BLOCKS
 
     @property
     def oldest(self) -> int | None:
         """The first sample that is still needed."""
-        return next((block.first for block in (*self.kept, *self._newest, *self._away)), None)
+        return next((block.first for block in (*self.kept, *self._newest, *self._disturbed)), None)
 
     def runs(self) -> list[SampleRun]:
         """Return the accepted samples, as many as wanted."""
@@ -91,19 +91,19 @@ class DwellAttempt:
     def take(self, block: Block, look: BlockLook) -> str:
         """Take a block; return why the dwell must begin again, empty if it need not.
 
-        A block counts once the next one is still as well: what disturbs may have begun in it.
+        A block counts once the next one is still as well: a disturbance may have started in it.
         """
         is_off = self._is_off(block, look)
         is_calm = not look.hindrance and not is_off
-        self._otherwise = self._otherwise + 1 if is_off and not look.hindrance else 0
-        if self._otherwise >= OTHERWISE_BLOCKS:
-            return OTHERWISE
+        self._changed = self._changed + 1 if is_off and not look.hindrance else 0
+        if self._changed >= CHANGED_BLOCKS:
+            return POSITION_CHANGED
         self._sigma = look.sigma
-        if is_calm and not self._away:
+        if is_calm and not self._disturbed:
             self.kept += self._newest
             self._newest = [block]
             return ""
-        self._away += [*self._newest, block]
+        self._disturbed += [*self._newest, block]
         self._newest = []
         if not look.is_upright:
             return f"the cube was lifted or tilted, by {look.off_deg:.0f} deg"
@@ -115,11 +115,11 @@ class DwellAttempt:
         reason = self._moved(look)
         if self.is_early:
             reason = f"{reason} just after placement" if reason else TOUCHED
-        self._away, self._calm = [], 0
+        self._disturbed, self._calm = [], 0
         self._newest = [] if reason else [block]
         return reason
 
-    def forget_restless(self, is_still: Callable[[Block], bool]) -> None:
+    def drop_unstill(self, is_still: Callable[[Block], bool]) -> None:
         """Drop the blocks that are not still by the noise as it is known now, or off all the others.
 
         A cube that is being set down smoothly trembles less than a coarse count shows: the first seconds are
@@ -140,14 +140,14 @@ class DwellAttempt:
 
     def _moved(self, look: BlockLook) -> str:
         """Say by how much the cube was turned while it was disturbed."""
-        away, before = self._away, self.kept[-RECENT_BLOCKS if self._drifts else 0 :]
+        away, before = self._disturbed, self.kept[-RECENT_BLOCKS if self._drifts else 0 :]
         if any(a.last != b.first or b.is_broken for a, b in pairwise([*before[-1:], *away])):
             return "samples were lost while it was disturbed"
         still = [*before, *away[-self._calm :]]
         rest = np.mean([block.rate[:3] for block in still], axis=0)
         k = self._k(rest)
         counts = np.sum([(b.rate[:3] - rest) * (b.last - b.first) * self._period for b in away], axis=0)
-        # of the seconds away, and of the rate at rest that is taken off each
+        # of the disturbed seconds, and of the rate at rest that is subtracted from each
         noise = float(np.max(look.sigma[:3])) * (len(away) + len(away) ** 2 / len(still)) ** 0.5
         angle = float(np.degrees(np.linalg.norm(counts) / k))
         if angle > MOVED_DEG + np.degrees(5 * noise / k):

@@ -109,7 +109,7 @@ class FaceAndStillnessGate:
     def way_up(self, accel: FloatArray) -> FloatArray:
         """Return the unit vector (3,), cube axes, that points up, from count rates ``accel`` (3,), IMU axes.
 
-        Of dead accelerometers, which tell nothing until they are found to be dead, it is z.
+        It is z for dead accelerometers, until they are detected.
         """
         in_cube = self._C_sb.T @ (accel - self._bias)
         size = float(np.linalg.norm(in_cube))

@@ -1,7 +1,16 @@
-"""Is the cube seated as the dwells before it say it should be? Judged while the hands are still near.
+"""Is the cube seated as the dwells before it predict? Checked while the operator is still near.
 
-A crumb or a hair under the cube tilts it by tens of arcseconds: invisible, and far above what a calibration may
-be off. What comes back the same after lifting, wiping and setting down is no crumb but the bench: it is taken.
+Debris or a hair under the cube tilts it by tens of arcseconds: invisible, and far above the error that a
+calibration may have. A tilt that is the same after lifting, wiping and setting down is not debris but the bench:
+it is accepted.
+
+Seatings of earlier dwells are checked again (`recheck_seats`), because a cube on debris that nobody noticed, as
+the first on its face, makes clean seatings after it look tilted. A seating that comes back the same after lifting,
+farther off than any bench is, therefore speaks against the earlier dwells as much as against itself: both are
+marked, the earlier ones are recorded again, and the marked ones are then compared with those. All marks are found
+before a step is accepted and are written together with it: a kill leaves either all of them or none.
+
+The seating of a turn is checked at rest before and after it, and again once there are dwells to compare it with.
 """
 
 from collections.abc import Mapping, Sequence
@@ -35,7 +44,7 @@ ALIKE_RAD = 5e-5  # 10 arcsec, or three sigma
 KEPT_SHARE = 0.2  # of a kept seat's tilt: by so much it may move as it is let go
 FIRST_ON_FACE = "first placement on this face: nothing to compare with yet"
 FIRST_SINCE_ON = "first placement on this face since power-on: not checked yet"
-SHARP_RAD = 3e-4  # rad, 1 sigma: a crumb of 0.1 deg is told
+SHARP_RAD = 3e-4  # rad, 1 sigma: debris of 0.1 deg is detected
 CONTRADICTORY = "not checked: the earlier placements contradict each other"
 
 
@@ -47,7 +56,7 @@ class SeatCheck:
         self._looks = list(LOOKS_S)
         self.words, self.is_off = "", False
         self.is_to_lift = False  # off, and neither kept nor the bench's
-        self.is_sharp = False  # well enough known to tell a crumb
+        self.is_sharp = False  # known well enough to detect debris
         self.came_back: FloatArray | None = None  # (2,) [rad]: just so after lifting, by more than a face may be
         self._off: FloatArray | None = None  # as it was last found
 
@@ -149,7 +158,7 @@ def rest_rates(context: StageContext, position: int, blocks: list[Block]) -> Pos
     return position, *rates_and_sigmas(context.accel_rates(runs_of_blocks(blocks, None)))
 
 
-def lies_otherwise(before: PositionRates, after: PositionRates) -> str:
+def tilt_change(before: PositionRates, after: PositionRates) -> str:
     """Say by how much the cube lies otherwise after a turn than before it; empty if it does not.
 
     After whole revolutions slab, face, bias and misalignment are the same as before: only noise may differ.
@@ -163,7 +172,7 @@ def lies_otherwise(before: PositionRates, after: PositionRates) -> str:
     return f"the cube is tilted by {np.linalg.norm(off) / RAD_PER_ARCSEC:.0f} arcsec against its earlier seating"
 
 
-def keep_to_judge(context: StageContext, step: Turn, before: PositionRates, after: PositionRates) -> None:
+def remember_rests(context: StageContext, step: Turn, before: PositionRates, after: PositionRates) -> None:
     """Remember a turn's rests until there are dwells to judge them by."""
     mean = (before[1] + after[1]) / 2
     context.turn_rests[step.name] = before[0], mean, np.hypot(before[2], after[2]) / 2
@@ -179,8 +188,8 @@ def reject_tilted_turns(context: StageContext) -> None:
 
 
 @dataclass(frozen=True, eq=False)
-class _Standing:
-    """The dwells that stand, by step, which of them are known to sit badly, and those of earlier turn-ons."""
+class _StandingDwells:
+    """The accepted dwells by step, which of them are known to be badly seated, and those of earlier turn-ons."""
 
     context: StageContext
     dwells: Mapping[str, AcceptedDwell]
@@ -198,7 +207,7 @@ class _Standing:
         return compared(self.context.bench, [*known, *self.earlier], now, is_again=False)
 
 
-def seats_anew(
+def recheck_seats(
     context: StageContext, step: Dwell, runs: Sequence[SampleRun], seat: SeatCheck
 ) -> dict[Dwell, FloatArray | None]:
     """Judge the seats that stand as if ``step`` were accepted on ``seat``, as the samples of ``runs``.
@@ -209,7 +218,7 @@ def seats_anew(
     if seat.came_back is None and not (is_again and context.badly_seated - {step.name}):
         return {}
     now = context.dwell_of(step, runs)
-    standing = _Standing(
+    standing = _StandingDwells(
         context,
         context.accepted_dwells | {step.name: now},
         frozenset(context.badly_seated - {step.name} | ({step.name} if seat.is_off else set())),
@@ -217,17 +226,17 @@ def seats_anew(
     )
     if seat.came_back is None:
         return dict.fromkeys(_cleared(standing, but=step.name))
-    suspects = _suspects(standing, now, context.seats_asked_again)
-    return {each.step: _lean(standing, each, now, seat.came_back) for each in suspects}
+    suspects = _suspects(standing, now, context.seat_repeats)
+    return {each.step: _tilt_of(standing, each, now, seat.came_back) for each in suspects}
 
 
-def ask_again(context: StageContext, step: Step, marked: Mapping[Dwell, FloatArray | None]) -> None:
+def repeat_marked(context: StageContext, step: Step, marked: Mapping[Dwell, FloatArray | None]) -> None:
     """Ask for what was ``marked``, by how much its cube sat off (3,) [rad], once more, None where it sat well.
 
     Not for ever: a second time it stays so, and the verdict says it.
     """
     for each, off in marked.items():
-        is_asked = each.name in context.seats_asked_again
+        is_asked = each.name in context.seat_repeats
         if off is None:
             if is_asked:
                 context.checklist.keep(each.name)
@@ -235,14 +244,14 @@ def ask_again(context: StageContext, step: Step, marked: Mapping[Dwell, FloatArr
                 "", f"{step_title(each)} was seated correctly: the recording it was compared with was not"
             )
         elif not is_asked and context.checklist.redo(each.name):
-            context.seats_asked_again.add(each.name)
+            context.seat_repeats.add(each.name)
             why = (
                 f"{step_title(step)} gave the same result after lifting, so there was debris under one of the two"
             )
             context.event_log.say("rejected", f"{step_title(each)} will be recorded again: {why}")
 
 
-def _suspects(standing: _Standing, now: AcceptedDwell, asked_again: set[str]) -> list[AcceptedDwell]:
+def _suspects(standing: _StandingDwells, now: AcceptedDwell, asked_again: set[str]) -> list[AcceptedDwell]:
     """Return what the one accepted ``now`` may have been wrongly judged by.
 
     First what else stood on its face; if that was asked for again already, or is of an earlier turn-on, all
@@ -255,11 +264,11 @@ def _suspects(standing: _Standing, now: AcceptedDwell, asked_again: set[str]) ->
     return found or [each for each, _ in standing.earlier if each.face == now.face]
 
 
-def _lean(standing: _Standing, dwell: AcceptedDwell, now: AcceptedDwell, off: FloatArray) -> FloatArray:
+def _tilt_of(standing: _StandingDwells, dwell: AcceptedDwell, now: AcceptedDwell, off: FloatArray) -> FloatArray:
     """Return how far off (2,) [rad] a dwell sits where the one accepted ``now``, found ``off``, sits well.
 
     On the same face the one is off as the other is, the other way round; on another it is by a tilt of its own
-    that they tell of it, or, where they tell nothing, by as much.
+    that they show, or, where they show nothing, by as much.
     """
     if dwell.face == now.face:
         return -off
@@ -267,8 +276,8 @@ def _lean(standing: _Standing, dwell: AcceptedDwell, now: AcceptedDwell, off: Fl
     return off if found is None else found.off
 
 
-def _cleared(standing: _Standing, but: str) -> list[Dwell]:
-    """Return the marked dwells that sit well by the others, if they know it well enough to tell a crumb."""
+def _cleared(standing: _StandingDwells, but: str) -> list[Dwell]:
+    """Return the marked dwells that sit well by the others, if they determine it well enough to detect debris."""
     cleared = list[Dwell]()
     for name in sorted(standing.bad & standing.dwells.keys() - {but}):
         found = standing.by_others(standing.dwells[name])

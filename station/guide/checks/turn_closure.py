@@ -1,4 +1,4 @@
-"""How far a hand turn came back to where it began, and what is done where a pair of turns did not close."""
+"""Closure of manual rotations: how a turn agrees with others about its axis, and what to repeat if it does not."""
 
 from collections import defaultdict
 from collections.abc import Iterable
@@ -55,7 +55,7 @@ class TurnClosures:
         """Return the last turn the other way about an axis."""
         return next((turn for turn in reversed(self._turns[axis]) if turn.direction != direction), None)
 
-    def is_vain(self, axis: str) -> bool:
+    def is_unresolvable(self, axis: str) -> bool:
         """Say whether more turns about an axis would decide nothing."""
         found = self._verdict.get(axis)
         return found is Closing.REPEATS or (found is Closing.APART and self._rounds[axis] >= MAX_TURN_ROUNDS)
@@ -105,8 +105,8 @@ def agreement_in_words(seen: TurnCounts, partner: TurnCounts | None, closure_std
     return f"pair differs by {off:.3f} deg (limit {most:.3f})"
 
 
-def earth_rate_says(change: tuple[float, float] | None) -> str:
-    """Say what the horizontal Earth rate tells of how a turn came back: angle and 1 sigma [deg]."""
+def earth_rate_text(change: tuple[float, float] | None) -> str:
+    """Return in words how a turn closed by the horizontal Earth rate: angle and 1 sigma [deg]."""
     return "" if change is None else f"closed within {abs(change[0]):.1f} deg (u = {change[1]:.1f} deg)"
 
 
@@ -117,7 +117,7 @@ def heading_moved(
     C_sb: np.ndarray[tuple[int, int], np.dtype[np.float64]],
     k: float,
 ) -> tuple[float, float] | None:
-    """Return by how much the heading changed [deg], counter-clockwise, with 1 sigma; None where nothing tells.
+    """Return the change of heading [deg], counter-clockwise, with 1 sigma; None where it is not determined.
 
     ``C_sb`` (3, 3) takes cube axes to the IMU's; ``k`` [count/rad].
     """
@@ -125,7 +125,7 @@ def heading_moved(
     return (float(angle), float(std)) if std < MAX_HEADING_STD_DEG else None
 
 
-def what_now(found: Closing, step: Turn, off: float, most: float) -> str:
+def closure_remedy(found: Closing, step: Turn, off: float, most: float) -> str:
     """Say what the turns about an axis say together, and what is to be done; ``off`` and its limit [rad]."""
     name, other = step_title(step), step_title(_other_way(step))
     how = f"{name} and {other} differ by {np.degrees(abs(off)):.2f} deg, limit {np.degrees(most):.2f}"
@@ -138,7 +138,7 @@ def what_now(found: Closing, step: Turn, off: float, most: float) -> str:
     }[found]
 
 
-def turns_again(found: Closing, step: Turn) -> list[str]:
+def turns_to_repeat(found: Closing, step: Turn) -> list[str]:
     """Return the turns that are to be done again, the next one last."""
     other = _other_way(step).name
     return {Closing.ONCE_MORE: [step.name], Closing.OTHER: [other]}.get(found, [other, step.name])

@@ -1,4 +1,9 @@
-"""A dwell under way: seconds are counted while the heading is read from the Earth rate and the seat is judged."""
+"""Dwells, soaks and rests in free attitudes: accepted seconds are counted, heading and seating are checked.
+
+The heading is determined from the Earth rate. A free attitude lies between faces, apart from those recorded
+before; its attitude is not asked for: the accelerometers determine it well enough to distinguish it from the
+others.
+"""
 
 import math
 from collections.abc import Sequence
@@ -15,7 +20,7 @@ from procedures.frames import face_normal, position_name
 from procedures.rests_and_moves.free_attitudes import MIN_APART_DEG, nearest_deg
 from station.guide.checks.dwell_attempt import TOUCHED, DwellAttempt, crept
 from station.guide.checks.face_and_stillness import BlockLook
-from station.guide.checks.seating import SeatCheck, ask_again, reject_tilted_turns, seats_anew
+from station.guide.checks.seating import SeatCheck, recheck_seats, reject_tilted_turns, repeat_marked
 from station.guide.stages.stage import NEITHER, NextStage, Stage, after_dwell, which_position
 from station.guide.stages.stage_context import StageContext
 from station.guide.view import OperatorQuestion, SoakView
@@ -45,7 +50,7 @@ class SoakTemperature:
 FaceStep = Dwell | Soak | Monitor
 RestStep = FaceStep | FreePosition
 ASK_AFTER_S = 10.0  # of accepted seconds without a sure heading
-BY_EARTH, AS_SAID, AS_ASKED = "from the Earth rate", "as you answered", "as requested, not checked"
+BY_EARTH, AS_ANSWERED, AS_ASKED = "from the Earth rate", "as you answered", "as requested, not checked"
 ANY_HEADING = "any heading"
 QUARTERS = {1: "90 deg more, counter-clockwise", 2: "180 deg more", 3: "90 deg more, clockwise"}
 
@@ -68,8 +73,8 @@ class RestRecording(Stage):
         """The first sample that is still needed."""
         return self._dwelling.oldest
 
-    def _begun_again(self, block: Block, look: BlockLook) -> Stage | None:
-        """Take a second of the stream; return the stage that begins anew, None where this one goes on."""
+    def _restarted(self, block: Block, look: BlockLook) -> Stage | None:
+        """Take a second of the stream; return the stage that starts again, None while this one continues."""
         was_disturbed = self._dwelling.is_disturbed
         self._thermometer.take(block)
         if why := self._dwelling.take(block, look):
@@ -85,7 +90,7 @@ class RestRecording(Stage):
 
     @property
     def _is_along_marks(self) -> bool:
-        """Whether it matters which way the cube points, which the marks on the slab tell."""
+        """Whether it matters which way the cube points, which the marks on the surface plate define."""
         return False
 
     def _progress(self, step: RestStep, where: str) -> dict[str, Any]:
@@ -118,7 +123,7 @@ class DwellStage(RestRecording):
         self._face, self._dwells = face, dwells
         self._seat = SeatCheck(context, face)
         self._is_neither = False
-        self._position, self._how = context.position, AS_SAID if context.position else ""
+        self._position, self._how = context.position, AS_ANSWERED if context.position else ""
         if not dwells[0].position:  # a soak that wants the face only
             self._how = ANY_HEADING
 
@@ -131,14 +136,14 @@ class DwellStage(RestRecording):
         """Take a second of the stream."""
         if self._is_neither:
             return self._again("set the cube down along the marks on the surface plate", must_move=True)
-        if begun_again := self._begun_again(block, look):
-            return begun_again
+        if restarted := self._restarted(block, look):
+            return restarted
         if self._dwelling.is_disturbed or not self._dwelling.kept:
             return self
         if why := self._wrong_heading() or self._seat_fault():
             return self._again(why, must_move=True)
         if self._is_long_enough():
-            self._dwelling.ends_here()
+            self._dwelling.stop_early()
         return self._completed() if self._dwelling.is_complete else self
 
     def interrupted(self) -> Stage:
@@ -150,7 +155,7 @@ class DwellStage(RestRecording):
         """Take the operator's word for the position."""
         self._is_neither = key == NEITHER
         if key in {choice.key for choice in self._choices.choices} - {NEITHER}:
-            self._position, self._how = int(key), AS_SAID
+            self._position, self._how = int(key), AS_ANSWERED
 
     def shown(self) -> dict[str, Any]:
         """Return how far the dwell is."""
@@ -219,12 +224,12 @@ class DwellStage(RestRecording):
         return self.is_known and seconds >= SHORTEST_S and self._context.is_enough(self._step, seconds)
 
     def _result(self) -> dict[str, object]:
-        """Return what its table in ``campaign.toml`` is told besides."""
+        """Return further values for its table in ``campaign.toml``."""
         return {}
 
     def _completed(self) -> Stage:
         context, dwelling = self._context, self._dwelling
-        dwelling.forget_restless(context.gate.stillness.is_still)
+        dwelling.drop_unstill(context.gate.stillness.is_still)
         if not dwelling.is_complete:
             return self
         if why := self._crept(context.C_sb @ face_normal(self._face)):
@@ -238,9 +243,9 @@ class DwellStage(RestRecording):
         if why := "" if self._how == ANY_HEADING else self._nothing_left():
             return self._again(why, must_move=True)
         kept, step, runs = None if self._is_soak else self._seat.kept, self._step, dwelling.runs()
-        seats = seats_anew(context, step, runs, self._seat) if isinstance(step, Dwell) else {}
+        seats = recheck_seats(context, step, runs, self._seat) if isinstance(step, Dwell) else {}
         context.accept(step, runs, kept_seat=kept, read=self._result(), seats=seats)
-        ask_again(context, step, seats)
+        repeat_marked(context, step, seats)
         reject_tilted_turns(context)
         return after_dwell(context, lambda why: self._again(why, must_move=True))
 
@@ -248,7 +253,7 @@ class DwellStage(RestRecording):
 def free_look(context: StageContext, block: Block, look: BlockLook) -> BlockLook:
     """Return ``look`` with the gate of a free attitude in the place of the face's."""
     up = context.gate.way_up(block.rate[3:])
-    apart = nearest_deg(up, context.leans_taken())
+    apart = nearest_deg(up, context.tilts_taken())
     fault = ""
     if look.off_deg < MIN_APART_DEG:
         fault = f"{look.off_deg:.0f} deg from the nearest face, at least {MIN_APART_DEG:.0f}: tilt it further"
@@ -270,8 +275,8 @@ class FreeAttitudeStage(RestRecording):
 
     def take(self, block: Block, look: BlockLook) -> Stage:
         """Take a second of the stream."""
-        if begun_again := self._begun_again(block, free_look(self._context, block, look)):
-            return begun_again
+        if restarted := self._restarted(block, free_look(self._context, block, look)):
+            return restarted
         return self._completed() if self._dwelling.is_complete and not self._dwelling.is_disturbed else self
 
     def interrupted(self) -> Stage:
@@ -284,7 +289,7 @@ class FreeAttitudeStage(RestRecording):
 
     def _completed(self) -> Stage:
         context, dwelling = self._context, self._dwelling
-        dwelling.forget_restless(context.gate.stillness.is_still)
+        dwelling.drop_unstill(context.gate.stillness.is_still)
         if not dwelling.is_complete:
             return self
         if why := self._crept(context.C_sb @ context.gate.way_up(dwelling.rate()[3:])):

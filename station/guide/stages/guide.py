@@ -1,7 +1,7 @@
 """The guided campaign: a stage at a time, driven by the stream's seconds and the operator's commands.
 
 Nothing here waits or reads a clock: equal seconds and commands give an equal campaign. The face is recognised
-from raw counts and any order is taken; what is wrong is said and never counted against anybody.
+from raw counts and any order is accepted; errors are reported and have no further consequence.
 """
 
 from dataclasses import replace
@@ -15,11 +15,11 @@ from procedures.campaign.plan_steps import Step
 from procedures.rests_and_moves.free_attitudes import MIN_APART_DEG, nearest_deg
 from station.files.campaign_folder.notes import UnitRecord
 from station.guide.checks.cube_pose import HeadingWatch, face_wanted, pose_view
-from station.guide.checks.cube_tracking import BriskMoveWatch, CubeTracker
+from station.guide.checks.cube_tracking import CubeTracker, FastMoveWatch
 from station.guide.checks.face_and_stillness import BlockLook
 from station.guide.checks.seating import keep_question
 from station.guide.stages.dwell_stage import DwellStage, FreeAttitudeStage
-from station.guide.stages.placement_stage import PlacingStage
+from station.guide.stages.placement_stage import PlacementStage
 from station.guide.stages.stage import QuestionStage, Stage
 from station.guide.stages.stage_context import StageContext
 from station.guide.stages.turn_stage import TurnStage
@@ -30,7 +30,7 @@ from station.guide.wording import step_title
 from station.stream.live.stillness import STILL_NOISE_RATIO, Block
 from station.stream.recorder.connected_unit import UnitChanged
 
-KEPT_BLOCKS = 8  # of the past, besides those of the step
+KEPT_BLOCKS = 8  # of the past, in addition to those of the step
 TROUBLES = (  # with the stream: two words that stand in the place of what is live, and the one thing to do
     (UnitChanged, "WRONG UNIT", "connect the campaign's own unit"),
     (WrongFormat, "NOT READABLE", "check format and baud rate"),
@@ -48,14 +48,14 @@ class Guide:
 
     def __init__(self, context: StageContext, *, warms_up: bool, unsure: UnitRecord | None = None) -> None:
         self.context = context
-        first = self._first = _warming if warms_up else _placing
+        first = self._first = _warming if warms_up else _placement
         self._restarts = context.feed.restarts
         self._now: Stage = first(context) if unsure is None else UnitRecognitionStage(context, unsure, first)
         self._look: BlockLook | None = None
         self._accel: FloatArray = np.zeros(3)
         self._tracker = CubeTracker(context)
         self._heading = HeadingWatch(context, self._tracker)
-        self._brisk = BriskMoveWatch(context)
+        self._fast_moves = FastMoveWatch(context)
         self._is_paused = False
         self.trouble = ""  # with the stream, in words ...
         self._trouble_word = self._remedy = ""  # ... in two words, and what is to be done
@@ -90,7 +90,7 @@ class Guide:
             self._look_for_restart()
         elif self._is_paused:
             look = replace(look, is_still=False, is_calm=False, hindrance="paused")
-        self._brisk.take(block, look)
+        self._fast_moves.take(block, look)
         self._stage = self._stage.take(block, look)
         self._heading.take(look, self._step if self._may_stand_wrong else None)
         past = block.first - KEPT_BLOCKS * (block.last - block.first)
@@ -99,11 +99,11 @@ class Guide:
         oldest = [each for each in (needed, context.chain.oldest) if each is not None]
         context.feed.buffer.forget_before(min([past, *oldest]))
 
-    def glance(self, block: Block | None) -> None:
+    def show_newest(self, block: Block | None) -> None:
         """Take the newest second for show only."""
         if block is not None:
             self._look, self._accel = self.context.gate.look(block), block.rate[3:]
-        self._tracker.glance()
+        self._tracker.show_newest()
 
     def stream_failed(self, error: DriverError) -> None:
         """Take what is wrong with the stream; a dwell or turn under way is not accepted."""
@@ -130,7 +130,7 @@ class Guide:
             self._stage = self._first(self.context)
         return True
 
-    def obey(self, command: OperatorCommand) -> None:
+    def execute(self, command: OperatorCommand) -> None:
         """Do as the operator says; what does not fit the moment is said and changes nothing."""
         verb, stage = command.verb, self._stage
         if verb == "choose":
@@ -169,7 +169,7 @@ class Guide:
                 "steps": context.checklist.views(shown["live"]),
                 "wanted": wanted.name if (wanted := context.checklist.wanted) else "",
                 "can_redo": context.checklist.latest,
-                "can_do_more": context.sequel is not None and wanted is None,
+                "can_do_more": context.planner is not None and wanted is None,
                 "remaining_s": max(context.checklist.remaining_s() - shown.get("accepted_s", 0.0), 0.0),
                 "gates": None if self.trouble else self._gates(extras),
                 "pose": None if self.trouble else self._pose(),
@@ -184,7 +184,7 @@ class Guide:
     def _may_stand_wrong(self) -> bool:
         """Whether nothing has found yet that the cube stands in a position."""
         stage = self._stage
-        return isinstance(stage, PlacingStage) or (isinstance(stage, DwellStage) and not stage.is_known)
+        return isinstance(stage, PlacementStage) or (isinstance(stage, DwellStage) and not stage.is_known)
 
     @property
     def _is_recording(self) -> bool:
@@ -203,7 +203,7 @@ class Guide:
         )  # fmt: skip
         if extras.get("is_free"):
             is_apart = (
-                nearest_deg(self.context.gate.way_up(self._accel), self.context.leans_taken()) >= MIN_APART_DEG
+                nearest_deg(self.context.gate.way_up(self._accel), self.context.tilts_taken()) >= MIN_APART_DEG
             )
             extras = extras | {
                 "is_right_face": look.off_deg >= MIN_APART_DEG and is_apart,
@@ -257,9 +257,9 @@ class Guide:
 
     def _do_more(self) -> None:
         """Ask for one placing more of a campaign whose plan is not fixed."""
-        if self.context.sequel is None or self.context.checklist.open_steps:
+        if self.context.planner is None or self.context.checklist.open_steps:
             return
-        self.context.plan_on(goes_on=True)
+        self.context.replan(goes_on=True)
         self._look_again()
 
     def _redo(self, name: str) -> None:
@@ -274,15 +274,15 @@ class Guide:
 
     def _look_again(self) -> None:
         """Let what is wanted now decide, unless something else is being recorded."""
-        if isinstance(self._stage, PlacingStage):
-            self._stage = _placing(self.context)
+        if isinstance(self._stage, PlacementStage):
+            self._stage = _placement(self.context)
 
     def _set_paused(self, is_paused: bool) -> None:
         if is_paused == self._is_paused:
             return
         self._is_paused = is_paused
         if is_paused and isinstance(self._stage, TurnStage):
-            self._stage = PlacingStage(self.context, must_move=False)
+            self._stage = PlacementStage(self.context, must_move=False)
         self.context.event_log.say("", "paused" if is_paused else "going on")
 
     def _keep_seating(self, position: int) -> None:
@@ -296,10 +296,10 @@ class Guide:
         context = self.context
         context.kept_seats[position] = context.seats[position]
         context.off_seat = 0
-        return PlacingStage(context, must_move=False)
+        return PlacementStage(context, must_move=False)
 
     def _set_down_again(self) -> Stage:
-        return PlacingStage(self.context, must_move=bool(self.context.off_seat), why="lift, wipe, set down")
+        return PlacementStage(self.context, must_move=bool(self.context.off_seat), why="lift, wipe, set down")
 
 
 def trouble_of(error: DriverError) -> tuple[str, str]:
@@ -309,8 +309,8 @@ def trouble_of(error: DriverError) -> tuple[str, str]:
 
 
 def _warming(context: StageContext) -> Stage:
-    return WarmUpStage(context, _placing)
+    return WarmUpStage(context, _placement)
 
 
-def _placing(context: StageContext) -> Stage:
-    return PlacingStage(context, must_move=bool(context.position))
+def _placement(context: StageContext) -> Stage:
+    return PlacementStage(context, must_move=bool(context.position))

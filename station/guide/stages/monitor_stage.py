@@ -1,8 +1,9 @@
-"""A rest that is read by attitude laws meanwhile: the engine that runs the calibration runs the mixer too.
+"""A rest during which attitude filters run: the calibration can be compared with the unit's later use.
 
-It is judged as a soak is, by face, heading and stillness. The axes are those that lie north, east and down in its
-position, so that a cube that stands as it should reads nought, by any law and in any position. It is read by the
-calibration of the steps accepted so far, solved aside; what was recorded before that is there is read after it.
+It is judged like a soak, by face, heading and stillness. The axes are those that lie north, east and down in its
+position, so that roll and pitch are zero for a correctly placed cube, with any filter and in any position. The
+calibration is that of the steps accepted so far, solved in another thread; samples recorded before it is ready are
+processed afterwards.
 """
 
 from collections.abc import Sequence
@@ -38,21 +39,21 @@ SETTLED_SHARE = 0.5  # of the step, whose mean is its result
 WAIT_S = 0.2  # for a calibration that is being solved, at each second of a step that is recorded
 
 
-class LawsOfRest:
-    """Reads the blocks of a rest by laws; ``why`` says why it does not."""
+class FiltersAtRest:
+    """Runs attitude filters on the blocks of a rest; ``why`` is the reason if it does not."""
 
     def __init__(self, context: StageContext, step: Monitor) -> None:
         self._context, self._step = context, step
         assert context.feed.unit is not None, "the guide starts when the unit is identified"
         aside = ThreadPoolExecutor(1, "calibration so far")
         self._asked: Future[AppliedCalibration] = aside.submit(
-            context.recorder.calibration_so_far, context.feed.unit, context.feed.wire
+            context.recorder.interim_calibration, context.feed.unit, context.feed.wire
         )
         aside.shutdown(wait=False)
         self._waiting: list[Block] = []  # not read yet
         self._taken = 0  # samples up to here were taken
         self._end: int | None = None  # of those that were read
-        self._left_out_s = 0.0
+        self._discarded_s = 0.0
         self._sensors: Sensors | None = None
         self._laws: SideBySide | None = None
         self._rest = ErrorAtRest(context.recorder.gravity, context.bench.latitude, 0.0)
@@ -66,7 +67,7 @@ class LawsOfRest:
 
     @property
     def newest(self) -> tuple[LawReading, ...]:
-        """What the laws read last."""
+        """The last readings of the filters."""
         return self._read[-1][1] if self._read else ()
 
     def take(self, accepted: Sequence[Block]) -> None:
@@ -88,7 +89,7 @@ class LawsOfRest:
         return True
 
     def result(self, runs: Sequence[SampleRun]) -> dict[str, object]:
-        """Return what the campaign's table of the step is told: of ``runs``, the samples that were accepted."""
+        """Return the values for the step's table in ``campaign.toml``, from ``runs``, the accepted samples."""
         accepted = [laws for at, laws in self._read if any(first <= at < last for first, last in runs)]
         settled = accepted[round(len(accepted) * SETTLED_SHARE) :]
         if not settled:
@@ -97,17 +98,17 @@ class LawsOfRest:
         downs = np.array([[law.down for law in laws] for laws in settled])
         mean, middle = angles.mean(axis=0), downs.mean(axis=0)
         scatter = np.degrees(np.sqrt(np.mean(inclination(downs, middle[None]) ** 2, axis=0)))
-        told: dict[str, object] = {
+        values: dict[str, object] = {
             "calibration": self.calibration, "roll_deg": mean[:, 0].tolist(), "pitch_deg": mean[:, 1].tolist(),
             "scatter_deg": scatter.tolist(),
         }  # fmt: skip
         if len(middle) > 1:
-            told["difference_deg"] = float(np.degrees(inclination(middle[0], middle[1])))
+            values["difference_deg"] = float(np.degrees(inclination(middle[0], middle[1])))
         if (errors := self._rest.comparison) is not None:
             at_rest = errors.calibrated
-            values = {"level_deg": at_rest.level, "drift_deg_h": at_rest.drift, "g_error_mg": at_rest.g}
-            told |= {name: value for name, value in values.items() if np.isfinite(value)}
-        return told
+            at = {"level_deg": at_rest.level, "drift_deg_h": at_rest.drift, "g_error_mg": at_rest.g}
+            values |= {name: value for name, value in at.items() if np.isfinite(value)}
+        return values
 
     def view(self) -> MonitoredView:
         """Return what is shown."""
@@ -130,12 +131,14 @@ class LawsOfRest:
         for block in self._waiting:
             if block.is_broken:
                 self._laws.begin_anew()
-            elif self._end is not None:  # it stands as it stood: to a law the seconds left out did not pass
-                self._left_out_s += (block.first - self._end) * period
+            elif (
+                self._end is not None
+            ):  # the attitude is unchanged: for a filter the discarded seconds do not exist
+                self._discarded_s += (block.first - self._end) * period
             self._end = block.last
             for at in range(block.first, block.last, size):
                 tick = self._sensors.take(self._context.feed.buffer.block(at, min(at + size, block.last)))
-                found = self._laws.take(tick.t - self._left_out_s, tick.calibrated)
+                found = self._laws.take(tick.t - self._discarded_s, tick.calibrated)
                 if found is not None:
                     reading, laws = found
                     self._rest.take(tick, len(tick.t) * period, rests=reading.mode == "at rest")
@@ -143,7 +146,7 @@ class LawsOfRest:
         self._waiting.clear()
 
     def _begun(self) -> bool:
-        """Make the laws by the calibration that was found; say why there is none."""
+        """Make the filters with the calibration that was found; keep the reason if there is none."""
         try:
             applied = self._asked.result()
         except (StationError, ProcedureError) as error:
@@ -173,7 +176,7 @@ class MonitorStage(DwellStage):
 
     def __init__(self, context: StageContext, step: Monitor, again: NextStage) -> None:
         super().__init__(context, step.face, [step], again)
-        self._laws = LawsOfRest(context, step)
+        self._laws = FiltersAtRest(context, step)
 
     @property
     def oldest(self) -> int | None:
@@ -181,13 +184,13 @@ class MonitorStage(DwellStage):
         needed = [each for each in (self._laws.oldest, super().oldest) if each is not None]
         return min(needed, default=None)
 
-    def _begun_again(self, block: Block, look: BlockLook) -> Stage | None:
-        begun_again = super()._begun_again(block, look)
-        self._laws.take(self._dwelling.kept)  # not a second that is left out: a law carries it on
-        return begun_again
+    def _restarted(self, block: Block, look: BlockLook) -> Stage | None:
+        restarted = super()._restarted(block, look)
+        self._laws.take(self._dwelling.kept)  # without the discarded seconds: a filter bridges them
+        return restarted
 
     def shown(self) -> dict[str, Any]:
-        """Return how far it is, and what the laws read."""
+        """Return the progress and the readings of the filters."""
         return super().shown() | {"monitored": self._laws.view()}
 
     def _completed(self) -> Stage:

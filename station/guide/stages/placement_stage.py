@@ -1,8 +1,7 @@
-"""Wait until the cube rests on a face that has something to do; any order is taken, and nobody is hurried.
+"""Placement: wait until the cube rests on a face where a step is open. Any order is accepted.
 
-There is one instruction at a time: put the cube somewhere, until it has come to rest where something is to do;
-then hands off, until it is lifted, tipped or turned away. A cube that only rocks or is bumped is not to be placed
-again.
+There is one instruction at a time: place the cube, until it rests where a step is open; then hands off, until it
+is lifted, tipped or rotated. A cube that only rocks or is bumped need not be placed again.
 """
 
 from typing import Any
@@ -30,7 +29,7 @@ LEARNING = "wait, hands off: the noise of the unit at rest is being measured"
 SET_DOWN_AGAIN = "lift the cube, wipe it and the plate, set it down as before"
 
 
-class PlacingStage(Stage):
+class PlacementStage(Stage):
     """The cube is to be moved: after an accepted step it must be seen to move before another can begin.
 
     ``why`` says what was wrong with how it stood, empty if nothing was.
@@ -71,13 +70,13 @@ class PlacingStage(Stage):
         return FreeAttitudeStage(self._context, step, self._again) if step else self._arrived(look.face)
 
     def interrupted(self) -> Stage:
-        """Wait anew; the cube may have been moved meanwhile."""
-        return PlacingStage(self._context, must_move=False, why=self._why)
+        """Wait again; the cube may have been moved meanwhile."""
+        return PlacementStage(self._context, must_move=False, why=self._why)
 
     def shown(self) -> dict[str, Any]:
         """Return where the cube is to go, and what hinders."""
         step, is_known = self._context.checklist.wanted, self._context.gate.stillness.is_known
-        lean = next_direction(self._context.leans_taken()) if step is not None and is_free(step) else None
+        lean = next_direction(self._context.tilts_taken()) if step is not None and is_free(step) else None
         what = instruction(step, way=lean or (1, 1, 0)) if step else "all steps are done"
         hint = self._why or (self._hint if not self._must_move else "")
         shown: dict[str, Any] = {"stage": "place", "line": what, "hint": hint}
@@ -89,8 +88,8 @@ class PlacingStage(Stage):
             if isinstance(step, Turn) and self._face == face_of(step.start_position):
                 shown["line"] = rest_before(step)
         if self._context.off_seat:  # one thing at a time: not where it is to go next
-            shown |= {"line": SET_DOWN_AGAIN, "hint": _told(self._why)}
-            shown |= {"is_seated": False, "seating": _told(self._why)}
+            shown |= {"line": SET_DOWN_AGAIN, "hint": _without_instruction(self._why)}
+            shown |= {"is_seated": False, "seating": _without_instruction(self._why)}
         return shown
 
     def _stands(self, look: BlockLook) -> bool:
@@ -123,7 +122,7 @@ class PlacingStage(Stage):
         step, position = self._context.checklist.wanted, self._context.position
         if look.hindrance or self._why:
             return False
-        if self._is_free or not position:  # leaning as it is wanted: taken before it is only to do it again
+        if self._is_free or not position:  # tilted as requested: accepted without another placement
             return self._is_free
         if (
             isinstance(step, Dwell)
@@ -136,7 +135,7 @@ class PlacingStage(Stage):
         return (step.start_position if isinstance(step, Turn) else getattr(step, "position", 0)) == position
 
     def _wants_free(self, look: BlockLook) -> bool:
-        """Say whether the cube is to be judged by the gate of a free attitude as it leans now."""
+        """Say whether the cube is to be judged by the gate of a free attitude as it is tilted now."""
         checklist = self._context.checklist
         if checklist.open_free() is None:
             return False
@@ -163,7 +162,7 @@ class PlacingStage(Stage):
     def _again(self, why: str, *, must_move: bool) -> Stage:
         if why:
             self._context.event_log.say("rejected", why)
-        return PlacingStage(self._context, must_move=must_move, why=why if must_move else "")
+        return PlacementStage(self._context, must_move=must_move, why=why if must_move else "")
 
     def _wrong(self, face: str) -> Stage:
         turns = [each for each in open_turns(self._context) if face_of(each.start_position) == face]
@@ -182,6 +181,6 @@ def open_turns(context: StageContext) -> list[Turn]:
     return [step for step in checklist.steps if isinstance(step, Turn) and checklist.is_open(step)]
 
 
-def _told(why: str) -> str:
+def _without_instruction(why: str) -> str:
     """Return why a seat is no good without the instruction, which stands above it."""
     return why.removesuffix("; lift, wipe, set down")

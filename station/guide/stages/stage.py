@@ -1,4 +1,9 @@
-"""A stage of a guided campaign: it is given each second of the stream and says which stage comes next."""
+"""A stage of a guided campaign takes each second of the stream and returns the stage that comes next.
+
+Here are the base of all stages and the one that waits for an answer, with the questions that only the operator can
+answer: which position it is, which turn, and what to do if an accepted position had a wrong heading. That shows
+only after other faces have shown the gyroscopes' biases, so that it may be an earlier position than the last.
+"""
 
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
@@ -31,7 +36,7 @@ class Stage:
         raise NotImplementedError
 
     def interrupted(self) -> "Stage":
-        """Return the stage that goes on when the stream has begun anew: nothing before counts any more."""
+        """Return the stage that continues after the stream has restarted: nothing before it counts."""
         raise NotImplementedError
 
     def answer(self, key: str) -> None:
@@ -76,7 +81,7 @@ class QuestionStage(Stage):
         self._answer = key if key in self._then else ""
 
     def interrupted(self) -> Stage:
-        """Ask on: no sample hangs on it."""
+        """Keep asking: the answer does not depend on samples."""
         self._context.moved()
         return self
 
@@ -110,15 +115,15 @@ REDO, KEEP = "r", "k"
 
 
 def after_dwell(context: StageContext, again: Callable[[str], Stage]) -> Stage:
-    """Return what comes after an accepted dwell; ``again`` makes the usual stage, told why the cube is to move."""
-    for dwells, error in context.turned_off():
+    """Return the stage after an accepted dwell; ``again`` makes the usual one from the reason to move the cube."""
+    for dwells, error in context.wrong_headings():
         names = {dwell.name: dwell for dwell in sorted(dwells, key=lambda each: (each.position, each.repeat))}
         dwell = names.get(context.checklist.latest, dwells[0])  # where it may be several
         if (key := tuple(names)) in context.reported_turned or context.checklist.step(dwell.name) is None:
             continue
         context.reported_turned.add(key)
-        told = f"position {' or '.join(each.words for each in names.values())} {heading_error_text(error)}"
-        context.event_log.say("rejected", told)
+        text = f"position {' or '.join(each.words for each in names.values())} {heading_error_text(error)}"
+        context.event_log.say("rejected", text)
         if not context.bench.asks:  # once: the second time it stands as it is, and the solution says so
             return (
                 _redo(context, dwell, error, again) if context.checklist.attempts[dwell.name] == 1 else again("")
@@ -129,7 +134,7 @@ def after_dwell(context: StageContext, again: Callable[[str], Stage]) -> Stage:
             Choice(key=KEEP, title="keep it: the solution lists it, the uncertainties do not include it"),
         )
         return QuestionStage(
-            context, OperatorQuestion(text=f"{told[0].upper()}{told[1:]}.", choices=choices), then
+            context, OperatorQuestion(text=f"{text[0].upper()}{text[1:]}.", choices=choices), then
         )
     return again("")
 

@@ -1,4 +1,4 @@
-"""What the stages of a guided campaign share: stream, judge, checklist, and where steps are accepted."""
+"""What all stages share: the stream, the gates, the checklist, and how a step is accepted."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -27,8 +27,8 @@ from station.guide.campaign.accepted_steps import (
 from station.guide.campaign.checklist import Checklist
 from station.guide.campaign.folder_recorder import FolderRecorder
 from station.guide.checks.face_and_stillness import BlockLook, FaceAndStillnessGate
-from station.guide.checks.transfers import SWITCHED, MoveChain
-from station.guide.checks.turn_closure import TurnClosures, turns_again, what_now
+from station.guide.checks.transfers import SWITCHED, TransferChain
+from station.guide.checks.turn_closure import TurnClosures, closure_remedy, turns_to_repeat
 from station.guide.wording import step_title
 from station.stream.live.accepted_blocks import series_of_runs
 from station.stream.live.live_feed import LiveFeed
@@ -48,7 +48,7 @@ class BenchFacts:
 
     ``bias_std`` [g] is the accelerometer bias's 1 sigma wanted, from which a dwell's length follows; None: it is
     given. ``asks``: somebody is there to be asked which way the cube points; else the wanted position is believed
-    where the Earth rate does not tell.
+    where the Earth rate does not determine the heading.
     """
 
     latitude: float
@@ -62,7 +62,7 @@ class BenchFacts:
 class StageContext:
     """Shared by all stages. ``position`` is where the cube is known to stand since it last moved, 0 if not.
 
-    ``sequel`` says what comes next in a campaign that goes on until all wanted is met; None: the plan is fixed.
+    ``planner`` says what comes next in a campaign that goes on until all wanted is met; None: the plan is fixed.
     ``limits`` then says how far what its model limits is; None: it limits nothing.
     """
 
@@ -73,11 +73,11 @@ class StageContext:
         bench: BenchFacts,
         recorder: FolderRecorder,
         done: AcceptedSteps = NO_ACCEPTED_STEPS,
-        sequel: "SequentialCampaign | None" = None,
+        planner: "SequentialCampaign | None" = None,
         limits: "SequentialCampaign | None" = None,
     ) -> None:
         self.feed, self.checklist, self.bench, self.recorder = feed, checklist, bench, recorder
-        self.sequel, self.limits = sequel, sequel or limits
+        self.planner, self.limits = planner, planner or limits
         self.event_log, self.gate = EventLog(), FaceAndStillnessGate(bench.fixture.C_sb)
         self.accepted_dwells: dict[str, AcceptedDwell] = {}  # by step
         self.turns: dict[str, TurnCounts] = dict(done.turns)  # those that stand, by step
@@ -91,11 +91,11 @@ class StageContext:
         self.kept_seats: dict[int, FloatArray] = {}  # how it sits where the operator keeps it so, by position
         self.off_seat = 0  # the position in which it was just found off
         self.badly_seated: set[str] = set(done.badly_seated)  # steps recorded with a seat known to be bad
-        self.seats_asked_again = set[str]()  # steps to be recorded again for their seats, once each
+        self.seat_repeats = set[str]()  # steps to be recorded again for their seats, once each
         self.turn_on = done.turn_on  # which one since the campaign began, from 1
         self.earlier_dwells = list(done.earlier)  # those of other turn-ons that sat well, and of which one
         self.turn_rests = dict(done.turn_rests)  # at rest about turns whose seat is not judged yet, by step
-        self.chain = MoveChain(is_resumed=any(checklist.attempts.values()))
+        self.chain = TransferChain(is_resumed=any(checklist.attempts.values()))
         self.reported_turned = set[tuple[str, ...]]()  # steps said to have stood turned, as they stand now
         self._accel: tuple[tuple[object, ...], list[RateEstimate]] = ((), [])  # by what they are rates of
         self._gyro_k: float | None = None
@@ -107,7 +107,7 @@ class StageContext:
                 checklist.redo(step.name)
         if self.limits is not None:
             self.limits.learn(self.accepted_dwells.values(), self.gyro_k)
-        self.plan_on()
+        self.replan()
 
     @property
     def C_sb(self) -> FloatArray:
@@ -166,11 +166,11 @@ class StageContext:
         if partner is None or found is Closing.CLOSED:
             self.accept(step, runs, note)
             return
-        why = what_now(found, step, pair_difference(seen, partner), pair_limit(seen, partner, stated))
+        why = closure_remedy(found, step, pair_difference(seen, partner), pair_limit(seen, partner, stated))
         self.accept(step, runs, note, doubt=why)
-        for again in turns_again(found, step):
+        for again in turns_to_repeat(found, step):
             self.checklist.redo(again)
-        if not self.bench.asks and self.closings.is_vain(step.axis):
+        if not self.bench.asks and self.closings.is_unresolvable(step.axis):
             wide = np.degrees(self.closings.found_std(step.axis))
             remedy = f"check marks and stop, or state a closure error of {wide:.2g} deg"
             raise DataRefused(
@@ -238,10 +238,10 @@ class StageContext:
             self.event_log.say("rejected", doubt)
             return
         count = sum(n > 0 for n in self.checklist.attempts.values())
-        of = "" if self.sequel else f" of {len(self.checklist.steps)}"
-        told = [f"accepted: {step_title(step)}", note, f"{count}{of} done"]
-        self.event_log.say("accepted", ", ".join(filter(None, told)))
-        self.plan_on()
+        of = "" if self.planner else f" of {len(self.checklist.steps)}"
+        parts = [f"accepted: {step_title(step)}", note, f"{count}{of} done"]
+        self.event_log.say("accepted", ", ".join(filter(None, parts)))
+        self.replan()
 
     def _mark_seat(self, step: Dwell, off: FloatArray | None) -> None:
         (self.badly_seated.discard if off is None else self.badly_seated.add)(step.name)
@@ -252,27 +252,27 @@ class StageContext:
         """Judge no seat by the recording of a step at an earlier turn-on any more."""
         self.earlier_dwells = [one for one in self.earlier_dwells if one[0].step.name != step.name]
 
-    def plan_on(self, *, goes_on: bool = False) -> None:
+    def replan(self, *, goes_on: bool = False) -> None:
         """Ask next for what brings a campaign on soonest that goes on until what is wanted is met.
 
         ``goes_on``: when it is met as well.
         """
-        if self.sequel is None:
+        if self.planner is None:
             return
-        self.checklist.replan(self.sequel.steps(goes_on=goes_on))
+        self.checklist.replan(self.planner.steps(goes_on=goes_on))
         self.recorder.keep_steps(self.checklist.steps)
-        self.event_log.say("", self.sequel.said)
+        self.event_log.say("", self.planner.said)
 
     def is_enough(self, step: Step, seconds: float) -> bool:
         """Say whether a dwell under way, accepted for so long [s], is the last that is needed."""
-        return self.sequel is not None and self.sequel.is_enough(step, seconds, is_carried=self.is_carried)
+        return self.planner is not None and self.planner.is_enough(step, seconds, is_carried=self.is_carried)
 
     @property
     def is_carried(self) -> bool:
         """Whether the move that ended last will be used."""
         return not (self.chain.why or self.chain.doubt)
 
-    def leans_taken(self) -> list[FloatArray]:
+    def tilts_taken(self) -> list[FloatArray]:
         """Return the unit vectors (3,), cube axes, that were up in each free position done for good."""
         open_steps = {step.name for step in self.checklist.steps if self.checklist.is_open(step)}
         taken = [rate for name, rate in self.free_attitudes.items() if name not in open_steps]
@@ -317,8 +317,8 @@ class StageContext:
         self.moved()
         self.event_log.say("rejected", POWER_CYCLED + then)
 
-    def turned_off(self) -> list[tuple[list[Dwell], HeadingError]]:
-        """Return the dwells that stood turned against the marks, as far as the gyros tell by now."""
+    def wrong_headings(self) -> list[tuple[list[Dwell], HeadingError]]:
+        """Return the dwells whose heading was off the marks, as far as the gyroscopes show it by now."""
         k, known, steps = self.gyro_k, self.known, [each.step for each in self.accepted_dwells.values()]
         if k is None:
             return []

@@ -1,4 +1,4 @@
-"""A hand turn under way: rest, turn, rest; counted live, and accepted once it has come back."""
+"""A manual rotation: rest, rotation, rest; counted live, and accepted once the cube is back at its start."""
 
 from typing import Any
 
@@ -9,13 +9,13 @@ from procedures.campaign.plan_steps import Turn
 from procedures.earth.gyrocompass import CertainDwell, rough_scale_factor
 from procedures.frames import AXES, face_of
 from station.guide.checks.face_and_stillness import BlockLook
-from station.guide.checks.seating import SeatCheck, keep_to_judge, lies_otherwise, rest_rates
+from station.guide.checks.seating import SeatCheck, remember_rests, rest_rates, tilt_change
 from station.guide.checks.turn_closure import (
     GROSS_SIGMAS,
     TURN_AGAIN,
     WIDEN_CLOSURE,
     agreement_in_words,
-    earth_rate_says,
+    earth_rate_text,
     heading_moved,
 )  # fmt: skip
 from station.guide.stages.stage import NEITHER, OTHER_WAY, TAKE, NextStage, Stage, which_position, which_turn
@@ -158,7 +158,7 @@ class TurnStage(Stage):
         return abs(self._revolutions()) >= self._step.revolutions - BACK_REVOLUTIONS
 
     def _wrong_count(self) -> str:
-        """Say whether the Earth's rate tells another number of revolutions; later turns have the first."""
+        """Say whether the Earth's rate shows another number of revolutions; only for the first turn."""
         context, wanted = self._context, self._step.revolutions
         if context.turns:
             return ""
@@ -225,14 +225,14 @@ class TurnStage(Stage):
             why = f"closure error {abs(change[0]):.1f} deg (u = {change[1]:.1f} deg)"
             return self._again(f"{step_title(self._step)}: {why}; repeat", must_move=False)
         before, after = (rest_rates(context, self._step.start_position, each) for each in self._rests)
-        if why := lies_otherwise(before, after):
+        if why := tilt_change(before, after):
             return self._again(f"{step_title(self._step)}: {why}; lift, wipe, rotate again", must_move=True)
         seen = self._seen()
         partner = context.closings.partner(self._step.axis, self._step.direction)
-        told = agreement_in_words(seen, partner, context.closings.closure_std) or earth_rate_says(change)
-        context.accept_turn(self._step, runs_of_blocks(watch.step_blocks(), None), seen, told)
+        note = agreement_in_words(seen, partner, context.closings.closure_std) or earth_rate_text(change)
+        context.accept_turn(self._step, runs_of_blocks(watch.step_blocks(), None), seen, note)
         if not self._seat.is_sharp:
-            keep_to_judge(context, self._step, before, after)
+            remember_rests(context, self._step, before, after)
         context.position = 0 if self._is_touched else self._step.start_position
         return self._again("", must_move=not self._is_touched)
 
@@ -278,7 +278,7 @@ class TurnStage(Stage):
         return before[:-1], after[1:]
 
     def _heading_moved(self) -> tuple[float, float] | None:
-        """Return what the horizontal Earth rate before and after tells [deg], with 1 sigma."""
+        """Return the heading change from the horizontal Earth rate before and after [deg], with 1 sigma."""
         context, (before, after) = self._context, self._rests
         if not before or not after:
             return None

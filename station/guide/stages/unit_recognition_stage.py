@@ -1,4 +1,9 @@
-"""Is this the unit that the campaign began with? Asked where the wire does not say a serial number."""
+"""Is this the unit that the campaign began with? Asked where the device sends no serial number.
+
+On one face the accelerometers' count rates hold scale factor and bias whichever way the cube points, and the
+upright gyroscope's hold its bias and the vertical part of the Earth rate. A unit switched on again repeats them to
+`MAX_ACCELEROMETER_CHANGE` and `MAX_GYROSCOPE_CHANGE`; another unit of its model seldom comes as near in all.
+"""
 
 from collections.abc import Callable
 from typing import Any, Literal, NamedTuple

@@ -61,7 +61,7 @@ class WarmUpStage(Stage):
         return self._then(self._context)
 
     def interrupted(self) -> Stage:
-        """Begin anew: a device that was switched off warms up again."""
+        """Start again: a device that was switched off warms up again."""
         return WarmUpStage(self._context, self._then)
 
     @property

@@ -1,4 +1,4 @@
-"""The campaign: one screen whose parts change, so that nothing jumps."""
+"""Warm-up, then the campaign: one screen whose parts change, so that nothing jumps."""
 
 from collections.abc import Callable
 
@@ -7,7 +7,7 @@ from textual.binding import Binding
 from textual.containers import Horizontal, Vertical
 from textual.widgets import ContentSwitcher
 
-from station.guide.campaign.checklist import lacking
+from station.guide.campaign.checklist import why_not_solvable
 from station.guide.view import CalibrationView, OperatorCommand, StageName
 from station.tui.screens.stage import FramedScreen
 from station.tui.widgets.common import BannerText
@@ -164,7 +164,7 @@ class CampaignScreen(FramedScreen):
 
     def action_finish(self) -> None:
         """Ask, then solve with the steps that are done; not where that surely cannot be."""
-        if lack := lacking(self.view.steps):
+        if lack := why_not_solvable(self.view.steps):
             self.notify(lack, title="Not yet", severity="warning", markup=False)
             return
         missing = len(self.view.steps) - self.view.done

@@ -1,4 +1,4 @@
-"""What lies over a screen until it is answered, or no longer fits what goes on."""
+"""Modal screens: confirm, question, help, readiness, diagnosis; closed when answered or out of date."""
 
 from collections.abc import Collection
 from textwrap import wrap
@@ -110,8 +110,8 @@ def keys_of(screen: Screen[None]) -> dict[str, str]:
     """Return the keys that work on a screen, by what they do."""
     keys: dict[str, str] = {}
     for active in screen.active_bindings.values():
-        is_told = active.binding.show or (active.node is screen and active.binding.tooltip)
-        if is_told and active.enabled:
+        is_shown = active.binding.show or (active.node is screen and active.binding.tooltip)
+        if is_shown and active.enabled:
             what = active.tooltip or active.binding.description
             keys[what] = ", ".join(filter(None, (keys.get(what), screen.app.get_key_display(active.binding))))
     return keys

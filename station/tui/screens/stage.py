@@ -1,4 +1,4 @@
-"""What all screens have in common: a view, commands, a title, keys to leave, to cancel and to ask for help."""
+"""The base of all screens, the frame of those that follow a live IMU, and the screen that waits."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -117,7 +117,7 @@ class StageScreen(Screen[None]):
         yield self.too_small
 
     def _fit(self) -> None:
-        """Be of the size that the terminal has: told by the resize to come, all would get its styles once more."""
+        """Take the classes of the terminal's size now: else the next resize event computes all styles again."""
         points = zip(self.app.size, (self.HORIZONTAL_BREAKPOINTS, self.VERTICAL_BREAKPOINTS), strict=True)
         for size, names in points:
             self.add_class([name for least, name in names if size >= least][-1], update=False)

@@ -105,8 +105,8 @@ class StartScreen(StageScreen):
         self.heading = Static("RESUME a campaign", classes="heading")
         self.said, self.time = Static("", id="said", markup=False), Static("", id="time", markup=False)
         self.ready = ReadyLines()
-        self._considered: Setup | None = None  # what the engine was told last of the form
-        self._waits = False  # to tell it
+        self._considered: Setup | None = None  # the set-up sent last to the engine
+        self._waits = False  # to send it
         self._typed = ""  # what is wrong in the field typed in last
         self._refused = ""
         self._looked = dict[str, str]()  # the addresses looked at last, by field
@@ -184,7 +184,7 @@ class StartScreen(StageScreen):
             self.set_timer(CONSIDER_S, self._consider)
 
     def _consider(self) -> None:
-        """Tell the engine what stands in the form, so that it says how ready that is."""
+        """Send the form to the engine, which answers how ready it is."""
         self._waits = False
         if (setup := self.form.setup()) != self._considered:
             self._considered = setup
@@ -262,5 +262,5 @@ class StartScreen(StageScreen):
         self.confirm("Give up?", text, "Yes, cancel", "cancel", "start")
 
     def action_leave(self) -> None:
-        """Close; nothing was begun."""
+        """Close; nothing was started."""
         self.app.exit()

@@ -1,4 +1,4 @@
-"""The end of a campaign: the verdict in a sentence, then the numbers; storing them is the operator's act."""
+"""The end of a campaign: the verdict and its numbers, which may be stored; or how it ended without one."""
 
 import os
 import webbrowser
@@ -300,7 +300,7 @@ class EndedScreen(StageScreen):
         word, colour, sentence = ENDED_LOOKS.get(view.stage, ENDED_LOOKS["failed"])
         parts = [Content.styled(f" {word} ", f"bold $background on {colour}"), Content("")]
         if view.stage == "cancelled" and not view.folder:
-            sentence = ""  # nothing was begun
+            sentence = ""  # nothing was started
         parts += [Content(text + "\n") for text in (view.error, view.line, sentence) if text]
         if view.folder:
             parts.append(Content.assemble(("folder  ", "$muted"), view.folder))

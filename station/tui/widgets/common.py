@@ -1,4 +1,4 @@
-"""A widget that draws one value, and draws it again only when it is another."""
+"""Widgets of every screen: the base of all, title, banner, events, keys; and bars and durations drawn in them."""
 
 from dataclasses import dataclass
 from textwrap import wrap
@@ -65,8 +65,8 @@ def duration_in_words(seconds: float) -> str:
     return f"{minutes} min" if minutes < 60 else f"{minutes // 60} h {minutes % 60:02} min"
 
 
-def beside_limit(value: float, limit: float, unit: str) -> str:
-    """Return a value beside its limit: ``0.3 < 3 deg``."""
+def against_limit(value: float, limit: float, unit: str) -> str:
+    """Return a value with its limit: ``0.3 < 3 deg``."""
     form = ".1f" if abs(value) < 100 else ".0f"
     return f"{value:{form}} {'>' if abs(value) > limit else '<'} {limit:g} {unit}".rstrip()
 
@@ -105,13 +105,13 @@ class KeyLine(Footer):
             self.styles.grid_size_columns = PHONE_COLUMNS
 
     def bindings_changed(self, screen: Screen[object]) -> None:
-        """Draw the keys anew if they are others."""
+        """Draw the keys again if they have changed."""
         self._bindings_ready = True
         if self.is_attached and screen is self.screen:
             self.call_after_refresh(self._draw_others)
 
     async def _draw_others(self) -> None:
-        """Draw the keys; a screen tells of a change a dozen times while it is built, mostly of none."""
+        """Draw the keys; a screen reports a change a dozen times while it is built, mostly without one."""
         if not self.is_attached:  # the screen was closed meanwhile
             return
         keys = [
@@ -124,7 +124,7 @@ class KeyLine(Footer):
             await self.recompose()
 
     def on_mount(self) -> None:
-        """Draw the keys that work from the beginning: a screen that is shown out of focus is told of no change."""
+        """Draw the keys from the beginning: a screen that is shown out of focus gets no event of a change."""
         super().on_mount()
         self.bindings_changed(self.screen)
 

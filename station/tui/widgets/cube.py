@@ -75,7 +75,7 @@ def largest_picture(columns: int, rows: int) -> PictureSize:
 def draw_cube(canvas: Canvas, faces: dict[str, str], size: PictureSize, turn: str = "") -> None:
     """Draw the cube on a canvas that is at least as large as ``size`` says.
 
-    ``faces`` look each way, as of `station.tui.widgets.orientation.faces`; `UNKNOWN_FACE` where nobody knows. ``turn``,
+    ``faces`` look each way, as of `orientation.faces`; `UNKNOWN_FACE` where nobody knows. ``turn``,
     ``counter-clockwise`` or ``clockwise``, adds the arrow along which the front moves, seen from above.
     """
     draw_slab(canvas, size)
@@ -238,7 +238,7 @@ def _name(axis: int, sign: int) -> str:
     return f"{'+' if sign > 0 else '-'}{'XYZ'[axis]}"
 
 
-LEANING = f"""
+TILTED_PICTURE = f"""
    {SLANT}\u2572   on an edge
  {SLANT}    \u2572 or corner,
 {SLANT}     {SLANT} propped,
@@ -271,7 +271,7 @@ class CubePair(ValueWidget[tuple[StepView | None, PoseView | None]]):
 
 def _wanted(canvas: Canvas, step: StepView, size: PictureSize) -> None:
     if step.is_free:
-        for row, line in enumerate(LEANING.split("\n")):
+        for row, line in enumerate(TILTED_PICTURE.split("\n")):
             canvas.put(row, 1, line, "bold")
         return
     turn = ""

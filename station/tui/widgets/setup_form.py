@@ -117,7 +117,7 @@ class SetupField(Horizontal):
 
     def judge(self, problem: str) -> None:
         """Mark the field as wrong or right."""
-        if bool(problem) != self.has_class("wrong"):  # a mark drawn anew lays the whole screen out again
+        if bool(problem) != self.has_class("wrong"):  # a mark that is drawn again lays the whole screen out again
             self.set_class(bool(problem), "wrong")
             self._mark.update("✗" if problem else "")
 

@@ -1,4 +1,4 @@
-"""What is said of one step: accepted seconds, how the cube stands, a soak's temperature, what became of it."""
+"""Panels of a step: gates, accepted seconds, seating, turn, soak, monitor, warm-up, limits, the step in words."""
 
 from textwrap import fill
 
@@ -8,7 +8,7 @@ from procedures.frames import position_name
 from procedures.units import S_PER_MIN
 from station.guide.view import GatesView, LimitView, MonitoredView, SoakView, StepView, TurnView, WarmUpView
 from station.guide.wording import rounded
-from station.tui.widgets.common import ValueWidget, bar, beside_limit, duration_in_words, pointer
+from station.tui.widgets.common import ValueWidget, against_limit, bar, duration_in_words, pointer
 from station.tui.widgets.orientation import short_step_title
 
 
@@ -58,7 +58,7 @@ class SoakLines(ValueWidget[SoakView]):
 
 
 class MonitoredLines(ValueWidget[MonitoredView]):
-    """What each law reads, and how far two are apart; or why none does."""
+    """What each filter reads, and how far two are apart; or why none does."""
 
     DEFAULT_CSS = "MonitoredLines { height: 3; }"
 
@@ -108,14 +108,14 @@ class GatesPanel(ValueWidget[GatesView]):
         word = "tilted" if is_tilted else "wrong" if gates.off_deg > gates.limit_deg else "other"
         if gates.is_right_face:
             word = "right" if gates.is_wanted_face else "may do"
-        name, numbers = "FACE", up + beside_limit(gates.off_deg, gates.limit_deg, "deg")
+        name, numbers = "FACE", up + against_limit(gates.off_deg, gates.limit_deg, "deg")
         fraction = gates.off_deg / gates.limit_deg if gates.is_right_face else 1.0
         if gates.is_free:
             name, word = "FREE", "apart" if gates.is_right_face else "near"
             numbers = f"{gates.off_deg:.0f} deg from {gates.face.replace('_', ' ')}"
             fraction = gates.off_deg / CORNER_DEG
         face = _gate(name, word, fraction, numbers, room, is_open=gates.is_right_face)
-        noise = beside_limit(min(gates.still, 9999.0), gates.still_limit, f"noise {channel}")
+        noise = against_limit(min(gates.still, 9999.0), gates.still_limit, f"noise {channel}")
         stirs = gates.still / gates.still_limit
         still = _gate("STILL", "still" if gates.is_still else "moving", stirs, noise, room, is_open=gates.is_still)
         return Content("\n").join((face, still))
@@ -195,7 +195,7 @@ class LimitsLines(ValueWidget[Limits]):
 
 
 def _has_bar(text: str, width: int) -> bool:
-    """Say whether there is room for a bar beside a text, in a line of so many columns."""
+    """Say whether there is room for a bar after a text, in a line of so many columns."""
     return len(text) + 2 + LEAST_BAR <= width
 
 

@@ -126,7 +126,7 @@ def begun(name: str, folder: Path, database: Database) -> Begun:
         setup = made.setup.model_copy(update=where)
         begin = OperatorCommand(verb="begin", setup=setup)
         engine = CalibrationEngine(database, CalibrationOptions(folder, asks=False), lambda view: None)
-        engine.obey(begin)
+        engine.execute(begin)
         engine.close()
         made_folder = (folder / "c").exists()
         options = EngineOptions(root=folder, setup=setup, asks=False, warms_up=False, first=begin)

@@ -15,7 +15,7 @@ from procedures.units import RAD_PER_ARCSEC
 from station.files.campaign_folder import notes
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.sha256sums import verify_folder
-from station.guide.checks.transfers import ANEW, INTERRUPTED, LONG, LOST, MoveChain
+from station.guide.checks.transfers import INTERRUPTED, LONG, LOST, RESTARTED, TransferChain
 from station.stream.recorder import accepted_step_writer as recording
 from station.stream.recorder.accepted_step_writer import MovedFrom
 from tests.station.guide.recorded import SAMPLES, TAPE
@@ -52,7 +52,9 @@ def test_no_row_is_missing_from_the_first_step_to_the_last(rig: Make) -> None:
     assert len(t) == round((t[-1] - t[0]) / 0.02) + 1
 
 
-@pytest.mark.parametrize(("fault", "why"), [("lost", LOST), ("unplug", ANEW), ("restart", "switched off and on")])
+@pytest.mark.parametrize(
+    ("fault", "why"), [("lost", LOST), ("unplug", RESTARTED), ("restart", "switched off and on")]
+)
 def test_a_broken_stream_breaks_one_move_and_says_so(rig: Make, fault: str, why: str) -> None:
     guided = rig(dwells(1, 2, 3))
     placed(guided, 1)
@@ -69,7 +71,7 @@ def test_a_broken_stream_breaks_one_move_and_says_so(rig: Make, fault: str, why:
 def test_a_redone_dwell_takes_its_moves_with_it(rig: Make) -> None:
     guided = rig(dwells(1, 2, 3))
     placed(guided, 1, 2, 3)
-    guided.obey("redo", step="dwell_02")
+    guided.execute("redo", step="dwell_02")
     guided.hands("place 2 8")
     guided.run(lambda v: v.step("dwell_02").attempts == 2)
     assert carried(guided) == [("dwell_03", "dwell_02_2")]
@@ -95,7 +97,7 @@ def test_no_move_leads_to_or_from_a_rest_that_no_solve_places(rig: Make) -> None
 
 
 def test_a_move_that_takes_too_long_is_let_go() -> None:
-    chain = MoveChain(is_resumed=False)
+    chain = TransferChain(is_resumed=False)
     chain.begin(Dwell(1, 1.0), "dwell_01.mcap", SAMPLES, TAPE)
     there = chain.move_to(Dwell(2, 1.0), 5 * SAMPLES, TAPE, 0.02)
     assert there == MovedFrom("dwell_01.mcap", (SAMPLES, 5 * SAMPLES))
@@ -175,7 +177,7 @@ def test_a_kill_while_a_step_is_done_again_leaves_its_old_moves_or_none(
     """A step that follows itself has no move, so that its own writes are the first."""
     guided = rig(dwells(1, 2, 3))
     placed(guided, 1, 2)
-    guided.obey("redo", step="dwell_02")
+    guided.execute("redo", step="dwell_02")
     owner, name, _, is_after, counts = KILLS[point]
     with monkeypatch.context() as patch:
         monkeypatch.setitem(KILLS, point, (owner, name, 1, is_after, counts))
@@ -185,7 +187,7 @@ def test_a_kill_while_a_step_is_done_again_leaves_its_old_moves_or_none(
             guided.run(lambda v: v.step("dwell_02").attempts == 2)
     guided.resume()
     assert carried(guided) == ([] if counts else [("dwell_01", "dwell_02")])
-    guided.obey("redo", step="dwell_02")
+    guided.execute("redo", step="dwell_02")
     guided.hands("place 2 8")
     guided.run(lambda v: v.step("dwell_02").attempts == 2 + counts)
     assert carried(guided) == []

@@ -14,7 +14,7 @@ from procedures.dwells_and_turns.twelve_position import is_determined
 from procedures.frames import FACES, face_normal, face_of
 from procedures.uncertainty.budget import combined_budget
 from procedures.uncertainty.sources import HEADING, SourceCell
-from station.guide.campaign.checklist import lacking
+from station.guide.campaign.checklist import why_not_solvable
 from station.guide.campaign.verdict import change_in_words, verdict_rows
 from station.guide.view import StepView
 from station.results.parameters_by_name import applied, parameters, shifts
@@ -106,4 +106,4 @@ def test_the_faces_that_are_enough_to_finish_are_those_that_determine_a_solution
             StepView(name=f"dwell_{p:02d}", state="todo", position=p, attempts=face_of(p) in faces)
             for p in range(1, 13)
         ]
-        assert (lacking(steps) == "") == is_determined(np.stack([face_normal(face) for face in faces]))
+        assert (why_not_solvable(steps) == "") == is_determined(np.stack([face_normal(face) for face in faces]))

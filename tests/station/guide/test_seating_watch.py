@@ -30,7 +30,7 @@ def test_a_seat_that_comes_back_or_is_kept_is_taken(rig: Make, how: str) -> None
     if how == "again":
         guided.hands("place 4 8 0 0.03 0")
     else:
-        guided.obey("keep_seating")
+        guided.execute("keep_seating")
     guided.run(guided.done(4))
 
 
@@ -51,10 +51,10 @@ def test_a_kept_tilted_seat_condemns_no_good_seat_after_it_also_after_a_resume(
     rig: Make, is_resumed: bool
 ) -> None:
     guided = on_a_crumb(rig, 0.3)
-    guided.obey("keep_seating")
+    guided.execute("keep_seating")
     view = guided.run(lambda v: v.question is not None)
     assert "tilted by 0.30 deg" in view.question.text
-    guided.obey("answer", key="y")
+    guided.execute("answer", key="y")
     guided.run(guided.done(4))
     [kept] = [d.kept_seat_rad for d in read_campaign_toml(guided.folder)[0].dwell if d.position == 4]
     assert np.degrees(np.hypot(*kept)) == pytest.approx(0.3, abs=0.01)
@@ -70,9 +70,9 @@ def test_a_kept_tilted_seat_condemns_no_good_seat_after_it_also_after_a_resume(
 
 def test_a_tilt_that_no_face_has_is_kept_only_with_a_yes(rig: Make) -> None:
     guided = on_a_crumb(rig, 0.3)
-    guided.obey("keep_seating")
+    guided.execute("keep_seating")
     guided.run(lambda v: v.question is not None)
-    guided.obey("answer", key="n")
+    guided.execute("answer", key="n")
     guided.rest(60)
     assert (guided.view.done, guided.view.question) == (3, None)
     guided.hands("place 4 8")
@@ -82,7 +82,7 @@ def test_a_tilt_that_no_face_has_is_kept_only_with_a_yes(rig: Make) -> None:
 
 def test_a_small_tilt_is_kept_without_a_question_and_holds_for_that_seat_alone(rig: Make) -> None:
     guided = on_a_crumb(rig, 0.03)
-    guided.obey("keep_seating")
+    guided.execute("keep_seating")
     assert guided.view.question is None
     guided.hands("place 4 8 0 0.2 0")
     guided.run(lambda v: v.events[-1].sound == "rejected" and "tilted by 7" in v.events[-1].text)  # arcsec
@@ -132,7 +132,7 @@ def twice_off(guided: GuideRig, position: int, tilt_deg: float = 0.0) -> None:
 
 
 def again(guided: GuideRig, position: int, tilt_deg: float = 0.0) -> None:
-    guided.obey("redo", step=f"dwell_{position:02d}")
+    guided.execute("redo", step=f"dwell_{position:02d}")
     placed(guided, (position,), {position: tilt_deg})
 
 
@@ -145,7 +145,7 @@ def test_a_clean_seat_is_cleared_once_the_crumb_before_it_is_wiped_off(rig: Make
     assert guided.view.wanted == "dwell_05"
     if is_resumed:
         guided.resume()
-        guided.obey("redo", step="dwell_05")
+        guided.execute("redo", step="dwell_05")
     placed(guided, (5,), {})
     assert guided.context.badly_seated == set()
     assert "position 6 was seated correctly" in guided.texts[-1]

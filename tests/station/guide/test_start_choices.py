@@ -152,12 +152,12 @@ def test_the_campaign_waits_for_looks_and_says_the_site_that_it_took(tmp_path: P
             database, CalibrationOptions(tmp_path, asks=False, warms_up=False), shown.append
         )
         try:
-            engine.obey(OperatorCommand(verb="listen", url=gnss.url))
+            engine.execute(OperatorCommand(verb="listen", url=gnss.url))
             assert engine.view.start is not None
             assert engine.view.start.is_listening
-            engine.obey(OperatorCommand(verb="check", url=device.url))
+            engine.execute(OperatorCommand(verb="check", url=device.url))
             setup = Setup(url=device.url, gnss=gnss.url, longitude_deg=12.5, folder=str(tmp_path / "c"))
-            engine.obey(OperatorCommand(verb="begin", setup=setup))  # both ports are still being looked at
+            engine.execute(OperatorCommand(verb="begin", setup=setup))  # both ports are still being looked at
             until = time.monotonic() + HANG_S
             while not engine.view.gates:
                 assert time.monotonic() < until, (engine.view.stage, engine.view.start)

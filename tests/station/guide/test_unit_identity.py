@@ -98,7 +98,7 @@ def test_the_same_unit_looks_the_same_and_is_still_asked_for(rig: Make) -> None:
     assert "its rates and noise match the first dwell" in view.question.text
     guided.rest(30)
     assert guided.view.done == 1  # nothing is recorded before the answer
-    guided.obey("answer", key="y")
+    guided.execute("answer", key="y")
     guided.hands("place 2 8")
     guided.run(guided.done(2))
 
@@ -113,4 +113,4 @@ def test_another_unit_is_told_apart_and_no_ends_it(rig: Make) -> None:
     view = guided.run(lambda v: v.question is not None)
     assert "different from the campaign's first dwell: accelerometer x by" in view.question.text
     with pytest.raises(UnitChanged):
-        guided.obey("answer", key="n")
+        guided.execute("answer", key="n")
