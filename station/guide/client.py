@@ -91,9 +91,9 @@ class EngineFailed(StationError):
 
     code = ErrorCode.BUG
 
-    def __init__(self, exit_code: int, said: str) -> None:
-        self.exit_code, self.said = exit_code, said
-        last = said.strip().splitlines()[-1:] or [f"exit code {exit_code}"]
+    def __init__(self, exit_code: int, stderr: str) -> None:
+        self.exit_code, self.stderr = exit_code, stderr
+        last = stderr.strip().splitlines()[-1:] or [f"exit code {exit_code}"]
         super().__init__(
             f"the recording program has stopped: {last[0]}; all accepted steps are safe, see `station resume`. "
             "Report this bug"
@@ -104,8 +104,8 @@ class EngineFailed(StationError):
 def engine_process(options: EngineOptions) -> Iterator[Path]:
     """Yield the path of the socket of an engine that lives as long as the ``with`` lasts."""
     with tempfile.TemporaryDirectory(prefix="station-") as folder:  # mode 0700
-        socket, said = Path(folder) / "engine", Path(folder) / "stderr"
-        with said.open("w") as errors, subprocess.Popen(
+        socket, log = Path(folder) / "engine", Path(folder) / "stderr"
+        with log.open("w") as errors, subprocess.Popen(
             [sys.executable, "-P", "-m", "station.guide", str(socket)],
             stdin=subprocess.PIPE, stderr=errors, text=True,  # a screen has the terminal to itself
             start_new_session=True,  # Ctrl-C is for the screen
@@ -122,4 +122,4 @@ def engine_process(options: EngineOptions) -> Iterator[Path]:
                 except subprocess.TimeoutExpired:
                     process.kill()  # it waits for something of its own; what was accepted is on the disk
                 if process.returncode:  # None where it was killed
-                    raise EngineFailed(process.returncode, said.read_text())
+                    raise EngineFailed(process.returncode, log.read_text())

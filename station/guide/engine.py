@@ -130,8 +130,8 @@ class CalibrationEngine:
             self._fail(error)
         if operator.lost != lost and self._campaign is not None:
             if operator.lost:
-                said = f"the simulated hands do not answer ({operator.lost}); the station tries again"
-                self._campaign.say("rejected", said)
+                text = f"the simulated hands do not answer ({operator.lost}); the station tries again"
+                self._campaign.say("rejected", text)
             else:
                 self._campaign.say("", "the simulated hands answer again")
 
@@ -223,8 +223,8 @@ class CalibrationEngine:
                 raise
             self.view = CalibrationView(stage="start", start=start)
             is_moved = is_to_go_on and isinstance(error, PortNotFound | LinkSilent)
-            said, code = f"{error}{ELSEWHERE if is_moved else ''}", exit_code(error) or 0
-            self._show_start(refused=said, refused_code=code, refusals=start.refusals + 1)
+            text, code = f"{error}{ELSEWHERE if is_moved else ''}", exit_code(error) or 0
+            self._show_start(refused=text, refused_code=code, refusals=start.refusals + 1)
         else:
             self._readiness = announce_readiness(self._campaign, self._database, self._options)
             self._show(self._campaign)

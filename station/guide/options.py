@@ -36,7 +36,7 @@ class CalibrationOptions:
     ``imu_axes``: the cube axes along which the IMU's x, y, z point, the cube's own if empty.
 
     ``asks``: somebody is there to be asked; ``warms_up``: not before the unit has settled; ``is_patient``:
-    whatever goes wrong is said and waited out; else it is raised.
+    errors are reported and waited out; else they are raised.
     """
 
     root: Path

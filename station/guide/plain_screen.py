@@ -66,7 +66,7 @@ class PlainScreen:
                 self._once("keys", KEYS_HELP)
         if view.readiness:
             self._once("ready", "\n".join(ready_lines(view.readiness)))
-            self._written["ends"] = ", ".join(view.readiness.said)
+            self._written["ends"] = ", ".join(view.readiness.outcomes)
         for event in self._new_events.of(view.events):
             self._hear(event)
         is_said = view.stage in SPOKEN_STAGES or (view.turn is not None and view.turn.is_to_rest)
@@ -110,11 +110,11 @@ class PlainScreen:
     def _progress(self, view: CalibrationView) -> None:
         if view.stage == "dwell" and view.accepted_s >= PROGRESS_EVERY_S:
             seconds = PROGRESS_EVERY_S * (view.accepted_s // PROGRESS_EVERY_S)
-            said = f"{files_as_steps(view.live)}: {seconds:.0f} s accepted"
+            text = f"{files_as_steps(view.live)}: {seconds:.0f} s accepted"
             more = (
                 soak_in_words(view.soak) if view.soak else laws_in_words(view.monitored) if view.monitored else ""
             )
-            self._once("seconds", f"{said}, {more}" if more else said)
+            self._once("seconds", f"{text}, {more}" if more else text)
         elif view.stage == "warm_up" and view.warm_up is not None:
             seconds = PROGRESS_EVERY_S * (view.warm_up.seconds // PROGRESS_EVERY_S)
             left = "" if view.warm_up.left_s is None else f", about {view.warm_up.left_s:.0f} s left"
@@ -141,7 +141,7 @@ def between_words(text: str, width: int) -> str:
 def ready_lines(ready: Readiness) -> list[str]:
     """Return how ready a campaign is as lines, and how it can end."""
     words = {"ready": "ready", "note": "note", "lacks": "LACKS"}
-    return [*(f"{words[line.state]:6} {line.name}: {line.text}" for line in ready.lines), *ready.said]
+    return [*(f"{words[line.state]:6} {line.name}: {line.text}" for line in ready.lines), *ready.outcomes]
 
 
 def verdict_lines(verdict: Verdict) -> list[str]:

@@ -88,7 +88,7 @@ class SimulatedOperator:
         self._done: tuple[str, str, int] | None = None
         self._until = -np.inf  # device time [s] at which that was over
         self._seen, self._restarts = -np.inf, behind_s  # the guide's device time [s]; what restarts took off it
-        self._said = -np.inf  # of `_seen`, to the hands
+        self._reported_s = -np.inf  # of `_seen`, last sent to the hands
         self._is_wrong = False  # what it did last
         self._heated = 0.0  # by how much the unit is warmer than it was
 
@@ -135,9 +135,9 @@ class SimulatedOperator:
 
     def _execute(self, view: CalibrationView) -> None:
         seen = -np.inf if view.time_s is None else self._seen_s(view)
-        if seen > self._said + SEEN_EVERY_S:
+        if seen > self._reported_s + SEEN_EVERY_S:
             self._hands.seen(seen)
-            self._said = seen
+            self._reported_s = seen
         self._heat(view)
         is_turning = view.stage == "turn"  # one under way is done, whatever comes next
         step = view.step(view.live if is_turning else view.wanted)

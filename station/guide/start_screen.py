@@ -85,7 +85,7 @@ def announce_readiness(
     ready = current_readiness(
         database, options, setup, unit, PortCheck(url=setup.gnss, is_good=True, text="connected")
     )
-    campaign.say("", "this run " + ", ".join(ready.said))
+    campaign.say("", "this run " + ", ".join(ready.outcomes))
     return ready
 
 

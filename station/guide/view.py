@@ -149,7 +149,7 @@ class MonitoredView(FrozenValue):
 
 
 class WarmUpView(FrozenValue):
-    """Warm-up; limits are learnt from this unit. ``left_s`` None: cannot be said yet."""
+    """Warm-up; limits are learnt from this unit. ``left_s`` None: not known yet."""
 
     seconds: float = 0.0
     left_s: float | None = None

@@ -30,8 +30,8 @@ def face_in_words(name: str) -> str:
 def tilt_in_words(way: UpDirection) -> str:
     """Return how the cube is to lean: ``on an edge, X half up, Y half down``."""
     half = {sign: [axis for axis, one in zip("XYZ", way, strict=True) if one == sign] for sign in (1, -1)}
-    said = [f"{' and '.join(axes)} half {word}" for axes, word in ((half[1], "up"), (half[-1], "down")) if axes]
-    return f"on {'an edge' if 0 in way else 'a corner'}, {', '.join(said)}"
+    parts = [f"{' and '.join(axes)} half {word}" for axes, word in ((half[1], "up"), (half[-1], "down")) if axes]
+    return f"on {'an edge' if 0 in way else 'a corner'}, {', '.join(parts)}"
 
 
 def turn_sense(turn: Turn) -> str:
@@ -88,9 +88,9 @@ def laws_in_words(seen: MonitoredView) -> str:
     """Return it for people: ``joint roll 0.003 pitch -0.001, mixer ..., 0.002 deg apart``."""
     if not seen.laws:
         return seen.text
-    said = [f"{law.law} roll {law.roll_deg:+.3f} pitch {law.pitch_deg:+.3f}" for law in seen.laws]
+    parts = [f"{law.law} roll {law.roll_deg:+.3f} pitch {law.pitch_deg:+.3f}" for law in seen.laws]
     apart = "" if seen.difference_deg is None else f"; {seen.difference_deg:.3f} deg apart"
-    return f"{', '.join(said)}{apart}"
+    return f"{', '.join(parts)}{apart}"
 
 
 def soak_in_words(soak: SoakView) -> str:

@@ -71,8 +71,8 @@ def _scale(canvas: Canvas, sheet: _Sheet, row: int) -> None:
     """Draw a bar of a round length in the last row, at most half as wide as the map."""
     metres = _round_down(sheet.metres * sheet.columns / 2)
     length = max(round(metres / sheet.metres / 2), 2)
-    said = f"{metres / 1000:g} km" if metres >= 1000 else f"{metres:g} m"
-    canvas.put(row, 1, "├" + "─" * (length - 2) + "┤ " + said, QUIET)
+    text = f"{metres / 1000:g} km" if metres >= 1000 else f"{metres:g} m"
+    canvas.put(row, 1, "├" + "─" * (length - 2) + "┤ " + text, QUIET)
 
 
 def _round_up(value: float) -> float:
@@ -133,11 +133,11 @@ class _Elevation:
 def _ladder(canvas: Canvas, elevation: _Elevation) -> None:
     for rung in range(-180, 181, STEP):
         if rung and abs(rung - elevation.pitch) < SPAN / 2:
-            said = f"{rung if abs(rung) <= 90 else int(math.copysign(180, rung)) - rung:+d}"
+            text = f"{rung if abs(rung) <= 90 else int(math.copysign(180, rung)) - rung:+d}"
             for along in (-4, -3, 3, 4):
                 canvas.put(*elevation.place(rung, along), "─", RUNG)
             row, column = elevation.place(rung, 8)
-            canvas.put(row, column - len(said) // 2, said, RUNG)
+            canvas.put(row, column - len(text) // 2, text, RUNG)
 
 
 def _own(canvas: Canvas, width: int, height: int) -> None:

@@ -236,8 +236,8 @@ def _stream(stream: StreamState) -> Content:
     is_well = not stream.trouble
     word = ("✓", "bold $success") if is_well else ("✗", "bold $error")
     faults = {"gaps": stream.gaps, "lost": stream.lost, "bad check": stream.bad, "unhealthy": stream.unhealthy}
-    said = ", ".join(f"{count} {name}" for name, count in faults.items() if count) or "no errors"
-    return Content.assemble(word, f" {stream.name}  {stream.rate_hz:.1f} Hz  age {stream.age_s:.1f} s  {said}")
+    text = ", ".join(f"{count} {name}" for name, count in faults.items() if count) or "no errors"
+    return Content.assemble(word, f" {stream.name}  {stream.rate_hz:.1f} Hz  age {stream.age_s:.1f} s  {text}")
 
 
 class CalibrationLine(ValueWidget[InUse]):

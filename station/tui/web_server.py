@@ -47,8 +47,8 @@ class Guard:
             return f"found Host {host!r}, expected {self.authority!r}"
         if (origin := request.headers.get("Origin", own)) != own:
             return f"found Origin {origin!r}, expected {own!r}"
-        said = request.path.lstrip("/").partition("/")[0].encode()
-        if request.path.startswith(DOWNLOAD) or secrets.compare_digest(said, self.token.encode()):
+        token = request.path.lstrip("/").partition("/")[0].encode()
+        if request.path.startswith(DOWNLOAD) or secrets.compare_digest(token, self.token.encode()):
             return ""
         return "the address does not contain this server's secret"
 

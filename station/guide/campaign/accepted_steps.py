@@ -71,12 +71,12 @@ SURE_REST_S = 2.0  # of rest before a turn that surely were
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AcceptedSteps:
-    """What accepted steps leave, by step name where not said otherwise.
+    """What accepted steps leave, by step name where not stated otherwise.
 
     ``dwells`` as accepted; ``turns`` in the order they were done; ``seconds`` how long each step is;
     ``free_attitudes`` by the accelerometers' count rates (3,); ``badly_seated`` the steps whose seat is bad;
     ``placings`` in the order they were done, as a planned campaign has them;
-    ``turn_on`` for which time, from 1, the unit was switched on, and ``last_s`` what its clock said last;
+    ``turn_on`` for which time, from 1, the unit was switched on, and ``last_s`` its last clock reading;
     ``dwells`` and ``turn_rests``, the accelerometers' rates at rest about turns, are of that one, ``earlier``
     dwells, which sat well, of those before it.
     """

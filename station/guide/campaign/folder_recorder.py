@@ -80,10 +80,10 @@ class FolderRecorder:
         None: well; that is written with it. Returns the name of its file.
         """
         spans = discarded_spans(runs, buffer)
-        said: dict[str, object] = dict(read) if kept_seat is None else {"kept_seat_rad": list(kept_seat)}
-        said |= {"turn_on": turn_on} if turn_on > 1 else {}
+        values: dict[str, object] = dict(read) if kept_seat is None else {"kept_seat_rad": list(kept_seat)}
+        values |= {"turn_on": turn_on} if turn_on > 1 else {}
         off = {each.name: None if seat is None else seat.tolist() for each, seat in seats.items()}
-        path = self._recorder.accept(step, buffer, runs, said, moved, off)
+        path = self._recorder.accept(step, buffer, runs, values, moved, off)
         if spans:
             period = self._recorder.tables.imu.sample_period_s
             keep_left_out(self._recorder.folder, path.name, [span * period for span in spans])
@@ -130,12 +130,12 @@ class FolderRecorder:
 
     def set_unsettled(self, gyro_deg_h: float, accelerometer_g: float) -> None:
         """Say in ``campaign.toml`` that the unit was not settled: 1 sigma of its bias from dwell to dwell."""
-        said = {"unsettled_gyro_deg_h": gyro_deg_h, "unsettled_accelerometer_g": accelerometer_g}
-        self._set_procedure({name: value for name, value in said.items() if value > 0})
+        values = {"unsettled_gyro_deg_h": gyro_deg_h, "unsettled_accelerometer_g": accelerometer_g}
+        self._set_procedure({name: value for name, value in values.items() if value > 0})
 
-    def _set_procedure(self, said: Mapping[str, float]) -> None:
+    def _set_procedure(self, values: Mapping[str, float]) -> None:
         recorder = self._recorder
-        procedure = recorder.tables.procedure.model_copy(update=said)
+        procedure = recorder.tables.procedure.model_copy(update=values)
         recorder.tables = recorder.tables.model_copy(update={"procedure": procedure})
         write_tables(recorder.folder, recorder.tables)
 

@@ -39,14 +39,14 @@ class NoFix(DriverError):
 
 
 class SampleRateWatch:
-    """The device's sample rate against GNSS time, else this machine's clock; each trouble is said once.
+    """The device's sample rate against GNSS time, else this machine's clock; each problem is reported once.
 
     A computer's clock is right to about 1e-4, so that it can detect an error of 0.1 %. A rate that is more than 5
     % off is assumed to be that of a simulated or replayed device at another speed, and is not reported.
     """
 
     def __init__(self, feed: LiveFeed, event_log: EventLog, gnss: GnssFeed | None) -> None:
-        self._gnss, self._event_log, self._said = gnss, event_log, ""
+        self._gnss, self._event_log, self._reported = gnss, event_log, ""
         self._rate = host_sample_rate(feed) if gnss is None else SampleRate(feed, gnss.utc, gnss.utc_scatter)
 
     def round(self) -> None:
@@ -55,8 +55,8 @@ class SampleRateWatch:
             self._gnss.advance()
         self._rate.look()
         now = (self._gnss.trouble if self._gnss else "") or self._rate.warning
-        if without_numbers(now) != self._said:  # not once more for each new figure
-            self._said = without_numbers(now)
+        if without_numbers(now) != self._reported:  # not once more for each new figure
+            self._reported = without_numbers(now)
             well = "GNSS works again" if self._gnss else "the sample rate is right again"
             self._event_log.say("rejected" if now else "", now or well)
 
@@ -136,7 +136,7 @@ def _write(
     folder: Path, gnss: GnssFeed, site: AveragedSite, seen: dict[str, float | None], stated: dict[str, float]
 ) -> None:
     now = utc_now(gnss)
-    said = {
+    values = {
         "source": gnss.address.text,
         "system": gnss.decoder.system,
         **seen,
@@ -148,5 +148,5 @@ def _write(
         "stated_by_operator": stated,
         "warnings": _warnings(site, seen, stated),
     }
-    known = {name: value for name, value in said.items() if value not in (None, [], {})}
+    known = {name: value for name, value in values.items() if value not in (None, [], {})}
     replace_file(folder / GNSS_FILE, (json.dumps(known, indent=1) + "\n").encode())

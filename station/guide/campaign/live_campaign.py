@@ -99,7 +99,7 @@ class LiveCampaign:
         return unit.model_copy(update={"model": imu.model, "serial": imu.serial})
 
     def execute(self, command: OperatorCommand) -> None:
-        """Do as the operator says."""
+        """Execute a command."""
         self.guide.execute(command)
 
     @property

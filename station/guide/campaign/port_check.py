@@ -82,24 +82,24 @@ def noise_in_words(samples: SampleBlock, rate_hz: float | None) -> str:
 
 
 def _remedies(seen: "ImuProbe", bad: int) -> list[str]:
-    counters, said = seen.counters, list[str]()
+    counters, remedies = seen.counters, list[str]()
     if bad > BAD_SHARE * (seen.frames + bad):
-        said.append(
+        remedies.append(
             f"{bad} of {seen.frames + bad} frames are damaged, expected less than {BAD_SHARE:.0%}; check cable, "
             f"ground and termination"
         )
     if counters.counter_jumps:
-        said.append(
+        remedies.append(
             f"frames are missing at {counters.counter_jumps} places, expected none; check that the baud rate is "
             f"high enough and nothing else reads the port"
         )
     if counters.bad_status:
-        said.append(
+        remedies.append(
             f"the device reports a fault in {counters.bad_status} of {seen.frames} frames, expected none; "
             f"let it warm up, or see its manual"
         )
     if seen.silent:
-        said.append(seen.silent)
+        remedies.append(seen.silent)
     if missing := sorted(ALL_CHANNELS - seen.channels):
-        said.append(f"{seen.format} sends no {', '.join(missing)}, expected six channels; {RECORD_INSTEAD}")
-    return said
+        remedies.append(f"{seen.format} sends no {', '.join(missing)}, expected six channels; {RECORD_INSTEAD}")
+    return remedies

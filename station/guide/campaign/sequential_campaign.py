@@ -159,7 +159,7 @@ class SequentialCampaign:
         return None if self._known is None else self._sigmas.steps.noise
 
     @property
-    def said(self) -> str:
+    def status_text(self) -> str:
         """How far it is and how long it will take, in words."""
         if self._known is None:
             return NOT_KNOWN

@@ -49,7 +49,7 @@ class HeadingWatch:
         self.text = ""  # once it has been wrong for long
 
     def take(self, look: BlockLook, step: Step | None) -> None:
-        """Take a second in which ``step`` was wanted; what stays wrong is said once."""
+        """Take a second in which ``step`` was wanted; what stays wrong is reported once."""
         may_be_wrong = look.is_still and look.is_upright and not self._context.position  # else yet to be moved
         pose = pose_view(self._tracker, self._context, step) if may_be_wrong else None
         is_wrong = (
@@ -112,13 +112,13 @@ def face_wanted(step: Step | None) -> str:
 def _tip(now: CubeAttitude, face: str, *, is_known: bool) -> str:
     """Say how to get ``face`` up."""
     where = now.C_lb @ face_normal(face)
-    said = f"{face_in_words(face).replace(' points ', ' ')}"
+    text = f"{face_in_words(face).replace(' points ', ' ')}"
     if where[2] < -np.cos(np.radians(45.0)):
-        return f"turn it over: {said}"
+        return f"turn it over: {text}"
     if not is_known:
-        return f"tip it over: {said}"
+        return f"tip it over: {text}"
     looks = round(float(np.degrees(np.arctan2(where[1], where[0]))) / 90.0) % 4
-    return f"tip it over to the {SIDES[(looks + 2) % 4]}: {said}"
+    return f"tip it over to the {SIDES[(looks + 2) % 4]}: {text}"
 
 
 def _position_as_it_stands(context: StageContext, step: Step | None, off_deg: float) -> int | None:

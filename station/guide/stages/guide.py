@@ -131,7 +131,7 @@ class Guide:
         return True
 
     def execute(self, command: OperatorCommand) -> None:
-        """Do as the operator says; what does not fit the moment is said and changes nothing."""
+        """Execute a command; one that does not fit the moment is reported and changes nothing."""
         verb, stage = command.verb, self._stage
         if verb == "choose":
             self._choose(command.step)

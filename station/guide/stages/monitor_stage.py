@@ -84,7 +84,7 @@ class FiltersAtRest:
         except TimeoutError:
             return False
         except (StationError, ProcedureError):
-            pass  # said by `_begun`
+            pass  # reported by `_begun`
         self._go_on()
         return True
 

@@ -53,7 +53,7 @@ OTHER_WAY = (TAKE, "n")
 
 
 class NextStage(Protocol):
-    """Makes the stage that comes after this one; ``why`` is said, empty if all is well."""
+    """Makes the stage that comes after this one; ``why`` is reported, empty if all is well."""
 
     def __call__(self, why: str, *, must_move: bool) -> Stage:
         """Return the stage."""

@@ -96,7 +96,7 @@ class StageContext:
         self.earlier_dwells = list(done.earlier)  # those of other turn-ons that sat well, and of which one
         self.turn_rests = dict(done.turn_rests)  # at rest about turns whose seat is not judged yet, by step
         self.chain = TransferChain(is_resumed=any(checklist.attempts.values()))
-        self.reported_turned = set[tuple[str, ...]]()  # steps said to have stood turned, as they stand now
+        self.reported_turned = set[tuple[str, ...]]()  # steps reported with a wrong heading, as recorded now
         self._accel: tuple[tuple[object, ...], list[RateEstimate]] = ((), [])  # by what they are rates of
         self._gyro_k: float | None = None
         self._gyro_k_by: tuple[object, ...] = ()  # the turns and dwells that say it
@@ -198,10 +198,10 @@ class StageContext:
         read: Mapping[str, object] = MappingProxyType({}),
         seats: Mapping[Dwell, FloatArray | None] = MappingProxyType({}),
     ) -> None:
-        """Record a step; it is said to be accepted once it is on the disk and in the database.
+        """Record a step; it is reported as accepted once it is on the disk and in the database.
 
         ``kept_seat`` (2,) [rad]: how far off it sits, where the operator keeps it so. ``doubt``: why it is not to
-        stand, which is then said instead. ``read``: what a monitor read. ``seats``: how far off (2,) [rad] the
+        stand, which is then reported instead. ``read``: what a monitor read. ``seats``: how far off (2,) [rad] the
         cube sat in dwells before, as this one shows; None: well.
         """
         buffer, period = self.feed.buffer, self.feed.period
@@ -261,7 +261,7 @@ class StageContext:
             return
         self.checklist.replan(self.planner.steps(goes_on=goes_on))
         self.recorder.keep_steps(self.checklist.steps)
-        self.event_log.say("", self.planner.said)
+        self.event_log.say("", self.planner.status_text)
 
     def is_enough(self, step: Step, seconds: float) -> bool:
         """Say whether a dwell under way, accepted for so long [s], is the last that is needed."""
@@ -305,7 +305,7 @@ class StageContext:
     def power_cycled(self, then: str = "") -> None:
         """Take it that the unit was switched off and on: what its biases were says nothing of what they are.
 
-        ``then`` is what is said to come next.
+        ``then`` is what comes next, for the report.
         """
         self.earlier_dwells += [(each, self.turn_on) for each in self.well_seated]
         self.turn_on += 1

@@ -71,7 +71,7 @@ def _differences(*arrays: np.ndarray[tuple[int], np.dtype[np.float64]]) -> list[
     rate, other, noise, other_noise = arrays
     upright = int(np.argmax(np.abs(other[3:])))
     shift = (rate - other)[3:] / abs(other[3 + upright])
-    said = [
+    parts = [
         f"accelerometer {AXES[i]} by {shift[i] * 1e3:+.1f} mg"
         for i in range(3)
         if abs(shift[i]) > MAX_ACCELEROMETER_CHANGE
@@ -80,12 +80,12 @@ def _differences(*arrays: np.ndarray[tuple[int], np.dtype[np.float64]]) -> list[
         TICKS_PER_BLOCK * (noise + other_noise)[upright]
     )
     if abs(rate[upright] - other[upright]) > turn_on:
-        said.append(f"gyro {AXES[upright]} {rate[upright]:.4g} instead of {other[upright]:.4g} counts/s")
+        parts.append(f"gyro {AXES[upright]} {rate[upright]:.4g} instead of {other[upright]:.4g} counts/s")
     ratio = np.sqrt(noise / other_noise)
     for i in np.flatnonzero((ratio > MAX_NOISE_RATIO) | (ratio < 1 / MAX_NOISE_RATIO)).tolist():
         triad = "gyro" if i < 3 else "accelerometer"
-        said.append(f"noise of {triad} {AXES[i % 3]} {ratio[i]:.2g} times as large")
-    return said
+        parts.append(f"noise of {triad} {AXES[i % 3]} {ratio[i]:.2g} times as large")
+    return parts
 
 
 RECOGNITION_BLOCKS = 10

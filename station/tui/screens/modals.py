@@ -185,7 +185,7 @@ class ReadyLines(ValueWidget[Readiness]):
 def consequences(ready: Readiness, width: int | None = None) -> list[Content]:
     """Return how the campaign can end, a line each; a reason longer than ``width`` is only pointed to."""
     states = {True: "ready", False: "lacks", None: "note"}
-    answers = zip((ready.can_pass, ready.can_certify), ready.said, strict=True)
+    answers = zip((ready.can_pass, ready.can_certify), ready.outcomes, strict=True)
     return [_styled(states[answer], _fitting(text, width)) for answer, text in answers]
 
 

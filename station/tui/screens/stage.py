@@ -203,8 +203,8 @@ class LinkLine(ValueWidget[LinkView]):
         if not link.is_live:
             return Content(f"✗ {link.word or NO_DATA}  {link.name}")  # the banner says the rest
         if not link.rate_hz:
-            said = f"… {link.name}  nothing received yet" if link.name else "… no IMU connected yet"
-            return Content.styled(said, "$muted")
+            text = f"… {link.name}  nothing received yet" if link.name else "… no IMU connected yet"
+            return Content.styled(text, "$muted")
         numbers = f"{link.rate_hz:.1f} Hz  {link.bad_frames} bad  {link.lost} lost  {plural(link.gaps, 'gap')}"
         warm = "" if link.temperature_c is None else f"  {link.temperature_c:.1f} °C"
         trouble = (f"  {link.text}", "bold $warning")
@@ -245,7 +245,7 @@ class FramedScreen(StageScreen):
         if not view.link.is_live and view.stage != "connecting":
             now = replace(now, word=view.link.word or NO_DATA, symbol="✗", colour="$error")
         self.banner.show(now)
-        self.events.show(tuple(event for event in view.events if event.text != now.hint))  # not said twice
+        self.events.show(tuple(event for event in view.events if event.text != now.hint))  # not shown twice
         self.link.show(view.link)
         self.link.set_class(not view.link.is_live, "silent")
 

@@ -86,7 +86,7 @@ class StartScreen(StageScreen):
     DEFAULT_CSS = """
     StartScreen .heading { height: 1; padding: 0 2; color: $accent; text-style: bold; }
     StartScreen.-tall .heading { height: 3; padding: 1 2; }
-    StartScreen #said { height: auto; max-height: 4; padding: 0 2; color: $error; text-style: bold; }
+    StartScreen #message { height: auto; max-height: 4; padding: 0 2; color: $error; text-style: bold; }
     StartScreen #bottom { height: 1; padding: 0 2; }
     StartScreen #time { width: 1fr; text-wrap: nowrap; }
     StartScreen.-phone SetupForm .pair { height: 2; layout: vertical; }
@@ -103,7 +103,7 @@ class StartScreen(StageScreen):
         super().__init__(send)
         self.unfinished, self.form = UnfinishedList(), SetupForm()
         self.heading = Static("RESUME a campaign", classes="heading")
-        self.said, self.time = Static("", id="said", markup=False), Static("", id="time", markup=False)
+        self.message, self.time = Static("", id="message", markup=False), Static("", id="time", markup=False)
         self.ready = ReadyLines()
         self._considered: Setup | None = None  # the set-up sent last to the engine
         self._waits = False  # to send it
@@ -116,7 +116,7 @@ class StartScreen(StageScreen):
         yield self.unfinished
         yield Static("NEW campaign", classes="heading")
         yield self.form
-        yield self.said
+        yield self.message
         yield self.ready
         with Horizontal(id="bottom"):
             yield self.time
@@ -140,10 +140,10 @@ class StartScreen(StageScreen):
         self._say()
 
     def _say(self) -> None:
-        said = self._typed or self._refused
-        self.said.update(f"✗ {said}" if said else "")
-        self.said.display = bool(said)
-        self.ready.display = self.ready.value is not None and not said  # a form that is refused is not ready
+        text = self._typed or self._refused
+        self.message.update(f"✗ {text}" if text else "")
+        self.message.display = bool(text)
+        self.ready.display = self.ready.value is not None and not text  # a form that is refused is not ready
         self.time.update(self._how_long())
 
     def _how_long(self) -> str:
@@ -194,9 +194,11 @@ class StartScreen(StageScreen):
         """Say what is wrong; of several that are missing only the labels."""
         missing = [name for name, problem in found.items() if problem.startswith("is needed")]
         labels = [self.form.fields[name].entry.label for name in missing]
-        said = [f"{', '.join(labels[:-1])} and {labels[-1]} are needed"] if len(missing) > 1 else []
-        said += [self._named(name, problem) for name, problem in found.items() if not said or name not in missing]
-        return "; ".join(said)
+        phrases = [f"{', '.join(labels[:-1])} and {labels[-1]} are needed"] if len(missing) > 1 else []
+        phrases += [
+            self._named(name, problem) for name, problem in found.items() if not phrases or name not in missing
+        ]
+        return "; ".join(phrases)
 
     def _named(self, name: str, problem: str) -> str:
         return f"{self.form.fields[name].entry.label} {problem}" if problem else ""

@@ -98,11 +98,11 @@ def _stacked(cells: tuple[str, ...], widths: list[int], colour: str, width: int)
     if cells is TABLE_HEADER:
         return [numbers.stylize("bold $muted")]
     verdict, limit, change = cells[VERDICT:]
-    said = [
+    texts = [
         Content.assemble((verdict, f"bold {colour}"), f"{GAP}limit {limit}") if verdict else Content(""),
         Content(f"change {change}" if change else ""),
     ]
-    parts = [part for part in said if part]
+    parts = [part for part in texts if part]
     together = Content(GAP).join(parts)
     below = [together] if len(INDENT) + together.cell_length <= width else parts
     return [numbers, *(Content(INDENT) + line for line in below if line)]
@@ -192,13 +192,13 @@ class VerdictScreen(StageScreen):
             return
         self.sentence.show(verdict)
         seal = verdict.stored_sha256[:16]
-        said = {
+        values = {
             "stored": seal and f"✓ in the database, sha256 {seal}",
             "status": ": ".join(part for part in (verdict.status, verdict.status_reason) if part),
             "residual": verdict.worst_residual, "change": verdict.change, "diagnosis": verdict.diagnosis,
             "warnings": "\n".join(f"! {warning}" for warning in verdict.warnings),
         }  # fmt: skip
-        for name, text in said.items():
+        for name, text in values.items():
             self.facts[name].say(text)
         self.table.show(verdict.rows)
 
@@ -233,12 +233,12 @@ class VerdictScreen(StageScreen):
         That is said among the facts: it covers nothing there.
         """
         report = self.view.verdict.report if self.view.verdict else ""
-        said = report or "no report was written"
+        text = report or "no report was written"
         if report and self.app.is_web:
             self.app.open_url(REPORT)
         elif report and not _is_opened(Path(report)):
-            said = f"no browser can be opened from here; open this file: {report}"
-        self.facts["report"].say(said)
+            text = f"no browser can be opened from here; open this file: {report}"
+        self.facts["report"].say(text)
         self.query_one("#scroll").scroll_home(animate=False)
 
     def action_diagnose(self) -> None:

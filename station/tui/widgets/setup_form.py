@@ -43,8 +43,8 @@ class LookLine(ValueWidget[AddressLook]):
             port, receiver = "checking the port for two seconds", "checking the receiver for a few seconds"
             return Content.styled(f"… {receiver if look.use else port}", "$muted")
         if check is None or check.url != look.url:
-            said = "not checked yet: press Enter in the address, or ctrl+l" if look.url else ""
-            return Content.styled(said, "$muted")
+            text = "not checked yet: press Enter in the address, or ctrl+l" if look.url else ""
+            return Content.styled(text, "$muted")
         if not check.is_good:
             return Content.styled(f"✗ {check.text}", "bold $error")
         if look.use:
@@ -269,9 +269,9 @@ class SetupForm(VerticalScroll, can_focus=False):
             self._fill_unit(name)
 
     def _fill_unit(self, name: str) -> None:
-        field, said = self.fields[name].input, getattr(self._check, name, "")
-        field.value = said or field.value
-        field.disabled = bool(said)
+        field, sent = self.fields[name].input, getattr(self._check, name, "")
+        field.value = sent or field.value
+        field.disabled = bool(sent)
 
     def texts(self) -> dict[str, str]:
         """Return what stands in the fields."""

@@ -115,7 +115,7 @@ def _counted(name: str, superseded: int, width: int) -> str:
     if not superseded:
         return name
     dense = name[0] + name[1:].replace(" ", "")
-    return next((said for each in (name, dense) if len(said := f"{each} +{superseded}") <= width), name)
+    return next((text for each in (name, dense) if len(text := f"{each} +{superseded}") <= width), name)
 
 
 def cell_of(step: StepView) -> GridCell:

@@ -35,12 +35,12 @@ class SeatingLines(ValueWidget[GatesView]):
         lines = []
         if gates.heading:
             where = f"position {position_name(gates.position)}, " if gates.position else ""
-            said = fill(f"{where}{gates.heading}", max(self.size.width - 8, 20)).replace("\n", "\n       ")
-            lines.append(Content.assemble((" NORTH ", "bold"), said))
+            text = fill(f"{where}{gates.heading}", max(self.size.width - 8, 20)).replace("\n", "\n       ")
+            lines.append(Content.assemble((" NORTH ", "bold"), text))
         if gates.seating:
             symbol, colour = ("✓", "$success") if gates.is_seated else ("✗", "$error")
-            said = fill(f"{symbol} {gates.seating}", max(self.size.width - 9, 20)).replace("\n", "\n         ")
-            lines.append(Content.assemble((" SEAT  ", "bold"), (said, f"bold {colour}")))
+            text = fill(f"{symbol} {gates.seating}", max(self.size.width - 9, 20)).replace("\n", "\n         ")
+            lines.append(Content.assemble((" SEAT  ", "bold"), (text, f"bold {colour}")))
         return Content("\n").join(lines)
 
 
@@ -51,10 +51,10 @@ class SoakLines(ValueWidget[SoakView]):
 
     def _drawn(self, soak: SoakView) -> Content:
         minutes, seconds = divmod(round(soak.left_s), 60)
-        said = "not sent by the device"
+        text = "not sent by the device"
         if soak.temperature_c is not None:
-            said = f"{soak.temperature_c:.1f} degC, range {soak.low_c:.1f} to {soak.high_c:.1f}"
-        return Content.assemble((" TEMP  ", "bold"), said, ("\n LEFT  ", "bold"), f"{minutes} min {seconds:02d} s")
+            text = f"{soak.temperature_c:.1f} degC, range {soak.low_c:.1f} to {soak.high_c:.1f}"
+        return Content.assemble((" TEMP  ", "bold"), text, ("\n LEFT  ", "bold"), f"{minutes} min {seconds:02d} s")
 
 
 class MonitoredLines(ValueWidget[MonitoredView]):
@@ -80,9 +80,9 @@ class StepWords(ValueWidget[StepView]):
     DEFAULT_CSS = "StepWords { height: 1fr; min-height: 3; padding: 0 1; text-wrap: wrap; }"
 
     def _drawn(self, step: StepView) -> Content:
-        said = [step.state, f"{step.seconds:.0f} s" if step.attempts else ""]
-        said += [f"{step.superseded} superseded" if step.superseded else "", step.note]
-        return Content.assemble((f"{short_step_title(step)}: ", "bold"), ", ".join(word for word in said if word))
+        parts = [step.state, f"{step.seconds:.0f} s" if step.attempts else ""]
+        parts += [f"{step.superseded} superseded" if step.superseded else "", step.note]
+        return Content.assemble((f"{short_step_title(step)}: ", "bold"), ", ".join(word for word in parts if word))
 
 
 OTHER_FACE_DEG = 45.0  # deg, beyond which another face is the one that is up
@@ -182,16 +182,18 @@ class LimitsLines(ValueWidget[Limits]):
         shown = sorted(limits, key=lambda one: one.share)[: max(self.size.height, 1)]
         left = f", about {max(-(-left_s // S_PER_MIN), 1):.0f} min left" if left_s else ""
         left = ", all targets met" if all(one.share >= 1 for one in limits) else left
-        said = [(left, LIMITS_LABEL), *[("", " " * len(LIMITS_LABEL))] * (len(shown) - 1)]
-        return Content("\n").join(self._line(one, *each) for one, each in zip(shown, said, strict=True))
+        parts = [(left, LIMITS_LABEL), *[("", " " * len(LIMITS_LABEL))] * (len(shown) - 1)]
+        return Content("\n").join(self._line(one, *each) for one, each in zip(shown, parts, strict=True))
 
     def _line(self, one: LimitView, left: str, name: str) -> Content:
         width = self.size.width - len(name)
         # a number is not cut: first the minutes go, which the title has as well, then the bar
-        said = next((f" {text} " for text in (one.text + left, one.text) if _has_bar(text, width)), f" {one.text}")
-        room = max(width - len(said), 0)
+        phrase = next(
+            (f" {text} " for text in (one.text + left, one.text) if _has_bar(text, width)), f" {one.text}"
+        )
+        room = max(width - len(phrase), 0)
         colour = "$success" if one.share >= 1 else "$accent"
-        return Content.assemble((name, "bold"), bar(one.share, room, colour), (said, "bold"))
+        return Content.assemble((name, "bold"), bar(one.share, room, colour), (phrase, "bold"))
 
 
 def _has_bar(text: str, width: int) -> bool:
@@ -223,8 +225,8 @@ class WarmUpPanel(ValueWidget[WarmUpView]):
 
     def _gate(self, name: str, value: float | None, limit: float | None, unit: str) -> Content:
         if value is None or limit is None:
-            said = "not measured yet" if value is None else f"{value:.2g} {unit}, the limit is being determined"
-            return Content.assemble((f"{name:16}", "bold"), (f"… {said}", "$muted"))
+            text = "not measured yet" if value is None else f"{value:.2g} {unit}, the limit is being determined"
+            return Content.assemble((f"{name:16}", "bold"), (f"… {text}", "$muted"))
         is_inside = abs(value) <= limit
         colour, word = ("$success", "✓ settled ") if is_inside else ("$warning", "✗ changing")
         sign = "<" if is_inside else ">"

@@ -151,5 +151,5 @@ def test_what_is_not_known_before_the_port_was_looked_at_is_said_to_be_so(bench:
         ready = readiness(setup, facts, check)
         assert ready.can_pass is None
         assert ready.can_certify
-        assert ready.said[0] == "can end in PASS: not known before the unit's model is known"
+        assert ready.outcomes[0] == "can end in PASS: not known before the unit's model is known"
         assert ready.lines[0].state == "note"

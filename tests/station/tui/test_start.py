@@ -25,7 +25,7 @@ def of_start(**update: object) -> CalibrationView:
 
 
 def said(seen: Screens) -> str:
-    return seen.app.screen.said.render().plain
+    return seen.app.screen.message.render().plain
 
 
 async def fill(seen: Screens, name: str, text: str) -> None:

@@ -124,7 +124,7 @@ ONES = (
     StepView(name="soak_01", state="todo", number=1, is_soak=True, position=9),
     StepView(name="soak_02", state="todo", number=2, is_soak=True, position=11),
 )  # fmt: skip
-TILTED_PICTURE = running(
+LEANING = running(
     "place",
     steps=ONES,
     wanted="free_03",
