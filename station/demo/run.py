@@ -101,7 +101,7 @@ def run_demo(
         setup = _setup(bench, url, campaign, request)
         operator = SimulatedOperator(BenchControl(control), SIMULATED_MOVE_S)
         if not request.has_turns:
-            operator = SimulatedOperator(SimulatedHands(control), FLIP_S, HandlingStyle(request.seed))
+            operator = SimulatedOperator(BenchControl(control), FLIP_S, HandlingStyle(request.seed))
         record_headless(setup, options, db, operator, show)
         recorded()
         steps = sorted(path for kind in ("dwell", "turn", "move") for path in campaign.glob(f"{kind}_*.mcap"))

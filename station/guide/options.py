@@ -86,8 +86,8 @@ class EngineOptions(FrozenValue):
         """Return who moves the cube, None where a person does."""
         if not self.hands:
             return None
-        from drivers.simulated.simulated_hands import SimulatedHands
+        from drivers.simulated.bench_control import BenchControl
         from station.guide.simulated_operator import HandlingStyle, SimulatedOperator
 
         style = HandlingStyle(TREMOR_SEED, wrong_share=0.0) if self.tremor else None
-        return SimulatedOperator(SimulatedHands(self.hands), self.move_s, style)
+        return SimulatedOperator(BenchControl(self.hands), self.move_s, style)

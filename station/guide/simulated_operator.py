@@ -6,9 +6,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from drivers.errors import DriverError
-from drivers.simulated.errors import HandsUnreachable, SimulatorError
-from drivers.simulated.simulated_hands import SimulatedHands
+from drivers.errors import ControlUnreachable, DriverError, SimulatorError
+from drivers.simulated.bench_control import BenchControl
 from procedures.frames import ATTITUDES, face_of
 from procedures.rests_and_moves.free_attitudes import UP_DIRECTIONS, UpDirection
 from station.guide.view import CalibrationView, StepView
@@ -32,7 +31,7 @@ class HandlingStyle:
     def __post_init__(self) -> None:
         object.__setattr__(self, "_rng", np.random.default_rng(self.seed))
 
-    def carry(self, hands: SimulatedHands, position: int, move_s: float) -> tuple[float, bool]:
+    def carry(self, hands: BenchControl, position: int, move_s: float) -> tuple[float, bool]:
         """Carry the cube towards ``position`` in ``move_s`` [s] of moving.
 
         Returns the device time [s] at which it will be over, and whether it went to the right position.
@@ -76,7 +75,7 @@ class SimulatedOperator:
     """
 
     def __init__(
-        self, hands: SimulatedHands, move_s: float, style: HandlingStyle | None = None, behind_s: float = 0.0,
+        self, hands: BenchControl, move_s: float, style: HandlingStyle | None = None, behind_s: float = 0.0,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:  # fmt: skip
         self._hands, self._move_s, self._style, self._clock = hands, move_s, style, clock
@@ -116,7 +115,7 @@ class SimulatedOperator:
             return
         try:
             self._call_again() if self.lost else self._execute(view)
-        except HandsUnreachable as error:
+        except ControlUnreachable as error:
             self._called = self._clock()
             if not self.lost:
                 self.lost, self._lost_since = str(error), self._called

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivers.simulated.simulated_hands import SimulatedHands
+from drivers.simulated.bench_control import BenchControl
 from station.guide.engine import CalibrationEngine
 from station.guide.simulated_operator import SimulatedOperator
 from station.guide.view import CalibrationView, CommandVerb, OperatorCommand, OperatorQuestion

@@ -8,10 +8,10 @@ from typing import TypeVar
 from pydantic import BaseModel, ValidationError
 
 from fixtures_db.database import Database
-from fixtures_db.face_certificates import cube
+from fixtures_db.fixture_measurements import cube
 from fixtures_db.fixtures import fixture_row
-from fixtures_db.own_effects import effects_in_force
 from fixtures_db.schema import CubeRow
+from fixtures_db.user_effects import effects_in_force
 from procedures.campaign.campaign import Campaign, Fixture, ProcedureSigma, Site
 from procedures.earth.gravity_and_rate import normal_gravity
 from procedures.units import RAD_PER_ARCSEC, RAD_PER_DEG
