@@ -31,7 +31,7 @@ $(VENV)/.installed: $(VENV)/bin/python pyproject.toml constraints.txt
 	$(PIP) .
 	@echo "== its numerical kernels, compiled for this machine once: half a minute"
 	$(BIN)/python -m procedures.attitude.compile_kernels
-	$(BIN)/python -m station.calibrated.compile_kernels
+	$(BIN)/python -m station.calibrated.applied_calibration
 	touch $@
 
 $(VENV)/.installed-test: $(VENV)/.installed pyproject.toml constraints.txt

@@ -16,16 +16,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from fixtures_db.hash_chain import canonical, digest
 from procedures.counts.sample_times import own_period
-from station.calibrated.array_arguments import numbers
-from station.calibrated.calibrated_stream import CalibratedStream
-from station.calibrated.calibration_applied import CalibrationModel
-from station.calibrated.target_frame import Frame, rotation_to
+from station.calibrated.applied_calibration import CalibrationModel
+from station.calibrated.calibrated_stream import CalibratedStream, numbers
+from station.calibrated.output_frame import Frame, rotation_to
 from station.errors import DataRefused
 from station.files.calibration_document import checked_calibration, is_of_counts, read_calibration
 
 __all__ = ["Calibrated", "Calibration", "CalibrationStream", "DataRefused", "calibration_of", "load"]
 
-PACE_TOLERANCE = 0.01  # relative, of a period that is told
+RATE_TOLERANCE = 0.01  # relative, of a period that is told
 
 Output = Literal["counts", "rates"]
 
@@ -203,7 +202,7 @@ def _period(t: NDArray[np.float64], told: float | None) -> float:
             )
         return told
     pace = own_period(t)
-    if told is not None and abs(pace / told - 1) > PACE_TOLERANCE:
+    if told is not None and abs(pace / told - 1) > RATE_TOLERANCE:
         said = f"samples {pace:.6g} s apart"
         raise DataRefused("t", None, said, f"{told:.6g} s within 1 %, as stated by period=", "correct one of them")
     return pace if told is None else told

@@ -28,13 +28,12 @@ class LazyGroup(TyperGroup):
         return [command.name for command in self.table]
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Import a command by its name; a module with a table of its own is a group of commands."""
+        """Import a command by its name; a module with a table instead of its function is a group of commands."""
         for command in self.table:
             if command.name == cmd_name:
                 module = importlib.import_module(command.module)
-                return (
-                    _group(command, module.COMMANDS) if hasattr(module, "COMMANDS") else _single(command, module)
-                )
+                is_single = hasattr(module, command.function)
+                return _single(command, module) if is_single else _group(command, module.COMMANDS)
         return None
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
@@ -61,7 +60,7 @@ def _single(command: Command, module: ModuleType) -> Any:
 app = typer.Typer(cls=LazyGroup, add_completion=False, rich_markup_mode=None, no_args_is_help=False)
 
 
-def _say_version(is_asked: bool) -> None:
+def _print_version(is_asked: bool) -> None:
     if is_asked:
         from importlib.metadata import version
 
@@ -79,7 +78,7 @@ def _station(
         bool, typer.Option(VERBOSE, help="Add its stable code to an error; may stand anywhere in the line.")
     ] = False,
     version: Annotated[
-        bool, typer.Option("--version", callback=_say_version, is_eager=True, help="Say the version and exit.")
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Say the version and exit.")
     ] = False,
 ) -> None:
     """Calibrate fibre-optic-gyro IMUs that output counts, and find what is wrong with any inertial sensor.

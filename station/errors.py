@@ -22,7 +22,7 @@ from pathlib import Path
 
 from procedures.error_codes import ErrorCode
 
-MOST_SAID = 500  # characters of what was found, in a message
+MAX_LISTED = 500  # characters of what was found, in a message
 
 
 class StationError(Exception):
@@ -118,7 +118,7 @@ def cannot_write(path: str | Path, error: OSError, needed: int | None = None) ->
 
 def shortened(text: str) -> str:
     """Return text for a message: what somebody put into a file may be a million characters long."""
-    return text if len(text) <= MOST_SAID else f"{text[: MOST_SAID - 3]}..."
+    return text if len(text) <= MAX_LISTED else f"{text[: MAX_LISTED - 3]}..."
 
 
 def megabytes(size: int) -> str:

@@ -24,7 +24,7 @@ from procedures.attitude.observability import Observability, observability
 from procedures.attitude.roll_pitch_kalman_filter import AID_CODE, AttitudeKalmanFilter
 from procedures.attitude.sensor_noise import at_rest, clipped_rows, gate_of, gyro_noise
 from procedures.attitude.unaided_motion import run_as_it_moves
-from procedures.earth.gravity_and_rate import EARTH_RATE
+from procedures.earth.geodesy import EARTH_RATE
 from procedures.units import STANDARD_GRAVITY
 
 AIDS = (

@@ -8,7 +8,7 @@ down vector.
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.earth.gravity_and_rate import earth_rate_n
+from procedures.earth.geodesy import earth_rate_n
 
 ENU_NED = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])  # its own inverse
 

@@ -9,9 +9,9 @@ import numpy as np
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.complementary_filter import start_down
 from procedures.attitude.sensor_noise import gyro_noise
-from procedures.earth.gravity_and_rate import EARTH_RATE
+from procedures.earth.geodesy import EARTH_RATE
 from procedures.earth.gyrocompass import attitude_at_rest
-from procedures.rests_and_moves.rest_detection import second_means
+from procedures.free_positions.rest_detection import second_means
 
 MIN_REST_S = 30.0
 STILL_RATE, STILL_FORCE = np.radians(0.05), 0.05  # rad/s, m/s2: by which a second's mean may stray

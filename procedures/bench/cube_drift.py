@@ -15,7 +15,7 @@ from scipy import stats
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import MeasuredCube
 from procedures.campaign.measured_cube import CubeMeasurement, common_and_difference
-from procedures.statistics.multiple_testing import holm
+from procedures.statistics.significance import holm
 
 CHANGED_P_VALUE = 0.01  # p-value, by Holm over all values, below which a cube is said to have changed
 

@@ -1,7 +1,7 @@
 """A cube measured by the IMUs that were calibrated in it: parallelism and skew with an honest covariance.
 
 Per campaign ``N = k (T R C u + D + K2 (C u)^2)``: u the specific force in cube axes
-(`procedures.dwells_and_turns.bench_parameters`), C the nominal mounting, R how the IMU sat in it (three angles, of
+(`procedures.twelve_positions.bench_parameters`), C the nominal mounting, R how the IMU sat in it (three angles, of
 each campaign its own), T lower triangular with rows of unit length: the angles between the unit's input axes,
 which it keeps however it is mounted. k and D are free in each campaign, a turn-on may change them; T and K2 belong
 to the unit, the tilts to the cube.
@@ -22,21 +22,21 @@ import numpy as np
 from scipy import stats
 
 from procedures.arrays import FloatArray
-from procedures.bench.face_check import refuse_wrong_faces
+from procedures.bench.position_checks import refuse_wrong_faces
 from procedures.campaign.campaign import Campaign, MeasuredCube
 from procedures.campaign.dead_channels import without_dead
 from procedures.campaign.measured_cube import NAMES, SKEW, CubeMeasurement, UnitShare, from_tilts, turning
 from procedures.campaign.observations import TriadDwells, TriadRests, dwell_rates, rest_rates
-from procedures.dwells_and_turns.bench_parameters import (
+from procedures.errors import NotObservable
+from procedures.frames import rotation
+from procedures.statistics.least_squares import Fit, minimise
+from procedures.twelve_positions.accelerometer_fit import MIN_RESPONSE_SIGMAS, is_determined
+from procedures.twelve_positions.bench_parameters import (
     FACE_TILT_RANGE_RAD,
     SLAB_TILT_RANGE_RAD,
     BenchParameters,
     Placement,
 )
-from procedures.dwells_and_turns.twelve_position import MIN_RESPONSE_SIGMAS, is_determined
-from procedures.errors import NotObservable
-from procedures.frames import rotation
-from procedures.statistics.least_squares import Fit, minimise
 from procedures.units import STANDARD_GRAVITY
 
 K2_STD_G_PER_G2 = 5e-5  # g/g^2, 1 sigma: a servo accelerometer's K2 is some 10 to 100 ug/g^2

@@ -1,8 +1,8 @@
-"""Is the cube seated as the dwells before say it should be: judged while it is being recorded.
+"""Whether the cube is seated as in earlier dwells, and whether rotations return to their start.
 
-A crumb under the cube tilts it, and a level accelerometer shows the tilt as specific force. What it should show is
+Debris under the cube tilts it, and a level accelerometer shows the tilt as specific force. What it should show is
 known once the face was up before: its output is ``N = K u + b`` (Yao, Hu, He 2018, eq. 1, 2) with ``u`` the up
-vector as `procedures.dwells_and_turns.bench_parameters` has it, from slab tilt, face tilt and heading. All of
+vector as `procedures.twelve_positions.bench_parameters` has it, from slab tilt, face tilt and heading. All of
 these are parameters of one Bayesian fit to the raw rates of the accepted dwells, with the bench's priors and wide
 ones for K and b, centred on what the vertical accelerometers count. The dwell in question takes part with next to
 no weight, so that its residual and its row of the Jacobian are what the others predict of it: ``cov = J P J'``.
@@ -12,22 +12,31 @@ slab's tilt reversed. So there is nothing to say of the first, and until one pai
 known to be level within its plausible range. Dwells from before the unit was switched on again know the face, but
 held other biases: by a step per axis, of 5 mg 1 sigma, that the dwells since then narrow down.
 
-Dwells that contradict each other, as one on a crumb and its clean partner do, predict nothing to their own sigma:
+Dwells that contradict each other, as one on debris and its clean partner do, predict nothing to their own sigma:
 the prediction's is then wider by the Birge ratio, the square root of chi2 over what the dwells leave free (Birge,
 Phys. Rev. 40, 1932). What no fit explains is not judged at all.
+
+Did manual rotations about an axis come back to where they began? Judged from pairs, + and -, of one scale factor.
+A turn of nominal angle A counts ``k (A + closure)`` along its axis once the rate at rest is taken off. Both
+turns of a pair have the same k, so that their ratio less one is ``closure_a / A_a - closure_b / A_b``: normal
+about zero, with the variance ``(closure_std^2 + std^2) / A^2`` summed over both; ``std`` is what noise makes of a
+turn's angle. Two turns do not say which of them is off: a third does, by agreeing with one of them. Where each
+direction agrees with itself and not with the other, no chance closure explains it: the scale factor differs by
+direction, or the stops do.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import Enum, auto
 
 import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, Fixture, ProcedureSigma, Site
-from procedures.dwells_and_turns.bench_parameters import BenchParameters, Placement
-from procedures.dwells_and_turns.twelve_position import TURN_ON_STEP_STD_G, specific_force
 from procedures.frames import AXES, cross_axes, face_normal, face_of
 from procedures.statistics.least_squares import Fit, joined_rows, minimise_if_determined
+from procedures.twelve_positions.accelerometer_fit import TURN_ON_STEP_STD_G, specific_force
+from procedures.twelve_positions.bench_parameters import BenchParameters, Placement
 from procedures.units import RAD_PER_ARCSEC, STANDARD_GRAVITY
 
 SCALE_STD = 0.1  # 1 sigma of k about what a vertical accelerometer counts, or the others do
@@ -179,3 +188,68 @@ def _scale(dwells: Sequence[PositionRates], C_sb: FloatArray) -> FloatArray:
     k = (up * rate).sum(axis=0) / np.maximum(upright, 1)
     like: FloatArray = np.where(upright > 0, k, np.mean(np.abs(k[upright > 0])))
     return like
+
+
+MAX_PAIR_SIGMAS = 3.0  # chance passes it in 0.27 % of honest pairs
+MAX_TURNS_PER_AXIS = 6  # turns about an axis after which more of them decide nothing
+
+
+@dataclass(frozen=True, slots=True)
+class TurnCounts:
+    """A turn in ``direction`` + or -: counts per revolution, angle [rad], 1 sigma of its noise [rad]."""
+
+    direction: str
+    counts: float
+    angle: float
+    std: float
+
+
+class Closing(Enum):
+    """What the turns about one axis say together, the last two directions standing."""
+
+    ALONE = auto()  # there is no pair yet
+    CLOSED = auto()
+    ONCE_MORE = auto()  # the last one, or its partner, is off: another of the last one's direction decides
+    OTHER = auto()  # the last one is confirmed, its partner is not: that is to be done again
+    REPEATS = auto()  # each direction agrees with itself, not with the other
+    APART = auto()  # nothing agrees with anything
+
+
+def pair_difference(one: TurnCounts, other: TurnCounts) -> float:
+    """Return by how much more ``one`` turned than ``other`` [rad], as shares of its own angle."""
+    return (one.counts / other.counts - 1) * one.angle
+
+
+def pair_limit(one: TurnCounts, other: TurnCounts, closure_std: float) -> float:
+    """Return how far apart [rad] two turns may be whose closures are ``closure_std`` [rad], 1 sigma."""
+    share = [np.hypot(closure_std, each.std) / each.angle for each in (one, other)]
+    return float(MAX_PAIR_SIGMAS * np.hypot(*share) * one.angle)
+
+
+def judge_closing(turns: Sequence[TurnCounts], closure_std: float) -> Closing:
+    """Judge the turns about one axis in the order in which they were done; the last of each direction stand."""
+    last = turns[-1]
+    partners = [turn for turn in turns if turn.direction != last.direction]
+    if not partners:
+        return Closing.ALONE
+    partner = partners[-1]
+
+    def agree(one: TurnCounts, other: TurnCounts) -> bool:
+        return abs(pair_difference(one, other)) <= pair_limit(one, other, closure_std)
+
+    if agree(last, partner):
+        return Closing.CLOSED
+    is_sure = any(agree(last, turn) for turn in turns[:-1] if turn.direction == last.direction)
+    is_partner_sure = any(agree(partner, turn) for turn in partners[:-1])
+    if is_sure and is_partner_sure:
+        return Closing.REPEATS
+    if len(turns) >= MAX_TURNS_PER_AXIS or (len(turns) > 2 and not is_sure and not is_partner_sure):
+        return Closing.APART
+    return Closing.OTHER if is_sure else Closing.ONCE_MORE
+
+
+def closure_scatter(turns: Sequence[TurnCounts]) -> float:
+    """Return the closure's 1 sigma [rad] that two or more turns show by how they scatter."""
+    counts = np.array([turn.counts for turn in turns])
+    angle = float(np.mean([turn.angle for turn in turns]))
+    return float(np.std(counts / counts.mean(), ddof=1) * angle)

@@ -1,11 +1,16 @@
-"""Signs that contradict each other: sensors that count backwards, turns and positions recorded the wrong way.
+"""Signs that contradict each other: sensors that count backwards, rotations and positions recorded reversed.
 
 A sensor's own term of E is near -1 where its sign is inverted, and just as well where the turns about its axis, or
-the positions with it up and down, are recorded exchanged. The Earth's rate in the dwells tells these apart where
+the positions with it up and down, are recorded exchanged. The Earth's rate in the dwells separates these where
 the gyroscopes resolve it: with K as the turns have it, a gyroscope at rest puts out ``b + a K w``, w the Earth's
 rate as the positions have it, and a = +1 where turns and dwells agree. Turns recorded in the opposite direction
 leave a = -1 in the vertical part of w and in the horizontal one, positions recorded upside down in the vertical
 part alone.
+
+Gyroscopes that count backwards in moves by hand: E of each sensor is near -1 where gravity says +1.
+Where no face ties the accelerometers' frame it is mirrored if one of them counts backwards, and rates in such a
+frame have the signs of the two other axes changed: so two gyroscopes backwards may be one accelerometer. One or
+three are gyroscopes for sure: no mirror gives them.
 """
 
 from collections.abc import Sequence
@@ -16,13 +21,13 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.observations import TriadDwells
-from procedures.dwells_and_turns.gyroscopes_joint_fit import GyroscopeFit
-from procedures.dwells_and_turns.twelve_position import TriadFit
-from procedures.earth.gravity_and_rate import earth_rate_n
+from procedures.earth.geodesy import earth_rate_n
 from procedures.frames import AXES, nominal_C_lb
+from procedures.twelve_positions.accelerometer_fit import TriadFit
+from procedures.twelve_positions.gyroscope_fit import GyroscopeFit
 
 MIN_OWN_AXIS_SHARE = 0.8  # of a row of E that must lie along the sensor's own axis for its sign to mean anything
-MIN_SIGN_SIGMAS = 6.0  # sigmas of a from nought
+MIN_SIGN_SIGMAS = 6.0  # sigmas of a from zero
 MAX_OFF_UNIT = 0.3  # of a from +-1, beside four of its sigmas
 MIN_SIGN_DWELLS = 6  # dwells
 
@@ -193,3 +198,28 @@ def reversed_axes(K: FloatArray, signs: EarthSigns, C_sb: FloatArray) -> BoolArr
         if signs.of_turns(sensors) < 0:
             marked[[AXES.index(cube_axis(C_sb, q)) for q in sensors]] = True
     return marked
+
+
+def backward_gyroscopes(K: FloatArray, *, is_turned_freely: bool) -> list[str]:
+    """Say which gyroscopes count backwards relative to gravity.
+
+    ``K`` (3, 3) [output/deg] is in the accelerometers' frame, which ``is_turned_freely`` where no face ties it.
+    """
+    back = backwards(K)
+    if not back:
+        return []
+    if len(back) == 3:
+        return [
+            "all three gyroscopes count backwards relative to gravity: the triad is left-handed; check their signs"
+        ]
+    if len(back) == 1:
+        return [
+            f"gyroscope {AXES[back[0]]} counts backwards: its scale factor is negative to that of the others, the "
+            "triad is left-handed; check its sign"
+        ]
+    x, y = (AXES[i] for i in back)
+    other = next(axis for i, axis in enumerate(AXES) if i not in back)
+    instead = f", or accelerometer {other} does" if is_turned_freely else ""
+    return [
+        f"gyroscopes {x} and {y} count backwards{instead}: relative to gravity their scale factors are negative"
+    ]

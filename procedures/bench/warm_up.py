@@ -2,7 +2,7 @@
 
 The limits are learnt from the unit at rest, in counts, through nothing stored. With ``white`` its count noise
 [count/sqrt(s)], a dwell of T seconds shows a rate to ``white / sqrt(T)``: the limit of the drift over ``pair_s``,
-the time two positions of one face take. Two things tell the drift:
+the time two positions of one face take. Two things show the drift:
 
 - the means themselves, by the slope of a straight line through the last W seconds of them,
   ``std(slope) = white sqrt(12 / W^3)``. Half the limit takes ``W^3 = 48 T pair_s^2``: 12 min for T = 100 s;

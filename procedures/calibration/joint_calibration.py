@@ -6,12 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.bench.backward_gyroscopes import backward_gyroscopes
-from procedures.bench.face_check import refuse_wrong_faces
-from procedures.bench.heading_errors import heading_warnings
-from procedures.bench.sign_errors import sign_warnings
+from procedures.bench.position_checks import heading_warnings, refuse_wrong_faces
+from procedures.bench.sign_errors import backward_gyroscopes, sign_warnings
 from procedures.calibration.reduced_steps import ReducedSteps, reduce_steps
-from procedures.calibration.residuals import fit_quality, step_residuals
+from procedures.calibration.residuals import fit_quality, step_residuals, turn_on_warnings
 from procedures.calibration.solution_values import (
     DOUBTFUL_P_VALUE,
     Estimate,
@@ -26,23 +24,29 @@ from procedures.calibration.triad_calibration import (
     triad_vector,
     with_clock,
 )
-from procedures.calibration.turn_on_warnings import turn_on_warnings
-from procedures.calibration.unnoticed_leans import UnnoticedLean, unnoticed_lean_warnings, unnoticed_leans
+from procedures.calibration.undetectable_tilt import (
+    UndetectableTilt,
+    undetectable_tilt_warnings,
+    undetectable_tilts,
+)
 from procedures.campaign.campaign import Campaign, RestRecord, period_std
 from procedures.campaign.observations import (
     TriadDwells,
 )
-from procedures.dwells_and_turns.bench_parameters import tilt_names
-from procedures.dwells_and_turns.gyroscopes_joint_fit import GyroscopeFit, solve_gyroscope
-from procedures.dwells_and_turns.latitude_and_time_base import clock_on_accelerometer, clock_on_moves
-from procedures.dwells_and_turns.measured_latitude import measured_latitude
-from procedures.dwells_and_turns.turn_leans import turn_leans
-from procedures.dwells_and_turns.twelve_position import TriadFit, missing_positions, solve_accelerometer
 from procedures.errors import NotObservable
 from procedures.frames import AXES
-from procedures.rests_and_moves.free_attitudes_solve import solve_with_rests, why_not_by_rests, with_known_faces
-from procedures.rests_and_moves.gyroscopes_from_moves import MovesFit, solve_moves
-from procedures.rests_and_moves.sequences import SegmentedSequence
+from procedures.free_positions.free_attitude_fit import solve_with_rests, why_not_by_rests, with_known_faces
+from procedures.free_positions.gyroscopes_from_moves import MovesFit, SegmentedSequence, solve_moves
+from procedures.twelve_positions.accelerometer_fit import TriadFit, missing_positions, solve_accelerometer
+from procedures.twelve_positions.bench_parameters import tilt_names
+from procedures.twelve_positions.gyroscope_fit import (
+    GyroscopeFit,
+    clock_on_accelerometer,
+    clock_on_moves,
+    measured_latitude,
+    solve_gyroscope,
+)
+from procedures.twelve_positions.rotation_tilt import rotation_tilts
 from procedures.units import RAD_PER_ARCSEC
 
 NEVER_EXCITED = ("accelerometer.cross_product", "accelerometer.cubic (with accelerometer.scale_factor)")
@@ -105,7 +109,7 @@ def fit_reduced(steps: ReducedSteps) -> CampaignFits:
         accelerometer = solve_accelerometer(campaigns, accel) if accel is not None else None
     gyroscope = None
     if gyro is not None:
-        leans = turn_leans(campaigns, steps.turns, steps.turn_rests, accel, accelerometer)
+        leans = rotation_tilts(campaigns, steps.turns, steps.turn_rests, accel, accelerometer)
         gyroscope = solve_gyroscope(campaigns, gyro, steps.turns, accelerometer, leans)
     moves = None
     if gyroscope is None and accelerometer is not None:
@@ -146,17 +150,17 @@ def report(fits: CampaignFits) -> Solution:
         reference_temperature=_mean_temperature(fits),
         residuals=step_residuals(fits.accelerometer, fits.gyroscope),
         not_observable=_not_observable(fits), warnings=(*_warnings(fits, quality, leans), *stood),
-        unused_steps=_unused(fits), turned_off=tuple(sure), unnoticed_leans=leans,
+        unused_steps=_unused(fits), turned_off=tuple(sure), undetectable_tilts=leans,
     )  # fmt: skip
 
 
 def leans_of(
     fits: CampaignFits, quality: FitQuality, askew: Collection[tuple[int, str]] = ()
-) -> tuple[UnnoticedLean, ...]:
-    """Return what leans would not show in the dwells but those ``askew``, by campaign's number and name."""
+) -> tuple[UndetectableTilt, ...]:
+    """Return what tilts would not show in the dwells but those ``askew``, by campaign's number and name."""
     if fits.accelerometer is None or fits.accelerometer.is_turned_freely:
         return ()
-    return unnoticed_leans(fits.accelerometer, fits.gyroscope, quality.noticed_sigmas, askew)
+    return undetectable_tilts(fits.accelerometer, fits.gyroscope, quality.noticed_sigmas, askew)
 
 
 def joint_covariance(
@@ -257,7 +261,7 @@ def _not_observable(fits: CampaignFits) -> tuple[str, ...]:
 def _left_open(accelerometer: TriadFit, moves_show_skew: bool) -> list[str]:
     """Name what the accelerometers' steps do not show, beside parameters of a triad that was left out.
 
-    Moves between placings show a cube's skew to the gyroscopes; the cube's turning as a whole stays open.
+    Moves between placements show a cube's skew to the gyroscopes; the cube's turning as a whole stays open.
     """
     bench = accelerometer.bench
     if accelerometer.is_turned_freely:
@@ -275,7 +279,7 @@ def _left_open(accelerometer: TriadFit, moves_show_skew: bool) -> list[str]:
     return [*found, *NEVER_EXCITED]
 
 
-def _warnings(fits: CampaignFits, quality: FitQuality, leans: Sequence[UnnoticedLean]) -> tuple[str, ...]:
+def _warnings(fits: CampaignFits, quality: FitQuality, leans: Sequence[UndetectableTilt]) -> tuple[str, ...]:
     found = list(fits.left_out)
     if quality.p_value < DOUBTFUL_P_VALUE:
         found.append(
@@ -304,7 +308,7 @@ def _warnings(fits: CampaignFits, quality: FitQuality, leans: Sequence[Unnoticed
     if fits.gyroscope is not None:
         found += _turn_warnings(fits.gyroscope)
         found += _site_warnings(fits.gyroscope)
-    found += unnoticed_lean_warnings(leans)
+    found += undetectable_tilt_warnings(leans)
     return (*found, *turn_on_warnings(fits.campaigns, fits.accelerometer, fits.gyroscope), *_few_counts(fits))
 
 

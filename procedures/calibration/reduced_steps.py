@@ -13,8 +13,8 @@ from procedures.campaign.observations import (
     rest_rates,
     turn_totals,
 )
-from procedures.dwells_and_turns.turn_leans import turn_rests
-from procedures.rests_and_moves.sequences import SegmentedSequence, all_rests, segment
+from procedures.free_positions.gyroscopes_from_moves import SegmentedSequence, all_rests, segment
+from procedures.twelve_positions.rotation_tilt import turn_rests
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,4 +1,4 @@
-"""What a fit leaves: residuals of dwells and turns in natural units, and the global test."""
+"""Residuals of dwells and rotations in natural units, the global test, and warnings about turn-ons."""
 
 from collections.abc import Sequence
 
@@ -7,10 +7,11 @@ from scipy.special import gammaincc
 
 from procedures.arrays import FloatArray
 from procedures.calibration.solution_values import FitQuality, StepResidual
-from procedures.dwells_and_turns.gyroscopes_joint_fit import GyroscopeFit
-from procedures.dwells_and_turns.twelve_position import RestFit, TriadFit
-from procedures.rests_and_moves.gyroscopes_from_moves import MovesFit
-from procedures.units import DEG_H_PER_DEG_S, RAD_PER_ARCSEC
+from procedures.campaign.campaign import Campaign
+from procedures.free_positions.gyroscopes_from_moves import MovesFit
+from procedures.twelve_positions.accelerometer_fit import RestFit, TriadFit
+from procedures.twelve_positions.gyroscope_fit import GyroscopeFit
+from procedures.units import DEG_H_PER_DEG_S, RAD_PER_ARCSEC, UG_PER_G
 
 # A residual whose sigma is less than a thousandth of the observation's is the fit's, not the data's
 MIN_FREE_VARIANCE = 1e-6
@@ -107,3 +108,31 @@ def norm_residuals(rests: RestFit, residual: FloatArray) -> FloatArray:
     ``residual`` (m,) is the whitened one of the fit that ``rests`` are part of.
     """
     return residual[rests.rows] * rests.sigma
+
+
+def turn_on_warnings(
+    campaigns: Sequence[Campaign], accelerometer: TriadFit | None, gyroscope: GyroscopeFit | None
+) -> list[str]:
+    """Say which bias the solution has, and by how much turn-ons differed; nothing of campaigns with one."""
+    times = max(_turn_ons(each) for each in campaigns)
+    if times < 2:
+        return []
+    triads = (
+        ("accelerometer", accelerometer, "ug", UG_PER_G),
+        ("gyroscope", None if gyroscope is None else gyroscope.joint, "deg/h", DEG_H_PER_DEG_S),
+    )
+    parts = list[str]()
+    for name, joint, unit, per in triads:
+        if joint is not None and joint.profiled:
+            spread = joint.spread / joint.k * per
+            parts.append(f"{name} {', '.join(f'{each:.2g}' for each in spread)} {unit}")
+        elif joint is not None:
+            parts.append(f"{name} not separated: one bias was solved for all")
+    return [
+        f"the unit was switched on {times} times within a campaign: each power-on has its own biases, and the "
+        f"bias here is their mean; u of the mean x, y, z: {'; '.join(parts)}, included in its uncertainty"
+    ]
+
+
+def _turn_ons(campaign: Campaign) -> int:
+    return len({dwell.turn_on for dwell in campaign.dwells} | {turn.turn_on for turn in campaign.turns})

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.special import chdtri
 
 from procedures.arrays import FloatArray
-from procedures.calibration.unnoticed_leans import UnnoticedLean
+from procedures.calibration.undetectable_tilt import UndetectableTilt
 
 DOUBTFUL_P_VALUE = 0.01  # p-value of the global test below which the sigmas are said to be in doubt
 
@@ -95,8 +95,9 @@ class Solution:
     ``parallelism`` (3, 2) [rad]: rows face pair x, y, z, columns the two other axes in x, y, z order, the sum of
     both faces' up tilts. ``names`` label the rows of ``covariance``: ``accelerometer.scale_factor.x``,
     ``gyroscope.misalignment.xy``, ``slab.tilt.east``, ``fixture.parallelism.x.y`` ... ``turned_off`` names the
-    dwells that surely stood turned against the marks. ``unnoticed_leans`` are those of the dwells whose seats were
-    not found to be off and whose leans move something; none without accelerometers' dwells, or turned freely.
+    dwells that surely stood turned against the marks. ``undetectable_tilts`` are those of the dwells whose seating
+    was not found to be off and whose tilt changes a result; none without dwells of accelerometers, or when rotated
+    freely.
     """
 
     accelerometer: TriadCalibration | None
@@ -112,4 +113,4 @@ class Solution:
     warnings: tuple[str, ...] = ()
     unused_steps: tuple[str, ...] = ()
     turned_off: tuple[str, ...] = ()
-    unnoticed_leans: tuple[UnnoticedLean, ...] = ()
+    undetectable_tilts: tuple[UndetectableTilt, ...] = ()

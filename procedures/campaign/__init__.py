@@ -1,1 +1,5 @@
-"""A campaign in memory, the plan behind it, and what its steps say: rates of dwells, totals of turns."""
+"""A campaign in memory, and what its steps say.
+
+`plan_steps` (what the operator is asked to do), `campaign` (what was recorded), `measured_cube` (its fixture),
+`dead_channels` (channels to exclude), `observations` (rates of dwells, totals of rotations, with uncertainty).
+"""

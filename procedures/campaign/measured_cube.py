@@ -1,7 +1,7 @@
 """What was measured of a cube: parallelism and skew by name, with their covariance.
 
 Parallelism ``p_ac`` is the sum of the up tilts of face pair a along axis c, skew ``S_ac = q_ac + q_ca`` the cosine
-between the mean normals of the pairs a and c (`procedures.dwells_and_turns.bench_parameters`). The other half of
+between the mean normals of the pairs a and c (`procedures.twelve_positions.bench_parameters`). The other half of
 perpendicularity, ``q_ac - q_ca``, turns the cube as a whole: nothing but the faces says where a cube's axes are.
 """
 

@@ -9,9 +9,8 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord, TurnRecord
 from procedures.counts.count_rate import MIN_DWELL_SAMPLES, RateEstimate, estimate_channels, estimate_dithered
-from procedures.counts.rate_output_mean import estimate_rates, output_step
+from procedures.counts.dwell_means import count_noise, estimate_rates, output_step, shaken, without_lines
 from procedures.counts.sample_records import CountSeries, Series
-from procedures.counts.shaken_dwells import count_noise, shaken, without_lines
 from procedures.errors import TooShort
 
 Step = TypeVar("Step", DwellRecord, RestRecord)

@@ -36,7 +36,7 @@ class Turn:
     """Turn the cube by hand about its vertical ``axis`` (x, y, z), ``direction`` + or -, whole ``revolutions``.
 
     It begins and ends in ``start_position`` with ``rest_s`` seconds of rest at each end. ``speed_deg_s`` is asked
-    for where speed matters: two speeds in each direction tell asymmetry from nonlinearity.
+    for where speed matters: two speeds in each direction separate asymmetry from nonlinearity.
     """
 
     axis: str
@@ -90,7 +90,7 @@ class Soak:
 
 @dataclass(frozen=True, slots=True)
 class Monitor:
-    """Rest the cube in ``position`` (1..12) for ``seconds``, and read roll and pitch by ``laws`` meanwhile.
+    """Rest the cube in ``position`` (1..12) for ``seconds``, and read roll and pitch by ``laws`` in that time.
 
     It is the ``number``-th such step; the laws are those of `procedures.attitude.laws`.
     """

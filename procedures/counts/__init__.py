@@ -1,1 +1,6 @@
-"""From recorded counts to rates with an honest sigma, and whether counts can be true."""
+"""From recorded counts to rates with standard uncertainty.
+
+`sample_records` (what an IMU's output is), `sample_times` and `reference_time` (when), `count_rate` (rate of a
+dwell; by `count_propagation`, `count_kernels`, `count_noise`), `dwell_means` (vibration, rate outputs),
+`reference_angle` (an encoder beside it).
+"""

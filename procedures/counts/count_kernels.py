@@ -119,7 +119,7 @@ def _steps(
     t: FloatArray, linked: FloatArray, basis: FloatArray, noise: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the steps' precision (m - 1,), times the basis's change in each (m - 1, p), and that change."""
-    apart = noise * noise * (t[1:] - t[:-1])  # nought where a segment begins when another ended
+    apart = noise * noise * (t[1:] - t[:-1])  # zero where a segment begins when another ended
     link = np.divide(1.0, apart, out=np.zeros(len(apart)), where=linked[1:] > 0)
     change = basis[1:] - basis[:-1]
     return link, link[:, None] * change, change

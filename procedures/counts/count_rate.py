@@ -22,10 +22,8 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.counts.count_kernels import smooth, theta_of_first_and_all
-from procedures.counts.count_propagation import Nodes, propagate
-from procedures.counts.lines_within_counts import rate_within_counts
-from procedures.counts.noise_search import Search, Tries, Weights, noise_posterior
-from procedures.counts.white_count_noise import white_count_noise
+from procedures.counts.count_noise import Search, Tries, Weights, noise_posterior, white_count_noise
+from procedures.counts.count_propagation import Nodes, propagate, rate_within_counts
 from procedures.errors import TooShort
 
 NODE_WINDOWS, NODES_PER_WINDOW_END = 64, 3

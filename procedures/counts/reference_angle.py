@@ -98,7 +98,7 @@ def _averaged(values: FloatArray, rows: int) -> FloatArray:
 
 
 def lateness(t: FloatArray, angle: FloatArray, output: FloatArray) -> tuple[float, float]:
-    """Return how much older than its row an angle is, and 1 sigma [s]; infinite where nothing tells it.
+    """Return how much older than its row an angle is, and 1 sigma [s]; infinite where nothing determines it.
 
     So it is where fewer than `LEAST_ROWS` are left between the ends. Of ``output = k d(angle)/dt + b`` with the
     angle shifted: a search first, then least squares.

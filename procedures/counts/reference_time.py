@@ -4,11 +4,11 @@ Reference time of a row is read when the row is, late by what ports, adapters an
 early. The delays are heavy-tailed and hang together for seconds or minutes, but now and then a row comes through
 at once: the lower envelope keeps the rate while all else moves. So of each stretch of a campaign the least late
 row counts, and the noise of these is estimated with its memory
-(`procedures.statistics.line_with_correlated_errors`).
+(`procedures.statistics.line_fits`).
 
-A reference that is latched by a pulse errs to both sides instead: there the mean of a stretch tells more. Which
-it is shows in how well each draws a line. One that is cut to whole seconds tells the moment at which it goes on,
-to the distance of two rows; that error may well be the same for all, so that no scatter shows it.
+A reference that is latched by a pulse errs to both sides instead: there the mean of a stretch determines more.
+Which it is shows in how well each draws a line. One that is cut to whole seconds determines the moment at which it
+goes on, to the distance of two rows; that error may well be the same for all, so that no scatter shows it.
 """
 
 from collections.abc import Callable, Sequence
@@ -18,21 +18,21 @@ from itertools import pairwise
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
-from procedures.statistics.line_with_correlated_errors import CorrelatedLine, fit_correlated_line
+from procedures.statistics.line_fits import CorrelatedLine, fit_correlated_line
 from procedures.units import PPM_PER_ONE
 
 LINE_BLOCKS, MIN_LINE_BLOCKS = 24, 6  # stretches of all rows, and as few as that are a line
 DECIMALS_S = (1.0, 0.1, 0.01, 1e-3, 1e-4, 1e-5)  # s, of stamps that were written with few decimals
 LEAST_SCATTER = 0.05  # of the last decimal, by which rounding alone scatters six times
 MAX_RECORDS_APART = 96  # records, of more each is one block: noises of 600 points take seconds and 0.5 GB
-MIN_RECORD_BLOCKS, MIN_BLOCK_ROWS = 2, 2  # of a record, so that it tells a slope; rows of a block
+MIN_RECORD_BLOCKS, MIN_BLOCK_ROWS = 2, 2  # of a record, so that it determines a slope; rows of a block
 OUTLIER_SIGMAS = 5.0  # robust sigmas
 MAX_DELAY_STEPS = 4  # of the delay at the most: a logger that was started again has another one
 ENVELOPE_PASSES = 4  # of taking the least late rows by the rate before
 LINE_PASSES = 2  # of taking them by the line
 MAX_SIGMA_RATIO = 0.7  # of the envelope's sigma: from there on another one counts instead
 COARSE_TICK_SHARE = 0.5  # of rows whose reference is another than that of the row before: with fewer it is cut
-# s, relative: by more, one clock was set or began anew between two records
+# s, relative: by more, one clock was set or restarted between two records
 MAX_CLOCK_LEAP_S, MAX_CLOCK_DRIFT = 2.0, 0.05
 
 Piece = tuple[FloatArray, FloatArray]
@@ -55,7 +55,7 @@ def fit_clock(pieces: Sequence[Piece]) -> ClockRate | None:
     """Fit reference time over device time, pairs of (n,) [s] for each record.
 
     None where too few rows have both, or the reference stands or runs back. It is nan where it is not known.
-    Where a clock was set, or began anew, between two records, a line begins there of its own, with the same slope.
+    Where a clock was set, or restarted, between two records, a line begins there of its own, with the same slope.
     """
     points = _Points.of(pieces)
     if points is None:
@@ -147,7 +147,7 @@ def _ticks(known: list[Piece]) -> tuple[list[Piece], float]:
 
 
 def _sessions(known: Sequence[Piece]) -> list[int]:
-    """Return a number for each record, another from where a clock was set or began anew."""
+    """Return a number for each record, another from where a clock was set or restarted."""
     found = [0]
     for (t, behind), (later, after) in pairwise(known):
         leap = abs(float(np.median(after) - np.median(behind)))
@@ -171,7 +171,7 @@ def _blocks(times: Sequence[FloatArray]) -> tuple[list[IntArray], IntArray]:
 
 
 def _line(points: _Points, pick: Callable[[FloatArray], float]) -> CorrelatedLine | None:
-    """Fit a line through what is picked of each block; where its offset surely steps, a session begins anew."""
+    """Fit a line through what is picked of each block; where its offset surely steps, a session begins again."""
     session, line = points.session, None
     for _ in range(MAX_DELAY_STEPS + 1):
         found, index = _line_in(points, session, pick)
@@ -189,9 +189,9 @@ def _line(points: _Points, pick: Callable[[FloatArray], float]) -> CorrelatedLin
 def _line_in(
     points: _Points, session: IntArray, pick: Callable[[FloatArray], float]
 ) -> tuple[CorrelatedLine | None, IntArray]:
-    """Fit a line through what is picked of each block about the line before; tell the blocks it goes through.
+    """Fit a line through what is picked of each block about the line before; return the blocks it goes through.
 
-    Between records delays may change, which bends the usual slope: what is picked by the line is fitted anew.
+    Between records delays may change, which bends the usual slope: what is picked by the line is fitted again.
     """
     slope = 0.0
     middle = np.array([points.t[b].mean() for b in points.blocks])

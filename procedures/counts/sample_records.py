@@ -125,7 +125,7 @@ S = TypeVar("S", bound=Series)
 
 
 def block_series(blocks: Sequence[CountBlock], period: float) -> CountSeries:
-    """Return gap-free blocks as the segments of a step; ``period`` [s] where they do not tell."""
+    """Return gap-free blocks as the segments of a step; ``period`` [s] where they do not show it."""
     joined = joined_blocks(blocks)
     steps = np.concatenate([np.diff(block.device_time) for block in blocks])
     period = float(steps.mean()) if len(steps) else period

@@ -29,7 +29,7 @@ from procedures.diagnosis.refit import Refit
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.diagnosis.result import Finding
 from procedures.frames import TRIADS
-from procedures.statistics.tail_probabilities import log_chi2_sf
+from procedures.statistics.significance import log_chi2_sf
 from procedures.units import DEG_H_PER_DEG_S
 
 NAME = "bias_walk"

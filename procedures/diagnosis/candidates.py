@@ -16,10 +16,10 @@ from procedures.calibration.joint_calibration import CampaignFits
 from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear
 from procedures.diagnosis.plausible_sizes import as_it_wanders, grade_factor
 from procedures.diagnosis.residual_rows import Evidence
-from procedures.dwells_and_turns.bench_parameters import BenchParameters, tilt_names
 from procedures.effects.effect import Columns, Effect
 from procedures.errors import DoesNotFit, ProcedureError
 from procedures.frames import TRIADS
+from procedures.twelve_positions.bench_parameters import BenchParameters, tilt_names
 
 BEHIND = {f"{triad}.scale_temperature": f"{triad}.bias_temperature" for triad in TRIADS} | {
     f"{triad}.scale_temperature_lag": f"{triad}.temperature_lag" for triad in TRIADS

@@ -15,7 +15,7 @@ from procedures.diagnosis.disturbances import EFFECT
 from procedures.diagnosis.disturbed_blocks import MIN_FINE, middle_half, rounding_of
 from procedures.diagnosis.resting_channels import RestingChannel, resting_channels
 from procedures.diagnosis.result import Finding
-from procedures.statistics.tail_probabilities import log_f_sf
+from procedures.statistics.significance import log_f_sf
 
 BLOCK_S, MIN_BLOCK = 10.0, 48  # s, samples
 MIN_BLOCKS, LEAST_SIDE = 20, 5

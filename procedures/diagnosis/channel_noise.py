@@ -10,12 +10,10 @@ from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.held_samples import HeldChannel, Scales, held_channels, records_at_rest
 from procedures.frames import AXES, TRIADS
-from procedures.statistics.allan_deviation import AllanDeviation, overlapping_deviation
-from procedures.statistics.conditions.condition import Condition
-from procedures.statistics.conditions.examination import Examined, examine
-from procedures.statistics.conditions.spectral_shape import spectral_condition
-from procedures.statistics.conditions.terms import (
+from procedures.statistics.allan_deviation import AllanDeviation, NoiseFit, overlapping_deviation
+from procedures.statistics.noise_conditions import (
     TAU_POWERS,
+    Condition,
     changing_interval,
     fit_from,
     of_levels,
@@ -25,7 +23,8 @@ from procedures.statistics.conditions.terms import (
     without_rounding,
     without_trend,
 )
-from procedures.statistics.noise_terms import NoiseFit
+from procedures.statistics.recording_conditions import Examined, examine
+from procedures.statistics.spectral_shape import spectral_condition
 from procedures.statistics.spectrum import MIN_SAMPLES, Line, Spectrum, lines_of, spectrum_of, without_lines
 
 

@@ -13,12 +13,21 @@ from typing import TypeVar
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.campaign.campaign import Campaign, DwellRecord, MoveRecord, RestRecord, SequenceRecord, TurnRecord
-from procedures.campaign.recorded_clock import MAX_CLOCK_PPM, clock_rate, is_known
+from procedures.campaign.campaign import (
+    MAX_CLOCK_PPM,
+    Campaign,
+    DwellRecord,
+    MoveRecord,
+    RestRecord,
+    SequenceRecord,
+    TurnRecord,
+    clock_rate,
+    is_known,
+)
 from procedures.counts.reference_time import ClockRate
 from procedures.diagnosis.result import Confidence, EffectTest, Finding
 from procedures.effects import EFFECTS
-from procedures.statistics.tail_probabilities import log_f_sf
+from procedures.statistics.significance import log_f_sf
 from procedures.units import PPM_PER_ONE
 
 EFFECT = "clock.rate"

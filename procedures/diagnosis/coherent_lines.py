@@ -20,8 +20,8 @@ from procedures.arrays import BoolArray, FloatArray
 from procedures.diagnosis.sample_blocks import Fitted, SampleBlocks, Scores, fit_scores, scores_of
 from procedures.diagnosis.sample_phases import Phase
 from procedures.frames import TRIADS
+from procedures.statistics.significance import log_chi2_sf, log_f_sf
 from procedures.statistics.spectrum import MEDIAN_OF_EXPONENTIAL, MIN_PERIODS
-from procedures.statistics.tail_probabilities import log_chi2_sf, log_f_sf
 
 MAX_LOG_P = np.log(1e-3)
 MAX_LOG_P_OF_BLOCKS = np.log(1e-4)  # of this frequency alone, by what the blocks say of it

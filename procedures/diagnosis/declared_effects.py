@@ -26,7 +26,7 @@ from procedures.effects.effect import REFERENCE_C
 from procedures.effects.term.effect_of_term import TermEffect
 from procedures.errors import DoesNotFit
 from procedures.frames import TRIADS
-from procedures.statistics.singular_values import left_singular
+from procedures.statistics.least_squares import left_singular
 
 SAME = 0.98  # correlation, beside the model, from which on two effects are one in a design
 ABSORBED = 1e-6  # of a column, below which the model holds it already

@@ -92,9 +92,9 @@ from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
 from procedures.effects.term.effect_of_term import TermEffect
 from procedures.errors import DoesNotFit, MoveContradicts, NotObservable, ProcedureError
-from procedures.rests_and_moves.rest_detection import motion_within
-from procedures.uncertainty.clock_rate_sigma import with_clock
-from procedures.uncertainty.given_values import ByTriad
+from procedures.free_positions.rest_detection import motion_within
+from procedures.uncertainty.budget import with_clock
+from procedures.uncertainty.sources import ByTriad
 
 
 @let_go_at_the_end()

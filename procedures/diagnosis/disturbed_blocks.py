@@ -13,10 +13,10 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from procedures.arrays import FloatArray, IntArray
+from procedures.counts.count_noise import MIN_WHITE_NOISE, WHITE_LAG_SAMPLES, lag_sums
 from procedures.counts.count_rate import MIN_DWELL_SAMPLES, estimate_counts
-from procedures.counts.white_count_noise import MIN_WHITE_NOISE, WHITE_LAG_SAMPLES, lag_sums
 from procedures.diagnosis.constant_rate_check import bent_strip_width, log_p_of_width, strip_width
-from procedures.statistics.tail_probabilities import log_chi2_sf
+from procedures.statistics.significance import log_chi2_sf
 
 BLOCK_LENGTHS_S = (1.0, 2.0, 5.0, 10.0)  # s, of blocks
 MIN_BLOCK_SAMPLES = 12  # samples a block

@@ -31,7 +31,7 @@ from procedures.diagnosis.sweep_repeatability import log_p_of_repeats
 from procedures.diagnosis.term_trial import tried_term
 from procedures.effects.effect import Effect
 from procedures.errors import DoesNotFit
-from procedures.statistics.multiple_testing import holm
+from procedures.statistics.significance import holm
 
 # Of the adjusted p. The words would allow 0.05 for likely; that names what is not there in more than 1 %.
 MAX_LOG_P = np.log(0.01)

@@ -13,7 +13,7 @@ from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord, Sequ
 from procedures.campaign.observations import channel
 from procedures.counts.sample_records import CountSeries, Series
 from procedures.frames import AXES, TRIADS
-from procedures.rests_and_moves.sequences import segment
+from procedures.free_positions.gyroscopes_from_moves import segment
 
 Record = DwellRecord | RestRecord | SoakRecord | SequenceRecord | TurnRecord
 LOOKED_AT, COARSE_LEVELS = 20000, 32  # samples; levels in them, up to which an output is coarse

@@ -19,8 +19,8 @@ from procedures.diagnosis.residual_rows import Evidence
 from procedures.effects.effect import Columns, Excitation, per_axis
 from procedures.effects.temperature_history import lagged
 from procedures.frames import AXES, TRIADS
-from procedures.statistics.singular_values import left_singular
-from procedures.statistics.tail_probabilities import log_chi2_sf
+from procedures.statistics.least_squares import left_singular
+from procedures.statistics.significance import log_chi2_sf
 
 SLOW, FAST = (
     tuple(range(1, 6)),

@@ -14,7 +14,7 @@ from procedures.arrays import BoolArray, FloatArray
 from procedures.diagnosis.linear_model import LinearFit
 from procedures.diagnosis.residual_rows import KINDS, Evidence
 from procedures.frames import TRIADS
-from procedures.statistics.tail_probabilities import log_chi2_sf, log_f_sf
+from procedures.statistics.significance import log_chi2_sf, log_f_sf
 
 MAX_LOG_P = np.log(0.01)
 MAX_STEPS = 3

@@ -16,7 +16,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
 from procedures.diagnosis.thermal_soaks import SoakBlock
-from procedures.earth.gravity_and_rate import EARTH_RATE
+from procedures.earth.geodesy import EARTH_RATE
 from procedures.frames import AXES, TRIADS
 
 MIN_SOAKS = 2

@@ -14,7 +14,7 @@ from scipy.linalg.lapack import dtrtri, dtrtrs
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.diagnosis.residual_rows import KINDS, Evidence
-from procedures.statistics.tail_probabilities import KNOWN_VARIANCE_DOF, log_chi2_sf, log_f_sf
+from procedures.statistics.significance import KNOWN_VARIANCE_DOF, log_chi2_sf, log_f_sf
 
 MAX_WEIGHTINGS = 3  # of weighting anew
 MIN_INFORMATION_SHARE = (

@@ -13,11 +13,10 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.counts.sample_records import Series
 from procedures.diagnosis.excitation import Bins, NodeBuilder, StepNodes, attitude, site_vectors
-from procedures.dwells_and_turns.finer_moves import LINEAR_HZ, joined_samples
-from procedures.dwells_and_turns.move_rotation import rotations_to_end
-from procedures.dwells_and_turns.placing_moves import PlacingMoves
-from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.effects.effect import ExcitationStep
+from procedures.twelve_positions.accelerometer_fit import TriadFit
+from procedures.twelve_positions.placement_transfers import PlacementTransfers
+from procedures.twelve_positions.transfer_rotation import LINEAR_HZ, joined_samples, rotations_to_end
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,7 +49,7 @@ def move_bins(series: Series) -> Bins:
 
 
 def move_parts(
-    places: NodeBuilder, joint: TriadFit, moves: PlacingMoves, placed: Sequence[slice]
+    places: NodeBuilder, joint: TriadFit, moves: PlacementTransfers, placed: Sequence[slice]
 ) -> Iterator[tuple[StepNodes, MoveWeights]]:
     """Yield the nodes of every move, its rate as the gyroscopes measured it, with its weights.
 

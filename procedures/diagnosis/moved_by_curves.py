@@ -23,7 +23,7 @@ from procedures.diagnosis.outdone import DECISIVE, LEAST_SIGMAS, curves_term
 from procedures.diagnosis.result import Finding
 from procedures.diagnosis.unexplained_residual import within_dwells
 from procedures.frames import TRIADS
-from procedures.uncertainty.given_values import ByTriad, Unexplained
+from procedures.uncertainty.sources import ByTriad, Unexplained
 
 AS_WELL = 0.95  # of the ln density that a finding gains where rows are left out, from which on it may be another
 

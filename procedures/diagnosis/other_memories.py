@@ -42,9 +42,9 @@ def remembers_otherwise(state: LoopState, finding: Candidate) -> bool:
         instead = [f"{triad}.{each}" for each in INSTEAD_OF_PLAY]
         kept = [each for each in state.adopted if each.candidate.effect.name not in instead]
         free = [each.term for each in kept if not (each.candidate is finding or each.candidate.is_of_model)]
-        plays = (seen.temperature - played(seen, width) for width in PLAYS_K)
+        backlashes = (seen.temperature - played(seen, width) for width in PLAYS_K)
         least = -MIN_DENSITY_GAIN - float(np.log(max(len(state.pool.get(finding.effect.name, ())), 1)))
-        return any(_gain(state, finding, values, free) > least for values in plays)
+        return any(_gain(state, finding, values, free) > least for values in backlashes)
     return name == "temperature_lag" and _gain_of_two_lags(state, finding) > DECISIVE
 
 

@@ -27,7 +27,7 @@ from procedures.diagnosis.model_with_effects import LoopState
 from procedures.diagnosis.result import Because, Finding, Reason
 from procedures.diagnosis.scatter import MIN_MARGIN, likeliest_gain, marginal_gain
 from procedures.diagnosis.walk_rivals import DRIFTS, lost_in_a_walk, triad_of, walk_in_place_of, walk_outdoes
-from procedures.statistics.singular_values import left_singular
+from procedures.statistics.least_squares import left_singular
 
 KNEE_OF_RATE = "gyroscope.counts_lost"
 BENDS = ("gyroscope.scale_nonlinearity", "gyroscope.sagnac_sine")

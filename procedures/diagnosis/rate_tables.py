@@ -26,7 +26,7 @@ from procedures.diagnosis.result import TableSensor
 from procedures.diagnosis.row_sums import NodeWeights
 from procedures.effects.effect import Excitation, ExcitationStep
 from procedures.frames import AXES, TRIADS
-from procedures.statistics.tail_probabilities import log_chi2_sf
+from procedures.statistics.significance import log_chi2_sf
 from procedures.units import DEG_H_PER_DEG_S
 
 GYROSCOPE = TRIADS.index("gyroscope")

@@ -19,11 +19,11 @@ from procedures.diagnosis.candidates import Candidate, raising_does_not_fit
 from procedures.diagnosis.linear_model import LinearFit, Term, fit_linear
 from procedures.diagnosis.moves_without import without_in_moves
 from procedures.diagnosis.residual_rows import KINDS, Evidence, evidence_of
-from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.effects.effect import Columns, turned_columns
 from procedures.effects.time_constant import LOG_RANGE, with_slope
 from procedures.errors import DoesNotFit
 from procedures.frames import TRIADS
+from procedures.twelve_positions.accelerometer_fit import TriadFit
 
 MAX_ITERATIONS = 6
 ITERATIONS_WITH_GIVEN_VALUES = 3  # what an effect adds hangs on the fit by its misalignment alone

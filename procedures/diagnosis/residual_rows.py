@@ -26,11 +26,11 @@ from procedures.diagnosis.move_rows import MoveWeights, move_parts
 from procedures.diagnosis.row_sums import NodeWeights, row_sums
 from procedures.diagnosis.thermal_soaks import SoakBlock, soaks_seen
 from procedures.diagnosis.turn_on_steps import SteppedRows, stepped_rows
-from procedures.dwells_and_turns.gyroscope_model import MovesSeen
-from procedures.dwells_and_turns.gyroscopes_joint_fit import GyroscopeFit
-from procedures.dwells_and_turns.twelve_position import RestFit, TriadFit
 from procedures.effects.effect import Columns, Excitation, ExcitationStep
 from procedures.frames import TRIADS, face_of
+from procedures.twelve_positions.accelerometer_fit import RestFit, TriadFit
+from procedures.twelve_positions.gyroscope_fit import GyroscopeFit
+from procedures.twelve_positions.gyroscope_model import MovesSeen
 from procedures.units import STANDARD_GRAVITY
 
 KINDS = ("mean", "slope", "curvature", "turn", "norm", "prior", "rate", "soak", "move", "level")

@@ -14,9 +14,9 @@ from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.observations import channel
 from procedures.counts.sample_records import CountSeries, Series
-from procedures.dwells_and_turns.move_rotation import move_rotations, padded_moves
 from procedures.frames import rotation_vector
-from procedures.rests_and_moves.sequences import SegmentedSequence, segment
+from procedures.free_positions.gyroscopes_from_moves import SegmentedSequence, segment
+from procedures.twelve_positions.transfer_rotation import move_rotations, padded_moves
 from procedures.units import STANDARD_GRAVITY
 
 

@@ -14,7 +14,7 @@ from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.left_pattern import LeftPattern
 from procedures.diagnosis.residual_rows import Evidence
 from procedures.effects.effect import Kind
-from procedures.uncertainty.given_values import ByTriad
+from procedures.uncertainty.sources import ByTriad
 
 Confidence = Literal["established", "likely", "ambiguous"]
 Verdict = Literal["consistent", "established", "likely", "ambiguous", "partly", "unexplained"]

@@ -15,7 +15,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.diagnosis.held_samples import HeldChannel, Record, Scales, held_channels
-from procedures.statistics.tail_probabilities import log_f_sf
+from procedures.statistics.significance import log_f_sf
 
 BLOCKS = 96  # of all recordings
 MIN_BLOCK, MAX_BLOCK = 128, 16384  # samples

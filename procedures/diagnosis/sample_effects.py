@@ -207,7 +207,7 @@ def _folded(found: SampleFinding, before: SampleBlocks, after: SampleBlocks) -> 
 def _best(blocks: SampleBlocks, is_usable: Sequence[bool], known: Sequence[Candidate]) -> SampleFinding | None:
     """Return the candidate that explains most of any sensor on blocks left out, of those that are no noise."""
     found = list[SampleFinding]()
-    candidates = [each for each in _candidates(blocks) if not any(_is_told(each, one) for one in known)]
+    candidates = [each for each in _candidates(blocks) if not any(_is_stated(each, one) for one in known)]
     number = sum(is_usable) * max(len(candidates), 1)
     for candidate in candidates:
         scores = scores_of(blocks, candidate.columns)
@@ -227,7 +227,7 @@ def _best(blocks: SampleBlocks, is_usable: Sequence[bool], known: Sequence[Candi
     return min((each for each in found if each.share >= enough), key=lambda each: each.size, default=None)
 
 
-def _is_told(one: Candidate, known: Candidate) -> bool:
+def _is_stated(one: Candidate, known: Candidate) -> bool:
     """Say whether a candidate is known, or a line beside a known one: a line that comes and goes has such."""
     if one.phase is None or known.phase is None or {one.effect, known.effect} != {"disturbance.line"}:
         return one.about == known.about

@@ -19,6 +19,7 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.diagnosis.result import Finding
 from procedures.diagnosis.sample_blocks import SampleBlocks
 from procedures.frames import AXES, TRIADS
+from procedures.statistics.significance import log_f_sf
 from procedures.statistics.spectrum import (
     MAX_LOG_P,
     MIN_PERIODS,
@@ -26,7 +27,6 @@ from procedures.statistics.spectrum import (
     background_of,
     without_straight_line,
 )
-from procedures.statistics.tail_probabilities import log_f_sf
 from procedures.units import DEG_H_PER_DEG_S
 
 EFFECT = "disturbance.line"

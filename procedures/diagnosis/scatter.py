@@ -20,8 +20,8 @@ from procedures.arrays import FloatArray
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.linear_model import LinearFit, Significance, Term, significance, variance_classes
 from procedures.diagnosis.residual_rows import Evidence
-from procedures.statistics.singular_values import left_singular
-from procedures.statistics.tail_probabilities import KNOWN_VARIANCE_DOF, log_chi2_sf
+from procedures.statistics.least_squares import left_singular
+from procedures.statistics.significance import KNOWN_VARIANCE_DOF, log_chi2_sf
 
 SIZES = np.geomspace(1e-3, 1e2, 401)  # times the plausible size
 FAMILY_SIGMAS = np.geomspace(1, 1e3, 61)  # that a curve does to all rows together

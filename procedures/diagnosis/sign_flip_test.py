@@ -24,7 +24,7 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.linear_model import Term
 from procedures.diagnosis.residual_rows import Evidence
-from procedures.statistics.singular_values import left_singular
+from procedures.statistics.least_squares import left_singular
 
 FLIPS = 999
 SEED = 20180611

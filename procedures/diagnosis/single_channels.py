@@ -2,7 +2,7 @@
 
 The longest recording at rest is taken. Noise is that of `procedures.diagnosis.channel_noise`; drift and
 temperature coefficient are lines through means of blocks, with a sigma for errors that hang together
-(`procedures.statistics.line_with_correlated_errors`). Both are fitted alone: where the temperature went with
+(`procedures.statistics.line_fits`). Both are fitted alone: where the temperature went with
 time, one may be the other. A gyroscope's scale factor along its own axis comes from its turns, ``total = s angle
 + b T``: the Earth's rate and the bias go with the time, and in s is the cosine of its misalignment, 1e-6 at 1
 mrad. Its sigma holds the closures and by how much the rests before the turns differ.
@@ -15,16 +15,16 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord, SoakRecord
+from procedures.campaign.dead_channels import constant_end, stopped_in_turn
 from procedures.campaign.observations import channel, turn_totals
-from procedures.campaign.stopped_channels import constant_end, stopped_in_turn
 from procedures.counts.sample_records import CountSeries, Series
 from procedures.diagnosis.channel_noise import noise_of
 from procedures.diagnosis.held_samples import held_channels
-from procedures.dwells_and_turns.hand_turns import END_REST_S, nominal_angle
 from procedures.frames import AXES, TRIADS, face_normal, face_of
-from procedures.statistics.line_with_correlated_errors import CorrelatedLine, fit_correlated_line
-from procedures.statistics.noise_terms import NoiseTerm
+from procedures.statistics.allan_deviation import NoiseTerm
+from procedures.statistics.line_fits import CorrelatedLine, fit_correlated_line
 from procedures.statistics.spectrum import MIN_SAMPLES
+from procedures.twelve_positions.manual_rotations import END_REST_S, nominal_angle
 from procedures.units import S_PER_H
 
 LINE_BLOCKS = 24

@@ -18,7 +18,7 @@ from procedures.diagnosis.refit import Refit, iterate
 from procedures.diagnosis.residual_rows import evidence_of
 from procedures.diagnosis.result import TableSensor
 from procedures.diagnosis.thermal_soaks import BLOCK_S, MIN_BLOCKS, soaks_seen
-from procedures.statistics.tail_probabilities import log_chi2_sf
+from procedures.statistics.significance import log_chi2_sf
 
 LONG_REST_S = 2 * MIN_BLOCKS * BLOCK_S  # of a dwell that is a soak too
 

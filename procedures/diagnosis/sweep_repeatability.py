@@ -14,7 +14,7 @@ from procedures.diagnosis.candidates import Candidate
 from procedures.diagnosis.fit_without_rows import without_rows
 from procedures.diagnosis.linear_model import LinearFit, Term
 from procedures.diagnosis.residual_rows import Evidence
-from procedures.statistics.tail_probabilities import log_f_sf
+from procedures.statistics.significance import log_f_sf
 
 MIN_BLOCKS = 3
 MAX_STD_IN_PLAUSIBLE = 0.5  # of its plausible size that 1 sigma of a coefficient must come down to

@@ -38,7 +38,7 @@ from procedures.diagnosis.linear_model import (
     widening,
 )
 from procedures.diagnosis.residual_rows import Evidence
-from procedures.statistics.tail_probabilities import KNOWN_VARIANCE_DOF
+from procedures.statistics.significance import KNOWN_VARIANCE_DOF
 
 
 @dataclass(frozen=True, slots=True, eq=False)

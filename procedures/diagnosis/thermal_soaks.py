@@ -19,11 +19,11 @@ from procedures.campaign.campaign import Campaign, RestRecord, SoakRecord
 from procedures.campaign.dead_channels import dead_in_soak
 from procedures.campaign.observations import channel, rest_rates
 from procedures.counts.count_rate import MIN_DWELL_SAMPLES
-from procedures.counts.rate_output_mean import MIN_DWELL_BLOCKS
+from procedures.counts.dwell_means import MIN_DWELL_BLOCKS
 from procedures.counts.sample_records import Series, series_rows
 from procedures.diagnosis.excitation import NodeBuilder, StepNodes, attitude, on_face
-from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.effects.effect import ExcitationStep
+from procedures.twelve_positions.accelerometer_fit import TriadFit
 from procedures.units import S_PER_MIN
 
 BLOCK_S = 100.0

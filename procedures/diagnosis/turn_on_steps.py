@@ -1,9 +1,10 @@
 """What a unit switched off and on within a campaign leaves of an effect.
 
-The rows of a fit are freed of the steps that each turn-on's bias takes (`procedures.dwells_and_turns.turn_ons`),
-with orthonormal columns Q: ``r - Q Q' r``, the model's own columns too. An effect of columns H shows in them as
-``H - Q Q' H`` (Frisch, Waugh 1933), all whitened: a bias that one turn-on alone would have is a step, and a cube
-that leans in one of its two dwells may as well lean the other way in the other.
+The rows of a fit are freed of the steps that each turn-on's bias takes
+(`procedures.twelve_positions.accelerometer_fit`), with orthonormal columns Q: ``r - Q Q' r``, the model's own
+columns too. An effect of columns H shows in them as ``H - Q Q' H`` (Frisch, Waugh 1933), all whitened: a bias that
+one turn-on alone would have is a step, and a cube that leans in one of its two dwells may as well lean the other
+way in the other.
 """
 
 from collections.abc import Callable, Iterator
@@ -13,8 +14,8 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.calibration.joint_calibration import CampaignFits
-from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.frames import TRIADS
+from procedures.twelve_positions.accelerometer_fit import TriadFit
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -16,8 +16,8 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, TurnRecord
 from procedures.counts.sample_records import CountSeries
-from procedures.dwells_and_turns.hand_turns import END_REST_S
 from procedures.frames import AXES, face_normal, face_of
+from procedures.twelve_positions.manual_rotations import END_REST_S
 
 AT_REST = 0.001  # of the fastest rate: faster moves
 NOISE_SIGMAS = 6.0  # sigmas of a sample, by which one that moves stands off at the least

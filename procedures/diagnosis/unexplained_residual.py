@@ -9,8 +9,8 @@ import numpy as np
 from procedures.diagnosis.linear_model import LinearFit, variance_classes
 from procedures.diagnosis.residual_rows import KINDS, Evidence
 from procedures.frames import TRIADS
-from procedures.statistics.tail_probabilities import log_f_sf
-from procedures.uncertainty.given_values import Unexplained
+from procedures.statistics.significance import log_f_sf
+from procedures.uncertainty.sources import Unexplained
 
 MIN_ROW_FREEDOM = 0.02  # a row of which the fit leaves less is the fit's, not the data's
 SHAPES = ("slope", "curvature")

@@ -15,7 +15,7 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord
 from procedures.campaign.observations import channel
-from procedures.counts.rate_output_mean import estimate_rates
+from procedures.counts.dwell_means import estimate_rates
 from procedures.counts.sample_records import CountSeries
 from procedures.diagnosis.dwell_headings import HeadingLikelihood
 from procedures.diagnosis.result import Confidence, EffectTest, Finding
@@ -24,7 +24,7 @@ from procedures.frames import FACES, POSITIONS, face_normal, face_of
 
 EFFECT = "placement.label"
 SEED, DRAWS = 20181218, 400  # of the sample consensus: always the same
-MAX_RESIDUAL_G = 0.2  # g, as in `procedures.bench.face_check`: far above any tilt, far below a wrong face
+MAX_RESIDUAL_G = 0.2  # g, as in `procedures.bench.position_checks`: far above any tilt, far below a wrong face
 MIN_AGREEING_SHARE = 0.5  # of the dwells that must agree
 MIN_DWELLS = 5  # dwells: four are fitted by anything
 MIN_LOG_LIKELIHOOD_RATIO = (

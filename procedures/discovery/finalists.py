@@ -13,7 +13,7 @@ from procedures.diagnosis.residual_rows import Evidence
 from procedures.discovery.library import LibraryTerm, Rows
 from procedures.discovery.search import Scores, beside
 from procedures.effects.effect import Columns
-from procedures.statistics.singular_values import left_singular
+from procedures.statistics.least_squares import left_singular
 
 MIN_SHARE = 0.6  # of the best gain, that a term off its best parameter must still have to be looked at
 MOST = 100  # finalists

@@ -1,1 +1,1 @@
-"""Gravity, the Earth rate, places on the Earth, and what shows North."""
+"""The Earth: `geodesy` (gravity, rate, coordinates), `gyrocompass` (heading), `gnss_records` (fixes)."""

@@ -8,11 +8,11 @@ import numpy as np
 from procedures.arrays import FloatArray, IntArray
 from procedures.calibration.joint_calibration import CampaignFits
 from procedures.diagnosis.candidates import Candidate
-from procedures.dwells_and_turns.twelve_position import TriadFit
 from procedures.inference import priors
 from procedures.inference.board import Board, Hypothesis
 from procedures.inference.marginal import Held, Member, log_sum
 from procedures.inference.search import Model, Search
+from procedures.twelve_positions.accelerometer_fit import TriadFit
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -13,7 +13,7 @@ TURNS = turn_steps()
 
 @dataclass(frozen=True, slots=True)
 class HandTimes:
-    """How long hands take [s]: a placing until its dwell begins, of that the move itself, and a turn."""
+    """How long hands take [s]: a placement until its dwell begins, of that the move itself, and a turn."""
 
     placing: float = 45.0
     move: float = 25.0
@@ -21,7 +21,7 @@ class HandTimes:
 
 
 @dataclass(frozen=True, slots=True)
-class Placing:
+class Placement:
     """The cube in ``position`` 1..24 for ``seconds``; or the turn number ``turn`` of `TURNS`, from there.
 
     ``is_carried``: the move to it is recorded and whole.
@@ -35,19 +35,19 @@ class Placing:
 
 @dataclass(frozen=True, slots=True)
 class CampaignDesign:
-    """Placings in their order; ``moves``: the rotations between them are recorded and solved."""
+    """Placements in their order; ``moves``: the rotations between them are recorded and solved."""
 
-    placings: tuple[Placing, ...]
+    placements: tuple[Placement, ...]
     moves: bool = True
 
     @property
     def positions(self) -> tuple[int, ...]:
         """The positions of the dwells in their order."""
-        return tuple(at.position for at in self.placings if at.turn is None)
+        return tuple(at.position for at in self.placements if at.turn is None)
 
     def seconds(self, hands: HandTimes) -> float:
         """How long it takes [s]; turns hold their own move."""
-        return sum(hands.turn if at.turn is not None else hands.placing + at.seconds for at in self.placings)
+        return sum(hands.turn if at.turn is not None else hands.placing + at.seconds for at in self.placements)
 
     def minutes(self, hands: HandTimes) -> float:
         """How long it takes [min]."""
@@ -58,13 +58,15 @@ class CampaignDesign:
         left = iter(seconds)
         return replace(
             self,
-            placings=tuple(at if at.turn is not None else replace(at, seconds=next(left)) for at in self.placings),
+            placements=tuple(
+                at if at.turn is not None else replace(at, seconds=next(left)) for at in self.placements
+            ),
         )
 
     def steps(self) -> tuple[Step, ...]:
         """Return the steps of `plan/1`: a position that stood before is a repeat."""
         found, before = list[Step](), dict[int, int]()
-        for at in self.placings:
+        for at in self.placements:
             if at.turn is not None:
                 found.append(TURNS[at.turn])
                 continue
@@ -74,15 +76,15 @@ class CampaignDesign:
         return tuple(found)
 
 
-TURN_PLACINGS = tuple(Placing(step.start_position, 0.0, i) for i, step in enumerate(TURNS))
+ROTATION_PLACEMENTS = tuple(Placement(step.start_position, 0.0, i) for i, step in enumerate(TURNS))
 
 
 def of_positions(
     positions: Sequence[int], seconds: float, turns: bool = False, moves: bool = True
 ) -> CampaignDesign:
-    """Return dwells of ``seconds`` in ``positions``, and the six hand turns after them where ``turns``."""
-    placings = tuple(Placing(position, seconds) for position in positions)
-    return CampaignDesign((*placings, *(TURN_PLACINGS if turns else ())), moves)
+    """Return dwells of ``seconds`` in ``positions``, and the six manual rotations after them where ``turns``."""
+    placements = tuple(Placement(position, seconds) for position in positions)
+    return CampaignDesign((*placements, *(ROTATION_PLACEMENTS if turns else ())), moves)
 
 
 def usual_design(seconds: float = USUAL_DWELL_S, moves: bool = True) -> CampaignDesign:

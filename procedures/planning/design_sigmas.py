@@ -1,8 +1,10 @@
-"""The sigmas that a solve of a planned campaign would state, from the information that its steps add up to.
+"""Standard uncertainties that a solve of a planned campaign would state, compared with those wanted.
 
-The gyroscopes' fit begins with what the accelerometers say of bench and seats: one normal matrix of both triads.
-Placings follow each other as a chain, each bound to the next by a move; what belongs to one alone is eliminated as
-the chain goes on (Schur complement). The accelerometers' own fit has no seats and is made apart, as in the solve.
+The gyroscopes' fit begins with what the accelerometers say of bench and seats: one normal matrix of both triads,
+in the units of their parameters.
+Placements follow each other as a chain, each bound to the next by a move; what belongs to one alone is eliminated
+as the chain goes on (Schur complement). The accelerometers' own fit has no seats and is made apart, as in the
+solve.
 """
 
 from dataclasses import dataclass
@@ -14,16 +16,16 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.calibration.triad_calibration import CORRELATED_DWELLS, triad_vector, vector_names
 from procedures.campaign.observations import TriadDwells
-from procedures.dwells_and_turns.twelve_position import TriadFit
-from procedures.planning.campaign_design import CampaignDesign, Placing
-from procedures.planning.placing_rows import BENCH, GYRO, OWN, SHARED, TRIAD
+from procedures.planning.campaign_design import CampaignDesign, Placement
+from procedures.planning.placement_rows import BENCH, GYRO, OWN, SHARED, TRIAD
 from procedures.planning.step_information import TOLD, StepInformation
 from procedures.statistics.least_squares import Fit
+from procedures.twelve_positions.accelerometer_fit import TriadFit
 from procedures.units import DEG_H_PER_DEG_S
 
 RIDGE = 1e-12  # of a correlation: what is open has a sigma all the same, a million times that of the rest
 OPEN_SIGMA = 1.0  # g, deg/h, rad or relative: nothing that is solved is as bad
-NOTHING = 1e-12  # in the place of nought where it divides
+NOTHING = 1e-12  # in the place of zero where it divides
 BEYOND = 1e100  # above any variance in units of the scaled matrix: what stands there is not looked at
 NAMES = vector_names("accelerometer") + vector_names("gyroscope")
 OF_TRIAD = len(NAMES) // 2  # k (3), E (9), D (3)
@@ -37,7 +39,7 @@ class DesignSigmas:
 
     def of(self, design: CampaignDesign) -> FloatArray:
         """Return 1 sigma (30,) of k (relative), E, D [g], [deg/h] of both triads, as `NAMES`; inf where open."""
-        dwells = [at for at in design.placings if at.turn is None]
+        dwells = [at for at in design.placements if at.turn is None]
         told = sum((self.steps.told(at) for at in dwells), np.zeros((len(TOLD),) * 2))
         found = self.by_information(told, self.shared(design), len(dwells))
         return np.where(found > OPEN_SIGMA, np.inf, found)
@@ -50,23 +52,23 @@ class DesignSigmas:
         return np.concatenate((self._accelerometer(told), self._gyroscope(shared, dwells)), axis=-1)
 
     def shared(self, design: CampaignDesign) -> FloatArray:
-        """Return the normal matrix (39, 39) of what a design says of all that belongs to no single placing."""
+        """Return the normal matrix (39, 39) of what a design says of all that belongs to no single placement."""
         return without_first(self.chain(design))
 
     def chain(self, design: CampaignDesign) -> FloatArray:
-        """Return the normal matrix (43, 43) of a design, its last placing's own parameters still in it."""
-        chain = self.begun(design.placings[0], design.moves)
-        for before, after in pairwise(design.placings):
+        """Return the normal matrix (43, 43) of a design, its last placement's own parameters still in it."""
+        chain = self.begun(design.placements[0], design.moves)
+        for before, after in pairwise(design.placements):
             chain = self.carried_on(chain, before, after, design.moves)
         return chain
 
-    def begun(self, at: Placing, moves: bool) -> FloatArray:
-        """Return a chain (43, 43) that holds one placing and what is known of the bench."""
+    def begun(self, at: Placement, moves: bool) -> FloatArray:
+        """Return a chain (43, 43) that holds one placement and what is known of the bench."""
         chain = self.steps.placed(at, moves).copy()
         chain[OWN:, OWN:] += self.known[moves]
         return chain
 
-    def carried_on(self, chain: FloatArray, before: Placing, after: Placing, moves: bool) -> FloatArray:
+    def carried_on(self, chain: FloatArray, before: Placement, after: Placement, moves: bool) -> FloatArray:
         """Return the chain (43, 43) that ended with ``before``, and now with ``after``; the move is in it."""
         moved = self.steps.moved(before.position, after.position, moves and after.is_carried)
         return joined(chain, moved) + self.steps.placed(after, moves)
@@ -75,7 +77,7 @@ class DesignSigmas:
         return _stated(told + self.known[False][np.ix_(TOLD, TOLD)], *self.accelerometer_vector)
 
     def _gyroscope(self, shared: FloatArray, dwells: int) -> FloatArray:
-        """Dwells have a bias's wander in common with their neighbours, as `triad_calibration.common_variance`."""
+        """Neighbouring dwells share a bias instability, as in `triad_calibration.common_variance`."""
         found = _stated(shared, *self.gyroscope_vector)
         common = (min(CORRELATED_DWELLS, dwells) - 1) / dwells if dwells else 0.0
         bias = found[..., TRIAD:]
@@ -101,7 +103,7 @@ class DesignSigmas:
         return whole, more
 
     def _vector(self, triad: str) -> tuple[FloatArray, FloatArray]:
-        """Return the Jacobian (15, 27) of k, E, D by K, b and the bench, and their variance (15,) besides."""
+        """Return the Jacobian (15, 27) of k, E, D by K, b and the bench, and their variance (15,) in addition."""
         bench = self.steps.bench(False)
         size = TRIAD + bench.size
         x = np.concatenate((np.eye(3).ravel(), np.zeros(size - 9)))
@@ -132,7 +134,7 @@ def without_first(N: FloatArray) -> FloatArray:
 
 
 def _stated(N: FloatArray, J: FloatArray, more: FloatArray) -> FloatArray:
-    """Return 1 sigma (..., 15) by normal matrices N (..., p, p), J (15, p), and a variance (15,) besides.
+    """Return 1 sigma (..., 15) by normal matrices N (..., p, p), J (15, p), and a variance (15,) in addition.
 
     J below N in one matrix: of its Cholesky factor what stands there is J times the inverse of that of N.
     """
@@ -144,3 +146,61 @@ def _stated(N: FloatArray, J: FloatArray, more: FloatArray) -> FloatArray:
     half = np.linalg.cholesky(whole)[..., n:, :n]
     found: FloatArray = np.sqrt(np.sum(half**2, axis=-1) + more)
     return found
+
+
+SHARE_OF_MEAN = 0.1  # of the score beside the worst ratio: what is met already is not let go for nothing
+TIMES_USUAL = 10.0  # of the usual campaign's sigma: what nobody asks for is solved at least as well as that
+IN_PLACE = [name.split(".")[-1] in {"xx", "yy", "zz"} for name in NAMES]
+MEASURED = ~np.array(IN_PLACE) & [not name.startswith("accelerometer.scale") for name in NAMES]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WantedSigmas:
+    """1 sigma (30,) that each of `NAMES` is to have, infinite where nothing is wanted; scale factors relative."""
+
+    sigma: FloatArray
+
+    def and_also(self, other: "WantedSigmas") -> "WantedSigmas":
+        """Return what both want: the smaller of two."""
+        return WantedSigmas(np.minimum(self.sigma, other.sigma))
+
+    def ratios(self, found: FloatArray) -> FloatArray:
+        """Return by what factor ``found`` (..., 30) is above what is wanted (..., 30): 1 is met, 0 open."""
+        ratio = np.zeros(found.shape)
+        asked = np.isfinite(self.sigma)
+        ratio[..., asked] = found[..., asked] / self.sigma[asked]
+        return ratio
+
+    def worst(self, found: FloatArray) -> FloatArray:
+        """Return the largest of the ratios (...) of ``found`` (..., 30)."""
+        worst: FloatArray = self.ratios(found).max(axis=-1)
+        return worst
+
+    def score(self, found: FloatArray) -> FloatArray:
+        """Return what designs of sigmas ``found`` (..., 30) are worth (...), the less the better."""
+        ratio = self.ratios(found)
+        mean = ratio.sum(axis=-1) / max(int(np.isfinite(self.sigma).sum()), 1)
+        score: FloatArray = (ratio.max(axis=-1) + SHARE_OF_MEAN * mean) / (1 + SHARE_OF_MEAN)
+        return score
+
+
+def wanted(sigmas: dict[str, float]) -> WantedSigmas:
+    """Return what is wanted by name; every name is one of `NAMES`."""
+    found = np.full(len(NAMES), np.inf)
+    for name, sigma in sigmas.items():
+        found[NAMES.index(name)] = sigma
+    return WantedSigmas(found)
+
+
+def with_all_solved(asked: WantedSigmas, usual: FloatArray) -> WantedSigmas:
+    """Return what is asked, and of all the rest `TIMES_USUAL` of the usual campaign's sigmas (30,).
+
+    Without that the shortest campaign for a bias would leave scale factors open altogether. The accelerometers'
+    scale factors follow the site's gravity, and a row of E is of unit length, whatever is done.
+    """
+    return WantedSigmas(np.minimum(asked.sigma, np.where(MEASURED, TIMES_USUAL * usual, np.inf)))
+
+
+def as_good_as(usual: FloatArray) -> WantedSigmas:
+    """Return the sigmas ``usual`` (30,) of a campaign, in the units of `NAMES`, as wanted."""
+    return WantedSigmas(np.where(MEASURED, usual, np.inf))

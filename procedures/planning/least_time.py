@@ -1,7 +1,11 @@
-"""The campaign that has all that is wanted in the least time, or the most of it in a time that is given.
+"""The shortest campaign that reaches wanted uncertainties, the best in a given time, and the best next placement.
 
-For every number of placings the best order is searched at the length that the dwells then have; a few exchanges
+For every number of placements the best order is searched at the length that the dwells then have; a few exchanges
 later orders and lengths agree. With turns and without are tried alike, where turns may be done at all.
+
+What to do next while a campaign runs: the first placement of the shortest way to what is wanted, or to stop.
+The rule looks at sigmas alone: at what was done, how long, and how much the unit scatters. It never looks at
+the values that were found, so that stopping does not choose among them and intervals keep their coverage.
 """
 
 from collections.abc import Iterator, Sequence
@@ -11,18 +15,83 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.bench.dwell_length import SHORTEST_S
-from procedures.planning.campaign_design import TURN_PLACINGS, CampaignDesign, Placing
-from procedures.planning.design_sigmas import DesignSigmas
-from procedures.planning.dwell_lengths import LENGTH_STEP_S, equal_lengths, shared_out, shortened
+from procedures.planning.campaign_design import ROTATION_PLACEMENTS, CampaignDesign, Placement
+from procedures.planning.design_sigmas import DesignSigmas, WantedSigmas
 from procedures.planning.order_search import OrderSearch
-from procedures.planning.wanted_sigmas import WantedSigmas
 from procedures.units import S_PER_MIN
 
-FEWEST, MOST = 8, 18  # placings tried: fewer leave next to nothing for the residual to judge by
+LONGEST_S = 600.0  # s: beyond that a bias instability is all that is left
+LENGTH_STEP_S = 5.0
+STEPS_TRIED_S = (40.0, 20.0, 10.0, LENGTH_STEP_S)
+
+
+def equal_lengths(sigmas: DesignSigmas, wanted: WantedSigmas, design: CampaignDesign) -> CampaignDesign | None:
+    """Return the design with the shortest equal dwells that meet what is wanted, None if `LONGEST_S` do not."""
+    n = len(design.positions)
+    low, high = int(SHORTEST_S / LENGTH_STEP_S), int(LONGEST_S / LENGTH_STEP_S)
+    if not is_met(sigmas, wanted, design.lasting([LONGEST_S] * n)):
+        return None
+    while low < high:
+        middle = (low + high) // 2
+        met = is_met(sigmas, wanted, design.lasting([middle * LENGTH_STEP_S] * n))
+        low, high = (low, middle) if met else (middle + 1, high)
+    return design.lasting([high * LENGTH_STEP_S] * n)
+
+
+def is_met(sigmas: DesignSigmas, wanted: WantedSigmas, design: CampaignDesign) -> bool:
+    """Say whether a design has all that is wanted."""
+    return bool(wanted.worst(sigmas.of(design)) <= 1)
+
+
+def shortened(sigmas: DesignSigmas, wanted: WantedSigmas, design: CampaignDesign) -> CampaignDesign:
+    """Shorten dwells one by one, each time that which costs least, while all that is wanted is met."""
+    lengths = _lengths(design)
+    for step in STEPS_TRIED_S:
+        while True:
+            tried = [_changed(lengths, {i: -step}) for i in range(len(lengths))]
+            found = [
+                (each, wanted.score(sigmas.of(design.lasting(each)))) for each in tried if min(each) >= SHORTEST_S
+            ]
+            met = [(score, each) for each, score in found if is_met(sigmas, wanted, design.lasting(each))]
+            if not met:
+                break
+            lengths = min(met)[1]
+    return design.lasting(lengths)
+
+
+def shared_out(sigmas: DesignSigmas, wanted: WantedSigmas, design: CampaignDesign) -> CampaignDesign:
+    """Take time from one dwell and give it to another while that is a gain; the whole stays as long as it is."""
+    best = float(wanted.score(sigmas.of(design)))
+    for step in STEPS_TRIED_S[1:]:
+        gained = True
+        while gained:
+            lengths, gained = _lengths(design), False
+            longer = [design.lasting(_changed(lengths, {i: step})) for i in range(len(lengths))]
+            to = int(np.argmin([wanted.score(sigmas.of(each)) for each in longer]))
+            for i, seconds in enumerate(lengths):
+                if i == to or seconds - step < SHORTEST_S:
+                    continue
+                tried = design.lasting(_changed(lengths, {i: -step, to: step}))
+                score = float(wanted.score(sigmas.of(tried)))
+                if score < best:
+                    best, design, gained = score, tried, True
+                    break
+    return design
+
+
+def _lengths(design: CampaignDesign) -> list[float]:
+    return [at.seconds for at in design.placements if at.turn is None]
+
+
+def _changed(lengths: list[float], by: dict[int, float]) -> list[float]:
+    return [seconds + by.get(i, 0.0) for i, seconds in enumerate(lengths)]
+
+
+FEWEST, MOST = 8, 18  # placements tried: fewer leave next to nothing for the residual to judge by
 FIRST_TRIED_S = 50.0  # s, of a dwell at which an order is searched first
 ROUNDS = 2  # of order and lengths in turn
-SCANNED = 3  # beginnings of a search for every number of placings; the best number is searched with more
-PATIENCE = 3  # numbers of placings without a gain after which more of them are not tried
+SCANNED = 3  # beginnings of a search for every number of placements; the best number is searched with more
+PATIENCE = 3  # numbers of placements without a gain after which more of them are not tried
 LONGEST_MIN = 60.0  # min: what is not met within is said to be out of reach
 
 
@@ -57,9 +126,9 @@ def least_time(
 
 
 def _refined(sigmas: DesignSigmas, wanted: WantedSigmas, best: CampaignDesign, seed: int) -> CampaignDesign:
-    """Return the shortest campaign of as many placings that more beginnings of the search find."""
+    """Return the shortest campaign of as many placements that more beginnings of the search find."""
     n, hands = len(best.positions), sigmas.steps.hands
-    tail, seconds = best.placings[n:], float(np.mean([at.seconds for at in best.placings[:n]]))
+    tail, seconds = best.placements[n:], float(np.mean([at.seconds for at in best.placements[:n]]))
     other, _ = OrderSearch(sigmas, wanted, seconds, tail=tail).best(n, seed + 1)
     equal = equal_lengths(sigmas, wanted, other)
     return (
@@ -92,8 +161,8 @@ def most_in_time(
     return planned(sigmas, wanted, shared_out(sigmas, wanted, best))
 
 
-def _fitting(sigmas: DesignSigmas, minutes: float, tail: Sequence[Placing]) -> Iterator[tuple[int, float]]:
-    """Give numbers of placings and the length [s] that their dwells have in a time."""
+def _fitting(sigmas: DesignSigmas, minutes: float, tail: Sequence[Placement]) -> Iterator[tuple[int, float]]:
+    """Give numbers of placements and the length [s] that their dwells have in a time."""
     for n in range(FEWEST, MOST + 1):
         left = minutes * S_PER_MIN - _least_seconds(sigmas, n, tail)
         if left >= 0:
@@ -106,19 +175,19 @@ def planned(sigmas: DesignSigmas, wanted: WantedSigmas, design: CampaignDesign) 
     return PlannedCampaign(design, found, bool(wanted.worst(found) <= 1))
 
 
-def _tails(turns: bool) -> Iterator[Sequence[Placing]]:
+def _tails(turns: bool) -> Iterator[Sequence[Placement]]:
     yield ()
     if turns:
-        yield TURN_PLACINGS
+        yield ROTATION_PLACEMENTS
 
 
-def _least_seconds(sigmas: DesignSigmas, n: int, tail: Sequence[Placing]) -> float:
+def _least_seconds(sigmas: DesignSigmas, n: int, tail: Sequence[Placement]) -> float:
     hands = sigmas.steps.hands
     return n * (hands.placing + SHORTEST_S) + len(tail) * hands.turn
 
 
 def _shortest(
-    sigmas: DesignSigmas, wanted: WantedSigmas, n: int, tail: Sequence[Placing], seed: int
+    sigmas: DesignSigmas, wanted: WantedSigmas, n: int, tail: Sequence[Placement], seed: int
 ) -> CampaignDesign | None:
     """Return the shortest campaign of n dwells, None if it cannot meet what is wanted."""
     found, _ = OrderSearch(sigmas, wanted, FIRST_TRIED_S, tail=tail).best(n, seed, SCANNED)
@@ -126,10 +195,81 @@ def _shortest(
     if best is None:
         return None
     for _ in range(ROUNDS):
-        seconds = best.placings[0].seconds
+        seconds = best.placements[0].seconds
         found, _ = OrderSearch(sigmas, wanted, seconds, tail=tail).improved(best)
         shorter = equal_lengths(sigmas, wanted, found)
-        if shorter is None or shorter.placings[0].seconds >= seconds:
+        if shorter is None or shorter.placements[0].seconds >= seconds:
             break
         best = shorter
     return shortened(sigmas, wanted, best)
+
+
+MOST_TRIED = 4  # numbers of placements to come, from the fewest that may do
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NextPlacement:
+    """The placement that comes next, ``seconds`` that are left, 1 sigma (30,) of what was done.
+
+    ``placing`` is None to stop, as all is met or, not reachable, as no attitude is left.
+    ``way`` is the whole campaign that it belongs to, what was done first. ``is_reachable`` says whether what is
+    wanted can be met; where not, the next placement is the best all the same.
+    """
+
+    placing: Placement | None
+    seconds: float
+    sigmas: FloatArray
+    way: CampaignDesign
+    is_reachable: bool = True
+
+
+def next_placement(
+    sigmas: DesignSigmas, wanted: WantedSigmas, done: Sequence[Placement], *, seed: int = 0, goes_on: bool = False
+) -> NextPlacement:
+    """Return what to do after the placements ``done``, which may be none; ``goes_on`` when all is met as well."""
+    if not done:
+        found = least_time(sigmas, wanted, turns=False, seed=seed)
+        nothing = np.full(len(found.sigmas), np.inf)
+        left = found.design.seconds(sigmas.steps.hands)
+        return NextPlacement(found.design.placements[0], left, nothing, found.design, found.is_met)
+    so_far = CampaignDesign(tuple(done))
+    now = sigmas.of(so_far)
+    if not goes_on and is_enough(sigmas, wanted, so_far):
+        return NextPlacement(None, 0.0, now, so_far)
+    if not OrderSearch(sigmas, wanted, SHORTEST_S, head=done).can_go_on():  # every attitude was taken
+        return NextPlacement(None, 0.0, now, so_far, is_reachable=is_enough(sigmas, wanted, so_far))
+    ways = [_way(sigmas, wanted, done, n, seed) for n in _numbers(len(so_far.positions))]
+    hands = sigmas.steps.hands
+    best = min(ways, key=lambda way: (not is_met(sigmas, wanted, way), way.seconds(hands)))
+    left = best.seconds(hands) - so_far.seconds(hands)
+    return NextPlacement(best.placements[len(done)], left, now, best, is_met(sigmas, wanted, best))
+
+
+def is_enough(sigmas: DesignSigmas, wanted: WantedSigmas, so_far: CampaignDesign) -> bool:
+    """Say whether what was done has all that is wanted, in placements enough to judge its residual by.
+
+    A dwell under way with which it is enough pays no longer; what any other has to last was shared out among all
+    placements to come.
+    """
+    return len(so_far.positions) >= FEWEST and is_met(sigmas, wanted, so_far)
+
+
+def _numbers(done: int) -> range:
+    fewest = max(FEWEST - done, 1)
+    return range(fewest, max(min(fewest + MOST_TRIED, MOST + 1 - done), fewest + 1))
+
+
+def _way(
+    sigmas: DesignSigmas, wanted: WantedSigmas, done: Sequence[Placement], n: int, seed: int
+) -> CampaignDesign:
+    """Return a campaign that goes on with n placements, as short as meet what is wanted, else the longest."""
+    usual = float(np.median([at.seconds for at in done if at.turn is None]))
+    found, _ = OrderSearch(sigmas, wanted, usual, head=done).best(n, seed, SCANNED)
+    n = len(found.positions) - sum(at.turn is None for at in done)  # fewer where no more attitudes are left
+    known = [at.seconds for at in done if at.turn is None]
+    low, high = int(SHORTEST_S / LENGTH_STEP_S), int(LONGEST_S / LENGTH_STEP_S)
+    while low < high:
+        middle = (low + high) // 2
+        met = is_met(sigmas, wanted, found.lasting([*known, *[middle * LENGTH_STEP_S] * n]))
+        low, high = (low, middle) if met else (middle + 1, high)
+    return found.lasting([*known, *[high * LENGTH_STEP_S] * n])

@@ -1,8 +1,8 @@
-"""The order of placings that is best by a score: exchange of one placing at a time, from many beginnings.
+"""The order of placements that is best by a score: exchange of one placement at a time, from many beginnings.
 
-What the placings before and after one say is kept, so that all attitudes in its place are tried at once (Fedorov's
-exchange, 1972, on a chain). Every beginning is a walk at random, a flip from attitude to attitude. No attitude
-comes twice: what is repeated in a plan is done at its end (`procedures.campaign.plan_steps.as_repeats`).
+What the placements before and after one say is kept, so that all attitudes in its place are tried at once
+(Fedorov's exchange, 1972, on a chain). Every beginning is a walk at random, a flip from attitude to attitude. No
+attitude comes twice: what is repeated in a plan is done at its end (`procedures.campaign.plan_steps.as_repeats`).
 """
 
 from collections.abc import Sequence
@@ -12,12 +12,11 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.frames import ATTITUDES, nominal_C_lb
-from procedures.planning.campaign_design import CampaignDesign, Placing
-from procedures.planning.design_sigmas import DesignSigmas, joined, without_first
-from procedures.planning.placing_rows import OWN
-from procedures.planning.wanted_sigmas import WantedSigmas
+from procedures.planning.campaign_design import CampaignDesign, Placement
+from procedures.planning.design_sigmas import DesignSigmas, WantedSigmas, joined, without_first
+from procedures.planning.placement_rows import OWN
 
-PLACINGS_OF_BEGINNINGS = 150  # in all walks together: short orders have more beginnings
+PLACEMENTS_OF_STARTS = 150  # in all walks together: short orders have more beginnings
 MAX_SWEEPS = 20
 MAX_WALKS = 50  # at random, for one that gets as far as asked
 LEAST_GAIN = 1e-6  # of the score
@@ -36,17 +35,17 @@ def flips() -> BoolArray:
 class OrderSearch:
     """Searches orders of dwells of ``seconds`` each, positions ``among``, with the turns ``tail`` after them.
 
-    ``head`` are placings that were done before: they stay, and none of them comes again.
+    ``head`` are placements that were done before: they stay, and none of them comes again.
     """
 
     def __init__(
         self, sigmas: DesignSigmas, wanted: WantedSigmas, seconds: float, among: Sequence[int] = ALL,
-        tail: Sequence[Placing] = (), moves: bool = True, head: Sequence[Placing] = (),
+        tail: Sequence[Placement] = (), moves: bool = True, head: Sequence[Placement] = (),
     ) -> None:  # fmt: skip
         self._sigmas, self._wanted, self._tail, self._moves = sigmas, wanted, tuple(tail), moves
         self._head = tuple(head)
         self._positions = np.setdiff1d(among, [at.position for at in head]).astype(np.int64)
-        self._dwells = [Placing(position, seconds) for position in self._positions.tolist()]
+        self._dwells = [Placement(position, seconds) for position in self._positions.tolist()]
         self._can_follow = flips()[np.ix_(self._positions - 1, self._positions - 1)]
 
     def can_go_on(self) -> bool:
@@ -56,7 +55,7 @@ class OrderSearch:
     def best(self, n: int, seed: int = 0, beginnings: int | None = None) -> tuple[CampaignDesign, float]:
         """Return the best order of ``n`` dwells that was found, and its score; fewer where no walk has so many."""
         rng = np.random.default_rng(seed)
-        found = [self._exchanged(self._walk(n, rng)) for _ in range(beginnings or PLACINGS_OF_BEGINNINGS // n)]
+        found = [self._exchanged(self._walk(n, rng)) for _ in range(beginnings or PLACEMENTS_OF_STARTS // n)]
         score, order = min(found, key=lambda each: each[0])
         return self._design(order), score
 
@@ -85,7 +84,7 @@ class OrderSearch:
         return longest
 
     def _exchanged(self, order: list[int]) -> tuple[float, list[int]]:
-        """Exchange one placing after the other for the best in its place, until nothing is gained."""
+        """Exchange one placement after the other for the best in its place, until nothing is gained."""
         score = float(self._wanted.score(self._sigmas.of(self._design(order))))
         for _ in range(MAX_SWEEPS):
             before, after = score, self._ends(order)
@@ -122,7 +121,7 @@ class OrderSearch:
             N += joined(chain, moved)
         told = self._told[[j for at, j in enumerate(order) if at != i]].sum(axis=0) + self._told[among]
         dwells = len(order) + sum(at.turn is None for at in self._head)
-        sigmas = self._sigmas.by_information(told + self._told_before, without_first(N), dwells)
+        sigmas = self._sigmas.by_information(told + self._decided_before, without_first(N), dwells)
         return self._wanted.score(sigmas)
 
     def _with(self, chain: FloatArray | None, order: Sequence[int], i: int) -> FloatArray:
@@ -159,7 +158,7 @@ class OrderSearch:
         return np.asarray(flips()[after][:, [at.position - 1 for at in self._dwells]].all(axis=0))
 
     @cached_property
-    def _told_before(self) -> FloatArray:
+    def _decided_before(self) -> FloatArray:
         told = [self._sigmas.steps.told(at) for at in self._head if at.turn is None]
         return np.sum(told, axis=0) if told else np.zeros_like(self._told[0])
 

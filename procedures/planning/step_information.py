@@ -1,4 +1,4 @@
-"""What every step of a design adds to the normal matrices of both triads' fits, by the unit's noise."""
+"""The information that each step of a design adds to both triads' fits, from the unit's noise."""
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -6,11 +6,63 @@ from functools import cached_property
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
+from procedures.bench.dwell_length import REMAINDER_COUNTS, WHITE_NOISE_FACTOR
 from procedures.campaign.campaign import Campaign
-from procedures.dwells_and_turns.bench_parameters import BenchParameters
-from procedures.planning.campaign_design import HandTimes, Placing
-from procedures.planning.placing_rows import ACCEL, BENCH, OWN, SEAT, SHARED, PlacingRows, placing_rows
-from procedures.planning.unit_noise import UnitNoise
+from procedures.planning.campaign_design import HandTimes, Placement
+from procedures.planning.placement_rows import ACCEL, BENCH, OWN, SEAT, SHARED, PlacementRows, placement_rows
+from procedures.twelve_positions.bench_parameters import BenchParameters
+from procedures.units import RAD_PER_ARCSEC, RAD_PER_DEG
+
+REMAINDERS_OF_A_DWELL = 2.0  # `REMAINDER_COUNTS` is of a bias: half the root of the sum of four dwells' squares
+CONING_RAD = 0.15 * RAD_PER_ARCSEC  # rad, 1 sigma of what coning leaves of a move of hands at 50 Hz
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class UnitNoise:
+    """White noise (3,) of the accelerometers [g sqrt(s)] and gyroscopes [deg/sqrt(s)], and what one count is.
+
+    ``accel_scale`` (3,) [count/(g s)] and ``gyro_scale`` (3,) [count/deg] are infinite where nothing is counted.
+    ``wander`` [deg/s] is 1 sigma of the gyroscopes' bias from step to step.
+    """
+
+    accel_white: FloatArray
+    gyro_white: FloatArray
+    accel_scale: FloatArray
+    gyro_scale: FloatArray
+    wander: float
+
+    def times(self, accel: float, gyro: float) -> "UnitNoise":
+        """Return it with white noise that is larger by these factors."""
+        return replace(self, accel_white=accel * self.accel_white, gyro_white=gyro * self.gyro_white)
+
+    def accel_variance(self, seconds: FloatArray) -> FloatArray:
+        """Return (n, 3) [g2] of the specific force in dwells of ``seconds`` (n,)."""
+        return _dwell_variance(self.accel_white, self.accel_scale, seconds)
+
+    def gyro_variance(self, seconds: FloatArray) -> FloatArray:
+        """Return (n, 3) [deg2/s2] of the rate in dwells of ``seconds`` (n,), the bias instability in it."""
+        return _dwell_variance(self.gyro_white, self.gyro_scale, seconds) + self.wander**2
+
+    def turn_variance(self, seconds: float) -> FloatArray:
+        """Return (3,) [deg2] of the total of a turn of ``seconds``; a counter's two remainders have 1/6."""
+        found: FloatArray = (
+            self.gyro_white**2 * seconds + 1 / 6 / self.gyro_scale**2 + (self.wander * seconds) ** 2
+        )
+        return found
+
+    def move_variance(self, seconds: float) -> float:
+        """Return [rad2] of each component of a move's rotation: noise, rounding, the bias instability, coning."""
+        rounding = 2 / 12 * float(np.mean(1 / self.gyro_scale**2))
+        white = float(np.mean(self.gyro_white**2)) * seconds
+        return (white + rounding + (self.wander * seconds) ** 2) * RAD_PER_DEG**2 + CONING_RAD**2
+
+
+def _dwell_variance(white: FloatArray, scale: FloatArray, seconds: FloatArray) -> FloatArray:
+    T = np.asarray(seconds)[:, None]
+    remainder = REMAINDERS_OF_A_DWELL * REMAINDER_COUNTS / (scale * T)
+    found: FloatArray = (WHITE_NOISE_FACTOR * white) ** 2 / T + remainder**2
+    return found
+
 
 NO_CLOSURE_STD_RAD = 1e-9  # rad, of a dwell, which closes nothing
 TOLD = np.r_[ACCEL, BENCH]  # what the accelerometers' own fit has of the shared columns
@@ -20,18 +72,18 @@ TOLD = np.r_[ACCEL, BENCH]  # what the accelerometers' own fit has of the shared
 class StepInformation:
     """What is known of a unit and its bench. ``campaign`` has site, cube and care; its steps are not looked at.
 
-    Columns are those of `procedures.planning.placing_rows`.
+    Columns are those of `procedures.planning.placement_rows`.
     """
 
     campaign: Campaign
     noise: UnitNoise
     hands: HandTimes = field(default_factory=HandTimes)
-    _known: dict[tuple[Placing, bool], FloatArray] = field(default_factory=dict)
+    _known: dict[tuple[Placement, bool], FloatArray] = field(default_factory=dict)
 
     @cached_property
-    def rows(self) -> PlacingRows:
+    def rows(self) -> PlacementRows:
         """The rows of everything that can be done."""
-        return placing_rows(self.campaign, self.hands)
+        return placement_rows(self.campaign, self.hands)
 
     def with_noise(self, noise: UnitNoise) -> "StepInformation":
         """Return the same bench with a unit of other noise; its rows are not made again."""
@@ -39,7 +91,7 @@ class StepInformation:
         other.__dict__["rows"] = self.rows
         return other
 
-    def placed(self, at: Placing, moves: bool) -> FloatArray:
+    def placed(self, at: Placement, moves: bool) -> FloatArray:
         """Return what a dwell or a turn adds (43, 43), with what is known of its heading, seat and closure.
 
         Without ``moves`` no seats are fitted.
@@ -58,11 +110,11 @@ class StepInformation:
         return found
 
     def moved_back(self, before: int | IntArray, after: int) -> FloatArray:
-        """Return the same (..., 47, 47) of positions ``before`` (...), the columns of the placing after first."""
+        """Return the same (..., 47, 47) of positions ``before`` (...), columns of the next placement first."""
         found: FloatArray = self._moved_back[before - 1, after - 1]
         return found
 
-    def told(self, at: Placing) -> FloatArray:
+    def told(self, at: Placement) -> FloatArray:
         """Return what a dwell adds (27, 27) to the accelerometers' own fit: columns `TOLD` of the shared."""
         rows = self.rows.accel[at.position - 1][:, OWN:][:, TOLD]
         variance = self.noise.accel_variance(np.array([at.seconds]))[0]
@@ -81,7 +133,7 @@ class StepInformation:
         found[BENCH, BENCH] = rows.T @ rows
         return found
 
-    def _rested(self, at: Placing, moves: bool) -> FloatArray:
+    def _rested(self, at: Placement, moves: bool) -> FloatArray:
         accel = self.rows.accel[at.position - 1].copy()
         accel[:, SEAT] *= moves
         gyro, seconds = self.rows.gyro[at.position - 1], np.array([at.seconds])

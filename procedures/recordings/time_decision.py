@@ -1,8 +1,8 @@
 """Which unit a time column is in: the posterior of every unit, by all evidence at once (Bayes' rule).
 
 Each unit makes another sample rate of the same stamps. What is weighed: how common the unit is, the unit that the
-name states, a scale in the file's header, a second clock in the file, the rate that was told, the range of stamps
-that count from a date, how many decimals they have, and the rates that inertial sensors are sampled at.
+name states, a scale in the file's header, a second clock in the file, the rate that was stated, the range of
+stamps that count from a date, how many decimals they have, and the rates that inertial sensors are sampled at.
 """
 
 import math
@@ -50,7 +50,7 @@ class TimeEvidence:
 
     ``stamps`` (n,) are finite. ``named`` are the units that its name states (`LIE_ODDS`) or hints at, each with
     the odds for it; ``scale_s`` [s] is the header's; ``second_clock_s`` [s] is how long one unit is by another
-    clock in the file; ``rate_hz`` [Hz] was told.
+    clock in the file; ``rate_hz`` [Hz] was stated.
     """
 
     stamps: FloatArray

@@ -1,1 +1,5 @@
-"""Statistics and least squares that know nothing of inertial sensors."""
+"""Statistics and least squares that know nothing of inertial sensors.
+
+Fits: `least_squares`, `line_fits`. Tests: `significance`. Noise: `allan_deviation`, `white_noise`, `spectrum`,
+`spectral_shape`, `sampled_sine`. Recordings at rest: `recording_conditions`, `row_patterns`, `noise_conditions`.
+"""

@@ -27,7 +27,7 @@ MAX_LINES = 20
 NEIGHBOURS, WIDTH = 129, 0.1  # frequencies whose median is the background, at least; or this part of the frequency
 BACKGROUND_DOF = 2 * NEIGHBOURS / (1.5 * 2.08)  # of a median of exponentials, 1.5 of them hanging together
 WINDOW_BINS = 3  # on either side, that Hann's window gives to one line
-SLOWED = 2**12  # parts of a record whose sums tell a line's frequency: off by 5e-4 sigma a bin away
+SLOWED = 2**12  # parts of a record whose sums determine a line's frequency: off by 5e-4 sigma a bin away
 MEDIAN_OF_EXPONENTIAL = np.log(2.0)
 
 

@@ -1,6 +1,6 @@
 """What a face certificate, a re-mounted IMU or free positions would buy: 1 sigma with and without them.
 
-The joint model of `procedures.dwells_and_turns.twelve_position` with two things changed. What is known of a cube
+The joint model of `procedures.twelve_positions.accelerometer_fit` with two things changed. What is known of a cube
 beforehand is its drawing: each tilt of each face has the standard deviation of the items on the way to it, or that
 and the certificate's, combined; nothing is held, so that E's sigma is against the cube's own axes. And K2 may be
 open, one column per sensor. Free positions add their norm, ``|K^-1 (N - b)| = g``, one row each: no attitude is
@@ -17,17 +17,16 @@ from scipy.linalg import block_diag
 from procedures.arrays import FloatArray
 from procedures.calibration.triad_calibration import scale_misalignment_bias
 from procedures.campaign.campaign import Campaign, Fixture, ProcedureSigma, Site
-from procedures.dwells_and_turns.bench_parameters import (
+from procedures.frames import rotation
+from procedures.statistics.least_squares import minimise
+from procedures.tolerance.estimator_errors import ToleranceShape, ToleranceUnit, tilt_std
+from procedures.twelve_positions.accelerometer_fit import gravity_n
+from procedures.twelve_positions.bench_parameters import (
     HELD_STD_RAD,
     SLAB_TILT_RANGE_RAD,
     BenchParameters,
     Placement,
 )
-from procedures.dwells_and_turns.twelve_position import gravity_n
-from procedures.frames import rotation
-from procedures.statistics.least_squares import minimise
-from procedures.tolerance.estimator_errors import ToleranceUnit
-from procedures.tolerance.monte_carlo import ToleranceShape, tilt_std
 from procedures.units import STANDARD_GRAVITY
 
 # Neither latitude nor gravity's sigma matters to bias or misalignment

@@ -1,10 +1,7 @@
 """The uncertainty budget: which source has which part in a parameter's variance, and what interval follows.
 
-``sources``    the sources by name, and the estimates that their sizes rest on
-``rows``       the variance of every whitened row of a fit, split by source
-``triads``     through the fit's gain: the variance of k, E and D, split by source
-``outside``    what a fit does not know: latitude, time base, temperature
-``budget``     combined, with degrees of freedom and coverage factor (GTC)
+`sources` (by name), `row_variance` (of every whitened row, split by source), `excess_scatter` (what the model does
+not explain, temperature), `budget` (through the fit's gain to k, E and D; degrees of freedom, coverage factor).
 
 A fit is Gauss-Newton on whitened rows ``r``, each of variance one: the estimate moves by ``G r`` with
 ``G = P J'`` (P the covariance, J the Jacobian), so that the covariance is ``sum over rows G_row G_row'``. Each

@@ -1,6 +1,9 @@
-"""A calibration applied to a source, into a file that is there whole or not at all."""
+"""A calibration applied to a source, written to a file that is complete or absent."""
 
-from collections.abc import Mapping
+import json
+import sys
+import time
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -8,17 +11,17 @@ from typing import Any
 
 import numpy as np
 
+from fixtures_db.database import open_db
+from fixtures_db.stored_calibrations import history
 from procedures.campaign.campaign import UNKNOWN
 from procedures.effects.term.inputs import AUXILIARY
-from station.applying.checked_samples import CheckedSamples
+from station.applying.checked_samples import CheckedSamples, Survey, survey
+from station.applying.log_source import refuse_other_units
 from station.applying.output_request import SI, OutputRequest, axes_of, columns_of, document_of, names_of
-from station.applying.progress import Progress
 from station.applying.source import Source
-from station.applying.survey import Survey, survey
-from station.applying.unit_contradictions import refuse_other_units
-from station.calibrated.calibration_applied import CalibrationModel
-from station.calibrated.unapplied_effect_size import lacking
-from station.calibration import Calibrated, Calibration
+from station.calibrated.applied_calibration import CalibrationModel
+from station.calibrated.remaining_uncertainty import lacking
+from station.calibration import Calibrated, Calibration, calibration_of
 from station.errors import DataRefused
 from station.files.atomic_file import refuse_own, write_json
 from station.files.calibration_document import doubts
@@ -26,6 +29,42 @@ from station.files.sample_files import writer_for
 from station.files.sample_files.sample_file import SampleColumns
 from station.files.write_file_pair import write_file_pair
 from station.text.plural import plural
+
+EVERY_S = 1.0  # on a terminal
+EVERY_LINE_S = 10.0  # elsewhere, a line each
+SILENT_S = 2.0  # at the beginning
+
+
+class Progress:
+    """Says how far it is, now and then; ``clock`` is in s."""
+
+    def __init__(
+        self, say: Callable[[str], None] | None = None, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self._is_screen = say is None and sys.stderr.isatty()
+        self._say, self._clock = say or self._write, clock
+        self._begin = clock()
+        self._next = self._begin + SILENT_S
+        self._has_said = False
+
+    def at(self, done: float, samples: int) -> None:
+        """Say that a share ``done``, 0 to 1, and so many samples are behind."""
+        now = self._clock()
+        if now < self._next or not done > 0:
+            return
+        left = (now - self._begin) * (1 / done - 1)
+        self._next = now + (EVERY_S if self._is_screen else EVERY_LINE_S)
+        self._has_said = True
+        self._say(f"{100 * done:.0f} %, {samples} samples, {left:.0f} s left")
+
+    def end(self) -> None:
+        """End the line on a terminal."""
+        if self._is_screen and self._has_said:
+            sys.stderr.write("\n")
+
+    def _write(self, text: str) -> None:
+        sys.stderr.write(f"\r{text}   " if self._is_screen else f"{text}\n")
+        sys.stderr.flush()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,7 +118,7 @@ def apply_to(
 
 def _read(source: Source, known: Path | None) -> list[Path]:
     """Return every file that must not be written over: of a folder all that is in it."""
-    named = Path(source.told.name)
+    named = Path(source.stated.name)
     inside = [path for path in named.rglob("*") if path.is_file()] if named.is_dir() else [named]
     return [*inside, *([known] if known else [])]
 
@@ -93,8 +132,8 @@ def _run(
     stream = calibration.stream(
         period, frame=asked.frame, output=calibration.output, axes=axes_of(source, asked), force=asked.force
     )
-    stream.physics.where, stream.physics.go_on = source.told.name, "continue with --force"
-    stream.physics.axes = np.array(source.told.accelerometers)
+    stream.physics.where, stream.physics.go_on = source.stated.name, "continue with --force"
+    stream.physics.axes = np.array(source.stated.accelerometers)
     count, spans = 0, list[Calibrated]()
     for block in samples:
         got = stream.apply(block.values, block.t, block.temperature, block.auxiliary)
@@ -103,11 +142,11 @@ def _run(
         spans.append(_of_spans(got))
         progress.at(block.done, count)
     if not count:
-        raise DataRefused(source.told.name, None, "no sample", "rows with a number in time and outputs")
+        raise DataRefused(source.stated.name, None, "no sample", "rows with a number in time and outputs")
     last = stream.apply(np.empty((0, 6)), np.empty(0), last=True)
     spans.append(_of_spans(last))
     left = [
-        f"{source.told.damage}: samples until then are here" if source.told.damage else "",
+        f"{source.stated.damage}: samples until then are here" if source.stated.damage else "",
         f"{plural(samples.lost, 'row')} without a number in time or outputs: discarded" if samples.lost else "",
         f"repeated rows discarded: {samples.repeated}" if samples.repeated else "",
     ]
@@ -116,32 +155,32 @@ def _run(
 
 
 def _refuse_unlike(source: Source, calibration: Calibration) -> None:
-    told, document = source.told, calibration.document
+    stated, document = source.stated, calibration.document
     for what, theirs, ours in (
-        ("serial", told.serial, calibration.serial), ("model", told.model, calibration.model)
+        ("serial", stated.serial, calibration.serial), ("model", stated.model, calibration.model)
     ):  # fmt: skip
         if theirs not in {None, UNKNOWN} and ours != UNKNOWN and theirs != ours:
             raise DataRefused(
-                told.name, None, f"{what} {theirs}", f"{ours}, as the calibration", "name that unit's own"
+                stated.name, None, f"{what} {theirs}", f"{ours}, as the calibration", "name that unit's own"
             )
     is_of_counts = calibration.output == "counts"
-    is_rate = told.output == "rate" or (told.output is None and bool(told.rates_in))
+    is_rate = stated.output == "rate" or (stated.output is None and bool(stated.rates_in))
     if is_of_counts and is_rate:
-        found = f"rates{f' in {told.rates_in}' if told.rates_in else ''}"
-        raise DataRefused(told.name, None, found, "counts, as the calibration", "name the columns of counts")
-    if not is_of_counts and told.output in {"increments", "cumulative"}:
+        found = f"rates{f' in {stated.rates_in}' if stated.rates_in else ''}"
+        raise DataRefused(stated.name, None, found, "counts, as the calibration", "name the columns of counts")
+    if not is_of_counts and stated.output in {"increments", "cumulative"}:
         expected = "rates, as the calibration"
-        raise DataRefused(told.name, None, f"counts ({told.output})", expected, "use a calibration of counts")
+        raise DataRefused(stated.name, None, f"counts ({stated.output})", expected, "use a calibration of counts")
     if not is_of_counts:
-        refuse_other_units(told, document)
+        refuse_other_units(stated, document)
     model = CalibrationModel.of(document)
     model = model.without(tuple(name for name in model.taken_off if name not in calibration.effects))
-    channels = [name.removeprefix(AUXILIARY) for name in told.auxiliary]
-    lacks = lacking(model, document, channels, told.triads, has_temperature=told.temperature)
+    channels = [name.removeprefix(AUXILIARY) for name in stated.auxiliary]
+    lacks = lacking(model, document, channels, stated.triads, has_temperature=stated.temperature)
     if lacks:
         sizes = ", ".join(f"{name} ({size or 'of unknown size'})" for name, size in lacks.items())
         remedy = f"name its column, or continue with {' '.join(f'--without {name}' for name in lacks)}"
-        raise DataRefused(told.name, None, f"no data for these error terms: {sizes}", "their inputs", remedy)
+        raise DataRefused(stated.name, None, f"no data for these error terms: {sizes}", "their inputs", remedy)
 
 
 def _of_spans(got: Calibrated) -> Calibrated:
@@ -152,3 +191,25 @@ def _of_spans(got: Calibrated) -> Calibrated:
 
 def _beside(out: Path) -> Path:
     return out.with_name(f"{out.name}.json")
+
+
+def newest_of(serial: str, database: str | None, model: str | None) -> Calibration:
+    """Return it; ``model`` separates units of one serial number.
+
+    Raises
+    ------
+    DataRefused
+        If there is none, or there are several models of this serial number.
+    """
+    with open_db(database) as opened, opened.read() as session:
+        documents = [(json.loads(row.document), row.sha256) for row in history(session, serial)]
+    models = sorted({str(document["model"]) for document, _ in documents})
+    wanted = model if model in models else models[0] if len(models) == 1 else None
+    if wanted is None:
+        found = (
+            f"models {', '.join(models)} of serial {serial}" if models else f"no calibration of serial {serial}"
+        )
+        expected = "a file of calibration/1, or a serial number that is stored"
+        raise DataRefused("the database", None, found, expected, "give --calibration FILE")
+    document, sha256 = next(each for each in reversed(documents) if each[0]["model"] == wanted)
+    return calibration_of(document, sha256[:12])

@@ -1,16 +1,91 @@
-"""Samples as they are applied: rows without a number left out, running counts made increments."""
+"""Samples checked before use: times rise at an even rate, no missing numbers, running counts made increments."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
-from procedures.counts.sample_times import GAP_PERIODS
+from procedures.counts.sample_times import GAP_PERIODS, own_period
 from procedures.error_codes import ErrorCode
-from station.applying.source import Samples, Source
-from station.applying.survey import Survey
+from station.applying.source import Samples, Source, Stated
 from station.errors import DataRefused
+
+RATE_SAMPLES = 200_000  # from which the sample period is estimated first
+MEAN_TOLERANCE = 1e-3  # relative, of the mean step against that: beyond it stamps are no times of samples
+TOLERANCE = 0.01  # relative, of the period that a source states
+
+
+@dataclass(frozen=True, slots=True)
+class Survey:
+    """How many samples there are at most, from when to when [s], and the period [s] of one."""
+
+    rows: int
+    first: float
+    last: float
+    period: float
+
+
+def survey(source: Source) -> Survey:
+    """Look at all times of a source.
+
+    Raises
+    ------
+    DataRefused
+        If time goes back, never moves, or is more than 1 % off the pace that the source states.
+    """
+    rows, first, last = 0, np.nan, -np.inf
+    head, pace, total, steps = list[FloatArray](), 0.0, 0.0, 0
+    for stamps, where, lines in source.times():
+        t = stamps[np.isfinite(stamps)]
+        if not len(t):
+            continue
+        step = np.diff(t, prepend=last)
+        if (back := np.flatnonzero(step < 0)).size:
+            raise _goes_back(where, lines, stamps, t, int(back[0]), last)
+        rows, first, last = rows + len(t), float(t[0]) if np.isnan(first) else first, float(t[-1])
+        if not pace:
+            head.append(t)
+            if rows >= RATE_SAMPLES:
+                pace = own_period(_rising(np.concatenate(head), source.stated))
+                step, head = np.diff(np.concatenate(head)), []
+        if pace:
+            inside = step[(step > 0) & (step <= GAP_PERIODS * pace)]
+            total, steps = total + float(inside.sum()), steps + len(inside)
+    if rows < 2:
+        what = f"{'a single' if rows else 'no'} sample with a time"
+        raise DataRefused(source.stated.name, None, what, "two at least", "name another", code=ErrorCode.TOO_SHORT)
+    if head:
+        pace = own_period(_rising(np.concatenate(head), source.stated))
+    mean = total / steps if steps else pace
+    found = mean if abs(mean / pace - 1) < MEAN_TOLERANCE else pace
+    stated = source.stated.period
+    if stated is not None and abs(found / stated - 1) > TOLERANCE:
+        said = f"a sample rate of {1 / found:.6g} Hz by the times, {found / stated - 1:+.1%} of the period"
+        raise DataRefused(
+            source.stated.name, None, said, f"{1 / stated:.6g} Hz as stated, within 1 %", "correct one"
+        )
+    return Survey(rows, first, last, found)
+
+
+def _rising(t: FloatArray, stated: Stated) -> FloatArray:
+    found = np.unique(t)
+    if len(found) < 2:
+        raise DataRefused(stated.name, None, "a time that never changes", "times that rise", "state --rate HZ",
+                          ErrorCode.TIME_ORDER)  # fmt: skip
+    return found
+
+
+def _goes_back(
+    where: str, lines: Sequence[int], stamps: FloatArray, t: FloatArray, at: int, last: float
+) -> DataRefused:
+    row = int(np.flatnonzero(np.isfinite(stamps))[at])
+    before = t[at - 1] if at else last
+    expected = "times that rise from row to row"
+    place = lines[row] if lines else None
+    return DataRefused(
+        where, place, f"time {t[at]:.9g} after {before:.9g}", expected, "cut it in two there", ErrorCode.TIME_ORDER
+    )
 
 
 @dataclass(slots=True, eq=False)
@@ -79,13 +154,13 @@ class CheckedSamples:
 
     def _increments(self, block: Samples) -> Samples:
         """Return increments of running counts; the first row after a gap is their base, and no sample."""
-        if self.source.told.output != "cumulative" or not len(block.t):
+        if self.source.stated.output != "cumulative" or not len(block.t):
             return block
         rows = np.column_stack((block.t, block.values))
         base, self._base = self._base, rows[-1]
         before = np.vstack((rows[:1] if base is None else base, rows[:-1]))
         step = rows - before
-        if (bits := self.source.told.wrap_bits) is not None:
+        if (bits := self.source.stated.wrap_bits) is not None:
             half = 2.0 ** (bits - 1)
             step[:, 1:] = (step[:, 1:] + half) % (2 * half) - half
         keep = (step[:, 0] > 0) & (step[:, 0] <= GAP_PERIODS * self.survey.period)

@@ -1,10 +1,11 @@
-"""Samples of a table from elsewhere; and of a step's CSV file, whose header says it all."""
+"""Samples of any table and of a step's CSV file; units and time must agree with the calibration and --rate."""
 
-from collections.abc import Generator, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -12,9 +13,7 @@ from procedures.arrays import FloatArray
 from procedures.effects.term.inputs import AUXILIARY
 from procedures.error_codes import ErrorCode
 from procedures.recordings.time_decision import evidence_rows, may_be_clock
-from station.applying.channel_columns import channels_by_column
-from station.applying.source import Samples, Times, Told
-from station.applying.unit_contradictions import refuse_other_rate, unit_of_columns
+from station.applying.source import Samples, Stated, Times, channels_by_column
 from station.errors import DataRefused
 from station.files.log_blocks import open_blocks
 from station.files.log_blocks.log_blocks import Block, LogBlocks
@@ -22,7 +21,51 @@ from station.files.logs.header_guesses import guessed_time, split_unit
 from station.files.logs.log_columns import LogColumns, ToldColumns, choose_columns
 from station.files.logs.second_clocks import CLOCK_ROWS, compare_clocks
 from station.files.logs.time_units import unit_of_time
-from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW, TEMPERATURE_UNITS
+from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW, TEMPERATURE_UNITS, outputs_per_unit
+
+MAX_TIMES_OFF = 1.25  # of a scale factor from what a unit makes it: two units differ by more
+MAX_RATE_OFF = 1e-2  # relative
+KNOWN = {"gyroscope": (GYRO_UNITS, "deg/s", "--unit-gyro"), "accelerometer": (ACCEL_UNITS, "g", "--unit-accel")}
+
+
+def unit_of_columns(stated: str | None, names: Sequence[str | None], known: Mapping[str, float]) -> str | None:
+    """Return the unit that was stated, or that the names of a triad's columns have in common; None of neither."""
+    if stated is not None:
+        return None if stated == RAW else stated
+    found = {split_unit(name)[1] for name in names if name}
+    return found.pop() if len(found) == 1 and found <= set(known) else None
+
+
+def refuse_other_units(stated: Stated, document: Mapping[str, Any]) -> None:
+    """Refuse rates whose columns are in a unit other than the calibration's outputs were.
+
+    Raises
+    ------
+    DataRefused
+        Naming the unit, and how many outputs 1 deg/s or 1 g is in the calibration.
+    """
+    for triad, unit in stated.units:
+        known, per, option = KNOWN[triad]
+        outputs = outputs_per_unit(unit, known)
+        if triad not in document or outputs is None:
+            continue
+        k = float(np.mean(np.abs(document[triad]["scale_factor"]["value"])))
+        if not 1 / MAX_TIMES_OFF < k / outputs < MAX_TIMES_OFF:
+            raise DataRefused(
+                stated.name, None, f"{triad} in {unit}, {outputs:.4g} outputs in 1 {per}",
+                f"{k:.4g} outputs in 1 {per}, as in the calibration",
+                f"convert the columns, or state {option} raw if their names are wrong",
+            )  # fmt: skip
+
+
+def refuse_other_rate(t: FloatArray, column: str, rate_hz: float, name: str) -> None:
+    """Refuse ``--rate`` [1/s] where a column of times ``t`` (n,) [s] says otherwise by more than 1 %."""
+    step = float(np.nanmedian(np.diff(t))) if len(t) > 1 else 0.0
+    if step > 0 and abs(step * rate_hz - 1) > MAX_RATE_OFF:
+        raise DataRefused(
+            name, None, f"{1 / step:.6g} rows a second by column {column}", f"--rate {rate_hz:g} within 1 %",
+            "omit --rate, or remove the column",
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,47 +76,51 @@ class LogSource:
     found: LogColumns
     auxiliary: dict[str, str]
     rate_hz: float | None
-    told: Told
+    stated: Stated
 
     @classmethod
-    def open(cls, file: Path, told: ToldColumns) -> "LogSource":
+    def open(cls, file: Path, stated: ToldColumns) -> "LogSource":
         """Open a log.
 
         Raises
         ------
         DataRefused
-            If the file or a column that was told is not there, there are no outputs or no time, or two channels
+            If the file or a column that was stated is not there, there are no outputs or no time, or two channels
             would be one column.
         """
         table = open_blocks(file)
         names = [name for name in table.head.columns if name.startswith(AUXILIARY)]
-        asked = dict.fromkeys(table.head.name_of(key) for key in told.auxiliary)
-        raw = replace(told, unit_gyro=told.unit_gyro or RAW, unit_accel=told.unit_accel or RAW,
+        asked = dict.fromkeys(table.head.name_of(key) for key in stated.auxiliary)
+        raw = replace(stated, unit_gyro=stated.unit_gyro or RAW, unit_accel=stated.unit_accel or RAW,
                       auxiliary=tuple(asked | dict.fromkeys(names)))  # fmt: skip
         found = choose_columns(table.head, raw, partial(_stamps, table))
-        _compare_clocks(table, found, told.time is not None)
-        units = [told.unit_gyro, told.unit_accel, *(split_unit(n)[1] for n in (*found.gyro, *found.accel) if n)]
+        _compare_clocks(table, found, stated.time is not None)
+        units = [
+            stated.unit_gyro,
+            stated.unit_accel,
+            *(split_unit(n)[1] for n in (*found.gyro, *found.accel) if n),
+        ]
         rates = [unit for unit in units if unit in {*GYRO_UNITS, *ACCEL_UNITS} or (unit and "/" in unit)]
         own_units = (
-            ("gyroscope", unit_of_columns(told.unit_gyro, found.gyro, GYRO_UNITS)),
-            ("accelerometer", unit_of_columns(told.unit_accel, found.accel, ACCEL_UNITS)),
+            ("gyroscope", unit_of_columns(stated.unit_gyro, found.gyro, GYRO_UNITS)),
+            ("accelerometer", unit_of_columns(stated.unit_accel, found.accel, ACCEL_UNITS)),
         )
         auxiliary = channels_by_column(found.auxiliary, str(file))
         notes = tuple(guess for guess in found.guesses if "reference" not in guess)
-        period = 1 / told.rate_hz if told.rate_hz else None
+        period = 1 / stated.rate_hz if stated.rate_hz else None
         has_temperature = found.temperature is not None
-        said = Told(
+        said = Stated(
             str(file), rates_in=rates[0] if rates else "", period=period, temperature=has_temperature,
             auxiliary=tuple(auxiliary), notes=notes, units=tuple((n, u) for n, u in own_units if u is not None),
             triads=tuple(n for n, own in (("accelerometer", found.accel), ("gyroscope", found.gyro)) if any(own)),
             accelerometers=tuple(name is not None for name in found.accel),
         )  # fmt: skip
-        if told.rate_hz and told.time is None and (column := guessed_time(list(table.head.columns))):
+        if stated.rate_hz and stated.time is None and (column := guessed_time(list(table.head.columns))):
             with closing(table.read([column])) as read:
                 block = next(read)
-            unit = unit_of_time(table.head, column, told.unit_time, told.rate_hz, [], partial(_stamps, table))
-            refuse_other_rate(unit.linear(block.columns[column]) * unit.seconds, column, told.rate_hz, str(file))
-        return cls(table, found, auxiliary, told.rate_hz, said)
+            unit = unit_of_time(table.head, column, stated.unit_time, stated.rate_hz, [], partial(_stamps, table))
+            refuse_other_rate(unit.linear(block.columns[column]) * unit.seconds, column, stated.rate_hz, str(file))
+        return cls(table, found, auxiliary, stated.rate_hz, said)
 
     def times(self) -> Generator[Times]:
         """Yield the times (n,) [s] of all rows, as `Source`."""
@@ -82,7 +129,7 @@ class LogSource:
         for block in self.blocks_of.read(columns):
             t, lines = self._times(block, row), _lines(block, row)
             row += len(t)
-            yield t, self.told.name, lines
+            yield t, self.stated.name, lines
 
     def blocks(self) -> Generator[Samples]:
         """Yield all rows, as `Source`; a channel of a triad that the log lacks is 0."""
@@ -103,7 +150,7 @@ class LogSource:
             beside = {key: block.columns[name] for key, name in self.auxiliary.items()}
             lines = _lines(block, row)
             row += n
-            yield Samples(t, values, temperature, beside, block.done, self.told.name, lines)
+            yield Samples(t, values, temperature, beside, block.done, self.stated.name, lines)
 
     @property
     def _outputs(self) -> tuple[str | None, ...]:
@@ -162,15 +209,15 @@ def _lines(block: Block, before: int) -> Sequence[int]:
     return block.lines or range(before + 1, before + n + 1)
 
 
-def step_source(file: Path, told: Told) -> LogSource:
+def step_source(file: Path, stated: Stated) -> LogSource:
     """Open a step's CSV file of campaign/1; ``told`` is what the campaign says."""
     columns = ToldColumns(time="t_s", gyro=None, accel=None, unit_time="s")
     found = LogSource.open(file, columns)
     if not any(found.found.gyro) and not any(found.found.accel):
         raise DataRefused(file, 1, "no outputs", "gx, gy, gz or ax, ay, az", code=ErrorCode.COLUMNS)
-    own = found.told
+    own = found.stated
     said = replace(
-        told, name=own.name, temperature=own.temperature, auxiliary=own.auxiliary, triads=own.triads,
+        stated, name=own.name, temperature=own.temperature, auxiliary=own.auxiliary, triads=own.triads,
         accelerometers=own.accelerometers,
     )  # fmt: skip
-    return replace(found, told=said)
+    return replace(found, stated=said)

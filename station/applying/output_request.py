@@ -7,9 +7,9 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.units import STANDARD_GRAVITY
+from station.applying.checked_samples import Survey
 from station.applying.source import Samples, Source
-from station.applying.survey import Survey
-from station.calibrated.target_frame import Frame
+from station.calibrated.output_frame import Frame
 from station.calibration import Calibrated, Calibration
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS
 from station.results.solution_json import software_version
@@ -34,14 +34,14 @@ class OutputRequest:
 
 def axes_of(source: Source, asked: OutputRequest) -> str | None:
     """Return the axes that go with the frame: as asked, of a cube else as the source is mounted."""
-    return asked.axes or (source.told.mounting if asked.frame == "cube" else None)
+    return asked.axes or (source.stated.mounting if asked.frame == "cube" else None)
 
 
 def names_of(source: Source, asked: OutputRequest) -> tuple[str, ...]:
     """Return the names of the columns that are written."""
     force, rate = (SUFFIX.get(unit, unit) for unit in asked.units)
     names = ["t_s", *(f"f_{axis}_{force}" for axis in "xyz"), *(f"omega_{axis}_{rate}" for axis in "xyz")]
-    return (*names, *(["temp_c"] if source.told.temperature else []), *source.told.auxiliary)
+    return (*names, *(["temp_c"] if source.stated.temperature else []), *source.stated.auxiliary)
 
 
 def columns_of(block: Samples, got: Calibrated, source: Source, asked: OutputRequest) -> list[FloatArray]:
@@ -52,9 +52,9 @@ def columns_of(block: Samples, got: Calibrated, source: Source, asked: OutputReq
     rate = got.angular_rate if asked.units[1] == SI[1] else got.angular_rate * per_rate
     unknown = np.full(len(block.t), np.nan)
     columns = [block.t, *force.T, *rate.T]
-    if source.told.temperature:
+    if source.stated.temperature:
         columns.append(unknown if block.temperature is None else block.temperature)
-    return columns + [block.auxiliary.get(name, unknown) for name in source.told.auxiliary]
+    return columns + [block.auxiliary.get(name, unknown) for name in source.stated.auxiliary]
 
 
 def document_of(
@@ -72,8 +72,8 @@ def document_of(
         name: known[name] for name in ("model", "serial", "accepted_utc", "status", "valid_until") if name in known
     }
     return {
-        "format": "applied/1", "input": source.told.name, "samples": samples, "period_s": found.period,
-        "frame": asked.frame, "axes": axes_of(source, asked), "mounting": source.told.mounting,
+        "format": "applied/1", "input": source.stated.name, "samples": samples, "period_s": found.period,
+        "frame": asked.frame, "axes": axes_of(source, asked), "mounting": source.stated.mounting,
         "units": list(asked.units), "software": software_version(),
         "calibration": {**about, "sha256": calibration.sha256}, "effects": list(calibration.effects),
         "warnings": list(warnings),

@@ -1,4 +1,4 @@
-"""Samples of an MCAP file that the station recorded: ``/imu/counts``, a message after the other."""
+"""Samples of an MCAP recording: messages of ``/imu/counts``, or the raw bytes of a device decoded again."""
 
 from collections.abc import Callable, Generator
 from dataclasses import dataclass, field, replace
@@ -8,14 +8,20 @@ from typing import Any
 
 import numpy as np
 
+from drivers.address_parsing import parse_device_url
+from drivers.addresses import DeviceAddress
+from drivers.errors import ReplayEnded
 from procedures.arrays import FloatArray
+from procedures.campaign.campaign import UNKNOWN
+from procedures.counts.sample_records import SampleBlock
 from procedures.error_codes import ErrorCode
 from procedures.frames import TRIADS
-from station.applying.channel_columns import channels_by_column
-from station.applying.source import Samples, Times, Told
+from station.applying.source import Samples, Stated, Times, channels_by_column
 from station.errors import DataRefused
-from station.files.mcap_files.reader import sample_messages
-from station.files.mcap_files.schemas import COUNTS
+from station.files.mcap_files.reader import sample_messages, topic_messages
+from station.files.mcap_files.schemas import COUNTS, MESSAGES, RAW, RAW_TOPIC
+from station.stream.live.live_feed import LiveFeed, open_feed
+from station.stream.reader import Chunk, GapMark
 
 BLOCK = 2**13
 
@@ -25,11 +31,11 @@ class RecordingSource:
     """A recording, or a step's file of a campaign."""
 
     file: Path
-    told: Told
+    stated: Stated
     channels: tuple[str, ...]
 
     @classmethod
-    def open(cls, file: Path, told: Told) -> "RecordingSource":
+    def open(cls, file: Path, stated: Stated) -> "RecordingSource":
         """Open an MCAP file; ``told`` is what its campaign says.
 
         Raises
@@ -43,12 +49,12 @@ class RecordingSource:
             raise DataRefused(
                 file, None, (error.strerror or str(error)).lower(), "a readable file", code=ErrorCode.FILE_MISSING
             ) from None
-        if told.output is not None and (told.output == "rate") != (found.output == "rate"):
-            raise DataRefused(file, None, f"{found.output} messages", f"{told.output}, as imu.output says")
+        if stated.output is not None and (stated.output == "rate") != (found.output == "rate"):
+            raise DataRefused(file, None, f"{found.output} messages", f"{stated.output}, as imu.output says")
         triads = tuple(name for name in TRIADS if name in found.triads)
         beside = channels_by_column(sorted(found.channels - {"utc_s"}), str(file))
         said = replace(
-            told, name=str(file), output=told.output or found.output, temperature=found.temperature,
+            stated, name=str(file), output=stated.output or found.output, temperature=found.temperature,
             auxiliary=tuple(beside), triads=triads, damage=" ".join(found.damage),
         )  # fmt: skip
         return cls(file, said, tuple(beside.values()))
@@ -57,7 +63,7 @@ class RecordingSource:
         """Yield the times (n,) [s] of all samples, as `Source`."""
         for part, first in _parts(self.file):
             t = np.array([message.device_ns for message, _ in part]) / 1e9
-            yield t, self.told.name, range(first, first + len(part))
+            yield t, self.stated.name, range(first, first + len(part))
 
     def blocks(self) -> Generator[Samples]:
         """Yield all samples, as `Source`."""
@@ -65,15 +71,15 @@ class RecordingSource:
             samples = [message for message, _ in part]
             values = np.hstack([_triad(samples, name) for name in ("gyro", "accel")])
             temperature = (
-                np.array([message.temperature_c for message in samples]) if self.told.temperature else None
+                np.array([message.temperature_c for message in samples]) if self.stated.temperature else None
             )
             beside = {
                 key: np.array([message.aux.get(name, np.nan) for message in samples])
-                for key, name in zip(self.told.auxiliary, self.channels, strict=True)
+                for key, name in zip(self.stated.auxiliary, self.channels, strict=True)
             }
             t = np.array([message.device_ns for message in samples]) / 1e9
             lines = range(first, first + len(part))
-            yield Samples(t, values, temperature, beside, part[-1][1], self.told.name, lines)
+            yield Samples(t, values, temperature, beside, part[-1][1], self.stated.name, lines)
 
 
 @dataclass(slots=True)
@@ -117,3 +123,100 @@ def _triad(samples: list[Any], name: str) -> FloatArray:
         return np.full((len(rows), 3), np.nan)
     absent = (np.nan,) * 3
     return np.array([row if len(row) == 3 else absent for row in rows], dtype=np.float64)
+
+
+TRIAD_WORDS = {"gyroscope": "gyro", "accelerometer": "accel"}
+
+
+@dataclass(frozen=True, slots=True)
+class RawSource:
+    """A file of bytes that make so many ``samples``; ``told`` is what the device says of itself."""
+
+    file: Path
+    stated: Stated
+    samples: int
+
+    @classmethod
+    def open(cls, file: Path, stated: Stated) -> "RawSource":
+        """Open an MCAP file of bytes.
+
+        Raises
+        ------
+        DataRefused, DriverError
+            If it cannot be read, or its bytes are of no known format.
+        """
+        feed = _identified(file, stated)
+        assert feed.unit is not None
+        kind, output = feed.stream.decoder.kind, "increments" if feed.wire.output == "increments" else "rate"
+        triads = tuple(name for name in ("accelerometer", "gyroscope") if TRIAD_WORDS[name] in kind.triads)
+        said = replace(
+            stated, name=str(file), output=output, model=stated.model or feed.unit.model,
+            serial=stated.serial or feed.unit.serial, triads=triads,
+        )  # fmt: skip
+        warm, samples, damage = False, 0, list[str]()
+        for block, _ in _blocks(file, said, damage.append):
+            warm, samples = warm or bool(np.isfinite(block.temperature).any()), samples + len(block)
+        return cls(file, replace(said, temperature=warm, damage=" ".join(damage)), samples)
+
+    def times(self) -> Generator[Times]:
+        """Yield the times (n,) [s] of all samples, as `Source`."""
+        for block, first in _blocks(self.file, self.stated):
+            yield block.device_time, self.stated.name, range(first, first + len(block))
+
+    def blocks(self) -> Generator[Samples]:
+        """Yield all samples, as `Source`."""
+        for block, first in _blocks(self.file, self.stated):
+            n = len(block)
+            values = np.hstack([
+                getattr(block, short).astype(np.float64) if name in self.stated.triads else np.full((n, 3), np.nan)
+                for name, short in TRIAD_WORDS.items()
+            ])  # fmt: skip
+            temperature = block.temperature if self.stated.temperature else None
+            yield Samples(
+                block.device_time, values, temperature, {}, 0.0, self.stated.name, range(first, first + n)
+            )
+
+
+class _FileChunks:
+    """The bytes of a file as a feed takes them, a chunk after the other."""
+
+    def __init__(self, file: Path, *cut: Callable[[str], None]) -> None:
+        self.address: DeviceAddress = parse_device_url(f"replay:{file}")
+        self._size, kind = 0, MESSAGES[RAW]
+        self._messages = topic_messages(file, {RAW_TOPIC: kind.FromString}, *cut)
+
+    def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
+        """Return the next chunk; raise `ReplayEnded` after the last."""
+        if (message := next(self._messages, None)) is None:
+            raise ReplayEnded(self.address.name, self._size)
+        self._size += len(message.data)
+        return [Chunk(int(message.host_ns), bytes(message.data))]
+
+
+def _identified(file: Path, stated: Stated, *cut: Callable[[str], None]) -> LiveFeed:
+    try:
+        feed = open_feed(_FileChunks(file, *cut))
+    except OSError as error:
+        raise DataRefused(
+            file, None, (error.strerror or str(error)).lower(), "a readable file", code=ErrorCode.FILE_MISSING
+        ) from None
+    unknown = UNKNOWN if feed.wire.identity is None else None
+    feed.identify(stated.model or unknown, stated.serial or unknown)
+    return feed
+
+
+def _blocks(file: Path, stated: Stated, *cut: Callable[[str], None]) -> Generator[tuple[SampleBlock, int]]:
+    """Yield blocks of samples with the first one's number, from 1 on."""
+    feed, is_over = _identified(file, stated, *cut), False
+    buffer = feed.buffer
+    at = begin = buffer.first
+    while not is_over:
+        try:
+            feed.advance()
+        except ReplayEnded:
+            is_over = True
+        at = max(at, buffer.first)
+        if buffer.end - at >= BLOCK or (is_over and buffer.end > at):
+            yield buffer.block(at, buffer.end), at - begin + 1
+            at = buffer.end
+            buffer.forget_before(at)

@@ -1,11 +1,14 @@
-"""Where samples come from: a log, a recording, a campaign; block by block, as often as they are asked for."""
+"""Where samples come from: a log, a recording, a campaign; read block by block, as often as needed."""
 
-from collections.abc import Generator, Mapping, Sequence
+import re
+from collections.abc import Generator, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
 from procedures.arrays import FloatArray
+from procedures.effects.term.inputs import AUXILIARY
 from procedures.frames import TRIADS
+from station.errors import DataRefused
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,7 +32,7 @@ Times = tuple[FloatArray, str, Sequence[int]]
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class Stated:
     """What a source says of itself; None of what it does not say.
 
     ``output`` is increments, cumulative or rate; ``wrap_bits`` of cumulative counts. ``rates_in`` is a unit of
@@ -59,7 +62,7 @@ class Source(Protocol):
     """Samples in the order of time."""
 
     @property
-    def told(self) -> Told:
+    def stated(self) -> Stated:
         """What it says of itself."""
         ...
 
@@ -70,3 +73,16 @@ class Source(Protocol):
     def blocks(self) -> Generator[Samples]:
         """Yield all samples."""
         ...
+
+
+def channels_by_column(channels: Iterable[str], where: str) -> dict[str, str]:
+    """Return channels by the column that each goes to; raise `DataRefused` where two would go to one."""
+    found = dict[str, str]()
+    for name in channels:
+        plain = re.sub(r"[^A-Za-z0-9_]+", "_", name)
+        column = plain if plain.startswith(AUXILIARY) else f"{AUXILIARY}{plain}"
+        if column in found:
+            both = f"channels {found[column]!r} and {name!r}, which both would be column {column}"
+            raise DataRefused(where, None, both, "a name of letters and digits for each", "rename one")
+        found[column] = name
+    return found

@@ -19,7 +19,7 @@ from station.attitude.attitude_log import (
     read_log,
 )
 from station.attitude.log_checks import LogPlace, check_motion, check_upright
-from station.calibrated.body_axes import DEFAULT_AXES, body_axes
+from station.calibrated.output_frame import DEFAULT_AXES, body_axes
 from station.errors import DataRefused
 from station.files.columns import TRIADS
 from station.files.logs import read_log as read_table

@@ -1,4 +1,4 @@
-"""A calibration applied to one part of a recording after the other: the same numbers as to all of it at once."""
+"""A calibration applied block by block: the same numbers as applied to a whole recording at once."""
 
 from collections import Counter
 from collections.abc import Mapping
@@ -11,13 +11,26 @@ from procedures.arrays import FloatArray
 from procedures.effects.term.inputs import AUXILIARY
 from procedures.frames import TRIADS
 from procedures.units import RAD_PER_DEG, STANDARD_GRAVITY
-from station.calibrated.array_arguments import LARGEST, numbers
-from station.calibrated.calibration_applied import CalibratedInputs, CalibrationModel
+from station.calibrated.applied_calibration import CalibratedInputs, CalibrationModel
+from station.calibrated.correction_inputs import Surroundings
 from station.calibrated.physics_check import PhysicsCheck
-from station.calibrated.surroundings import Surroundings
-from station.calibrated.unapplied_effect_size import size_of
-from station.calibrated.uncertainty_by_minute import Spans, SpanSigmas
+from station.calibrated.remaining_uncertainty import Spans, SpanSigmas, size_of
 from station.errors import DataRefused
+
+LARGEST = 1e30  # of an output a second: beyond it no device counts, and squares of it are no numbers
+
+
+def numbers(values: Any, name: str) -> FloatArray:
+    """Return (n,) or (n, k) numbers in their own unit; raise `DataRefused` for all else, named ``name``."""
+    try:
+        found = np.asarray(values)
+    except (ValueError, TypeError):  # rows of different lengths
+        raise DataRefused(name, None, "rows of different lengths", "an array of numbers", "correct it") from None
+    if found.size and found.dtype.kind not in "buif":
+        expected = "numbers of a kind such as float64"
+        raise DataRefused(name, None, f"an array of {found.dtype}", expected, "convert it")
+    return found.astype(np.float64, copy=False)
+
 
 BLOCK = 2**14  # samples, whose arrays stay in a processor's cache
 ROWS = {"gyroscope": slice(0, 3), "accelerometer": slice(3, 6)}  # of six outputs

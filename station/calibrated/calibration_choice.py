@@ -13,7 +13,7 @@ from fixtures_db.stored_calibrations import last_calibration
 from procedures.campaign.campaign import UNKNOWN
 from procedures.error_codes import ErrorCode
 from procedures.frames import TRIADS
-from station.calibrated.calibration_in_use import InUse
+from station.calibrated import InUse
 from station.errors import DataRefused
 from station.files.calibration_document import FORMAT, doubts, parsed_calibration, read_calibration
 from station.stream.recorder.connected_unit import Unit

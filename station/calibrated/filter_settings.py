@@ -1,6 +1,6 @@
 """What the Kalman filter assumes of the unit at hand: from its own noise, its calibration's sigma, and the Earth.
 
-The filter's own settings are for any IMU, MEMS ones too. A calibrated FOG's biases hardly wander and its scale
+The filter's own settings are for any IMU, MEMS ones too. A calibrated FOG's biases hardly drift and its scale
 factors are known, so that its gyros may be believed for much longer.
 """
 
@@ -14,7 +14,7 @@ from procedures.attitude.forward_right_down import earth_rate_ned
 from procedures.attitude.kalman_state import AIDED_SETTINGS, UNAIDED_SETTINGS, KalmanSettings
 from procedures.attitude.sensor_noise import gyro_noise
 from procedures.attitude.unaided_motion import vehicle_settings
-from procedures.earth.gravity_and_rate import EARTH_RATE
+from procedures.earth.geodesy import EARTH_RATE
 from procedures.statistics.white_noise import white_noise
 from procedures.units import DEG_H_PER_DEG_S, RAD_S_PER_DEG_H, STANDARD_GRAVITY
 
@@ -75,7 +75,7 @@ def gyro_bias_std(calibration: Mapping[str, Any]) -> float:
 def force_bias_std(calibration: Mapping[str, Any]) -> float:
     """Return 1 sigma [m/s2] of a calibrated accelerometer's error across gravity: the mean square of its axes.
 
-    A scale factor tells most at 45 deg, by half of its error.
+    A scale factor shows most at 45 deg, by half of its error.
     """
     accel = calibration["accelerometer"]
     names = ("bias", "scale_factor", "misalignment")

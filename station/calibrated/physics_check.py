@@ -19,8 +19,8 @@ from procedures.recordings.rest_physics import (
     Contradiction,
     RestSurvey,
     explanations,
+    unsigned_bits,
 )
-from procedures.recordings.unsigned_integers import unsigned_bits
 from procedures.units import RAD_PER_DEG, S_PER_H, S_PER_MIN, STANDARD_GRAVITY
 from station.errors import DataRefused
 

@@ -14,9 +14,8 @@ from procedures.arrays import BoolArray, FloatArray
 from procedures.counts.sample_records import CountBlock, SampleBlock
 from procedures.effects.effect import REFERENCE_C
 from procedures.units import STANDARD_GRAVITY
-from station.calibrated.calibration_applied import CalibrationModel
-from station.calibrated.surroundings import Surroundings
-from station.calibrated.temperature_signals import TemperatureFollower
+from station.calibrated.applied_calibration import CalibrationModel
+from station.calibrated.correction_inputs import Surroundings, TemperatureFollower
 
 NOMINAL_SCALE_DIGITS = 3  # of a nominal scale factor nobody gave
 

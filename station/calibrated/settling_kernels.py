@@ -78,7 +78,7 @@ def settle(
     D : (3,) [g], [deg/s]
     bias, scale : (signals, 3, orders), polynomials of the signals, from the first power on
     signals : (signals, n), nan where not known
-    extra : (n, 3) or (0, 3) [g], [deg/s], added to the output besides
+    extra : (n, 3) or (0, 3) [g], [deg/s], added to the output in addition
     matrix, vector : (3, 3) and (n, 3) or (0, 3), whose product is added too
     powers : (5, 3), `_of_input`
     cross : (3, 3), of u_x u_y, u_x u_z, u_y u_z, a row a sensor

@@ -1,8 +1,8 @@
-"""The commands of `station`, one file each; a line here puts a command on the list.
+"""The commands of `station`; a line here puts a command on the list.
 
-A command's file defines a function of the command's name (``-`` written ``_``) with typer annotations and a
-`Database` option. It imports what is heavy inside that function, not at its top. A folder with a table
-``COMMANDS`` of its own is a group of commands.
+A command is a function of its name (``-`` written ``_``) with typer annotations and a `Database` option, in a file
+of that name or in that of its topic. It imports what is heavy inside, not at the file's top. A file with a table
+``COMMANDS`` instead of such a function is a group of commands. Files that begin with ``_`` are shared options.
 """
 
 import builtins
@@ -29,10 +29,11 @@ class Command:
         return f"{name}_" if iskeyword(name) or hasattr(builtins, name) else name
 
 
-def _under(heading: str, *commands: tuple[str, str]) -> tuple[Command, ...]:
-    """Return commands of this folder, each with its line of help; the module has the command's name."""
+def _under(heading: str, *commands: tuple[str, str] | tuple[str, str, str]) -> tuple[Command, ...]:
+    """Return commands of this folder: name, line of help, and the file if it does not have the command's name."""
     return tuple(
-        Command(name, line, f"station.commands.{name.replace('-', '_')}", heading) for name, line in commands
+        Command(name, line, f"station.commands.{(*file, name.replace('-', '_'))[0]}", heading)
+        for name, line, *file in commands
     )
 
 
@@ -42,9 +43,9 @@ COMMANDS = (
         ("demo", "Calibrate a simulated IMU, to a report and a certificate."),
         ("plan", "Plan the shortest campaign that meets limits."),
         ("calibrate", "Calibrate a live IMU, guided step by step."),
-        ("resume", "Continue a campaign that was interrupted."),
+        ("resume", "Continue a campaign that was interrupted.", "calibrate"),
         ("solve", "Solve recorded campaigns for the calibration."),
-        ("resolve", "Solve stored campaigns again and compare."),
+        ("resolve", "Solve stored campaigns again and compare.", "solve"),
     ),
     *_under(
         "Recordings",
@@ -53,7 +54,7 @@ COMMANDS = (
         ("effects", "Define, try and use error terms of your own."),
         ("apply", "Apply a calibration to a recording, into any format."),
         ("attitude", "Compute roll and pitch along a log."),
-        ("tune", "Tune the complementary filter on a log with reference attitude."),
+        ("tune", "Tune the complementary filter on a log with reference attitude.", "attitude"),
         ("locate", "Compute a trajectory from IMU, GNSS, wheels or a camera."),
     ),
     *_under(
@@ -64,7 +65,7 @@ COMMANDS = (
     ),
     *_under(
         "Results",
-        ("report", "Write the report of recorded campaigns."),
+        ("report", "Write the report of recorded campaigns.", "solve"),
         ("certificate", "Issue the certificate of a stored calibration."),
         ("history", "List the calibrations of a unit and its drift."),
         ("export", "Write a calibration for a flight stack, Kalibr, C99 or MATLAB."),
@@ -78,7 +79,7 @@ COMMANDS = (
         "Devices",
         ("devices", "List ports and what each sends, live with --watch."),
         ("simulate", "Serve simulated devices, or a whole bench from a scenario."),
-        ("reset-terminal", "Restore a terminal after a screen was killed."),
+        ("reset-terminal", "Restore a terminal after a screen was killed.", "monitor"),
     ),
 )
 

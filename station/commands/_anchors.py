@@ -5,7 +5,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from station.commands._optional import signing_libraries
+from station.commands._options import signing_libraries
 from station.text.plural import plural
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def read_kept(files: Sequence[Path], trust: "Trust | None") -> list[Kept]:
     kept = [
         _certificate(file, trust)
         if file.suffix.lower() in {".xml", ".pdf"}
-        else Kept(file, *read_anchor(file), _stamp_said(file, trust))
+        else Kept(file, *read_anchor(file), _stamp_text(file, trust))
         for file in files
     ]
     return sorted(kept, key=lambda one: (one.anchor.entries, one.written), reverse=True)
@@ -94,7 +94,7 @@ def keep(to: Path, anchor: "Anchor", service: str | None) -> None:
         replace_file(stamp, request_time_stamp(service, to.read_bytes()))
 
 
-def _stamp_said(file: Path, trust: "Trust | None") -> str:
+def _stamp_text(file: Path, trust: "Trust | None") -> str:
     """Return what the time stamp beside an anchor says; "" where there is none."""
     stamp = file.with_name(file.name + STAMP_SUFFIX)
     if not stamp.exists():
@@ -131,7 +131,7 @@ def _certificate(file: Path, trust: "Trust | None") -> Kept:
     return Kept(file, Anchor(journal=head.sha256, entries=head.entries), found.stamped, f", stamped {said}")
 
 
-def witness_said(kept: Sequence[Kept], entries: int) -> str:
+def witness_text(kept: Sequence[Kept], entries: int) -> str:
     """Return since when a database of ``entries`` is witnessed, in words."""
     if not kept:
         return "not witnessed: no --anchor was given, so a restored older copy would not be detected"

@@ -1,9 +1,16 @@
-"""What `calibrate` and `resume` share: an engine, somebody to look at it, and the exit code."""
+"""What `calibrate` and `resume` share: an engine, its screen or lines of text, and the exit code.
+
+With `--plain` lines go out, lines of input come in, and the program ends in every case. An operator at a terminal
+is asked again. Where nobody can type (input is no terminal, or has ended), a question that only an answer could
+resolve ends the program, with the exit code and the reason that `--headless` would have.
+"""
 
 import os
+import shutil
 import signal
 import sys
 import threading
+import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,10 +24,12 @@ from station.commands._options import option
 from station.exit_codes import CANCELLED
 from station.files.setup import Setup
 from station.files.toml_reading import expected_of
-from station.guide.view import ENDED_STAGES, CalibrationView
+from station.guide.client import EngineConnection
+from station.guide.view import ENDED_STAGES, VERDICT_STAGES, CalibrationView, OperatorCommand
 
 if TYPE_CHECKING:
     from station.guide.options import EngineOptions
+
 
 WarmUp = Annotated[
     bool, option("--warm-up/--no-warm-up", "", "Wait until the unit has warmed up. Not with --headless.")
@@ -129,7 +138,7 @@ def _refuse_addresses(options: "EngineOptions") -> None:
 
 
 def _serve(socket: Path, screen: Display) -> CalibrationView:
-    """Serve the engine to browsers until its campaign has ended, or the server was told to."""
+    """Serve the engine to browsers until its campaign has ended, or the server was stated to."""
     from station.guide.client import EngineConnection
     from station.tui.web import serve
 
@@ -171,8 +180,6 @@ def _look(socket: Path, screen: Display, options: "EngineOptions") -> Calibratio
     changed = threading.Event()
     with EngineConnection(socket, changed.set) as connection:
         if screen.plain:
-            from station.commands._plain import follow
-
             return follow(connection, changed, options.first, rings=not screen.quiet)
         from station.tui import run_screens
 
@@ -192,3 +199,51 @@ def _code(view: CalibrationView) -> int:
         typer.echo(view.line, err=True)
         return CANCELLED
     return FAIL if view.verdict is not None and view.verdict.word == "FAIL" else 0
+
+
+UNANSWERED_S = 60.0  # with a question that nobody can answer: it may go away, as when the cube is put elsewhere
+
+
+def say(text: str) -> None:
+    """Write a text; on a terminal no word of it is broken at the last column."""
+    if sys.stdout.isatty():
+        from station.guide.plain_screen import between_words
+
+        text = between_words(text, shutil.get_terminal_size().columns)
+    typer.echo(text)
+
+
+def follow(
+    connection: EngineConnection, changed: threading.Event, first: OperatorCommand | None, *, rings: bool
+) -> CalibrationView:
+    """Write lines and take keys until the campaign has ended or nobody can take it further; return that view."""
+    from station.guide.plain_screen import PlainScreen, listen
+
+    asks = sys.stdin.isatty()
+    screen, is_deaf = PlainScreen(say, rings=rings, asks=asks), threading.Event()
+
+    def hear() -> None:
+        listen(connection, sys.stdin, say, first)
+        is_deaf.set()
+        changed.set()
+
+    threading.Thread(target=hear, daemon=True).start()
+    asked_since = 0.0
+    while True:
+        changed.wait(1.0)
+        changed.clear()
+        view = connection.view
+        screen.show(view)
+        if view.stage in ENDED_STAGES:
+            return view
+        if view.start and view.start.refused and (not asks or is_deaf.is_set()):
+            return view.model_copy(
+                update={"stage": "failed", "error": view.start.refused, "code": view.start.refused_code}
+            )
+        asked_since = (asked_since or time.monotonic()) if view.question else 0.0
+        if is_deaf.is_set():
+            is_stuck = bool(asked_since) and time.monotonic() - asked_since > UNANSWERED_S
+            if is_stuck:
+                typer.echo("no answer is possible: the input has ended", err=True)
+            if is_stuck or view.stage in VERDICT_STAGES:
+                connection.send(OperatorCommand(verb="leave"))

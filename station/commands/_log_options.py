@@ -72,7 +72,7 @@ class LogOptions:
         named = self.is_given or any(file.suffix.lower() in LOG_SUFFIXES for file in files)
         return any(file.is_file() for file in files) or (named and not any(f.is_dir() for f in files))
 
-    def refuse_beside_folders(self) -> None:
+    def refuse_with_folders(self) -> None:
         """Raise typer's usage error if one was given: a campaign's folder says it all itself."""
         if told := [name for name, value in self.given.items() if value is not None]:
             raise typer.BadParameter(f"--{told[0].replace('_', '-')} is for logs, but these are campaign folders")

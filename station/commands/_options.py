@@ -1,4 +1,4 @@
-"""Options that several commands share, how what they say is refused, and where a result goes."""
+"""Options that several commands share, how wrong values are refused, and where a result goes."""
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -65,7 +65,7 @@ def refused_as(name: str) -> Iterator[None]:
         raise typer.BadParameter(str(error), param_hint=name) from error
 
 
-def hand_out(document: Mapping[str, Any], text: str, file: Path | None, what: str) -> None:
+def write_result(document: Mapping[str, Any], text: str, file: Path | None, what: str) -> None:
     """Say a result as text; with a ``file`` write it there as JSON instead, and say ``what`` it is."""
     if file is None:
         typer.echo(text)
@@ -74,3 +74,16 @@ def hand_out(document: Mapping[str, Any], text: str, file: Path | None, what: st
 
         write_json(file, document)
         typer.echo(f"{file}: {what}")
+
+
+def signing_libraries(token: bool = False) -> None:
+    """Raise `ExtraMissing` where what signs and checks certificates is not installed."""
+    from importlib.util import find_spec
+
+    from procedures.optional_libraries import ExtraMissing
+
+    for name in ("lxml", "defusedxml", "signxml", "pyhanko", "rfc3161_client"):
+        if find_spec(name) is None:
+            raise ExtraMissing(name, "sign")
+    if token and find_spec("pkcs11") is None:
+        raise ExtraMissing("pkcs11", "token")

@@ -55,10 +55,9 @@ def apply(
 
     Example: station apply drive.csv --calibration S123 --out drive.parquet
     """
-    from station.applying.applying import apply_to
+    from station.applying.applying import Progress, apply_to
     from station.applying.output_request import OutputRequest
-    from station.applying.progress import Progress
-    from station.calibrated.target_frame import frame_named
+    from station.calibrated.output_frame import frame_named
     from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, unit_named
 
     words = [unit_named(word) for word in units.split(",")]
@@ -73,8 +72,8 @@ def apply(
         "unit_time": unit_time, "temperature": temperature, "aux": aux, "rate": rate,
     })  # fmt: skip
     source = _source(recording, given, serial)
-    known = _calibration(calibration, db, source.told.model).without(*(without or ()))
-    for note in source.told.notes:
+    known = _calibration(calibration, db, source.stated.model).without(*(without or ()))
+    for note in source.stated.notes:
         typer.echo(f"inferred: {note}", err=True)
     asked = OutputRequest(in_frame, axes or None, (words[0], words[1]), force=force)
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that what is written aside is taken away
@@ -88,7 +87,7 @@ def apply(
 
 
 def _source(path: Path, given: _log_options.LogOptions, serial: str | None) -> "Source":
-    from station.applying.opened_source import open_source
+    from station.applying.open_source import open_source
 
     return open_source(path, given.columns(), serial)
 
@@ -99,6 +98,6 @@ def _calibration(named: str, db: str | None, model: str | None) -> "Calibration"
 
     if Path(named).is_file() or named.endswith(".json"):
         return load(named)
-    from station.applying.stored import newest_of
+    from station.applying.applying import newest_of
 
     return newest_of(named, db, model)

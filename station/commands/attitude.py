@@ -1,17 +1,19 @@
-"""``station attitude``: roll and pitch along a log."""
+"""``station attitude`` and ``tune``: roll and pitch along a log, and the complementary filter tuned on one."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from procedures.units import STANDARD_GRAVITY
 from station.commands import Database, _log_options
-from station.commands._options import Heading, Latitude, argument, hand_out, option, refused_as
+from station.commands._options import Heading, Latitude, argument, option, refused_as, write_result
 
 if TYPE_CHECKING:
+    from procedures.attitude.attitude_estimate import AttitudeEstimate
     from procedures.attitude.attitude_log import AttitudeLog
     from procedures.attitude.complementary_gains import Gains
+
 
 DIRECTIONS = ("forwards", "both")
 
@@ -121,15 +123,41 @@ def attitude(
     })  # fmt: skip
     read = _read(log, told, axes, accel_convention)
     from dataclasses import replace
-    from functools import partial
 
     import numpy as np
 
-    from procedures.attitude.attitude_estimate import AID_COLUMN, AIDS, default_aid, estimate, takes_gains
-    from procedures.attitude.both_directions import estimate_both_directions
+    from procedures.units import RAD_S_PER_DEG_H
+    from station.attitude.attitude_json import write_track
+
+    chosen = _chosen_aid(aid, gains, read, log, is_both=direction == "both")
+    if heading is not None and read.heading is None:
+        given = np.full(len(read.t), np.nan)
+        given[0] = np.radians(heading)
+        read = replace(read, heading=given)
+    if diagnose:
+        track, document, text = _diagnosed(read, chosen, gains, gravity)
+    else:
+        known: dict[str, float | None] = {
+            "gravity": gravity,
+            "latitude": None if latitude is None else float(np.radians(latitude)),
+            "gyro_bias_std": None if gyro_bias_std is None else gyro_bias_std * RAD_S_PER_DEG_H,
+            "force_bias_std": None if accel_bias_std is None else accel_bias_std * 1e-6 * STANDARD_GRAVITY,
+            "fix_latency": gnss_latency,
+        }
+        track, document, text = _estimated(read, chosen, gains, direction, known)
+    if out is not None:
+        write_track(out, read, track)
+    write_result(document, text, json, f"attitude of {log}, attitude/1")
+    if out is not None:
+        typer.echo(f"{out}: roll, pitch and down vector of {log}")
+
+
+def _chosen_aid(aid: str | None, gains: "Gains | None", read: "AttitudeLog", log: Path, *, is_both: bool) -> str:
+    """Return the aid asked for or the best that the log allows; raise `typer.BadParameter` if it is impossible."""
+    import numpy as np
+
+    from procedures.attitude.attitude_estimate import AID_COLUMN, AIDS, default_aid, takes_gains
     from procedures.attitude.roll_pitch_kalman_filter import AID_CODE
-    from procedures.units import RAD_S_PER_DEG_H, STANDARD_GRAVITY
-    from station.attitude.attitude_json import attitude_document, attitude_text, write_track
 
     chosen = aid or default_aid(read)
     if chosen not in AIDS:
@@ -144,45 +172,47 @@ def attitude(
     if gains is not None and gains.k1 * read.nominal > 1:
         found = f"K1 {gains.k1:g} with samples {read.nominal:g} s apart"
         raise typer.BadParameter(f"{found}, expected a product of at most 1", param_hint="--tau")
-    if direction == "both" and (gains is not None or chosen not in AID_CODE):
+    if is_both and (gains is not None or chosen not in AID_CODE):
         found = f"{chosen} is the complementary filter, forwards only; both needs the Kalman filter"
         raise typer.BadParameter(f"{found}: {', '.join(AID_CODE)} without gains", param_hint="--direction")
-    if heading is not None and read.heading is None:
-        given = np.full(len(read.t), np.nan)
-        given[0] = np.radians(heading)
-        read = replace(read, heading=given)
-    if diagnose:
-        from procedures.attitude.diagnosis.attitude_diagnosis import diagnose_attitude
-        from station.attitude.diagnosis_json import attitude_diagnosis_document, attitude_diagnosis_text
+    return chosen
 
-        traced = diagnose_attitude(read, chosen, gains, gravity)
-        track = traced.track
-        document = attitude_document(read, track) | {"diagnosis": attitude_diagnosis_document(traced)}
-        is_whole = not traced.findings or traced.corrected is read
-        which = "the log as it is" if is_whole else "the log after correction"
-        found = attitude_diagnosis_text(document["diagnosis"])
-        text = f"{found}\n\nattitude of {which}:\n{attitude_text(read, document)}"
-    else:
-        here = None if latitude is None else float(np.radians(latitude))
-        known = None if gyro_bias_std is None else gyro_bias_std * RAD_S_PER_DEG_H
-        floor = None if accel_bias_std is None else accel_bias_std * 1e-6 * STANDARD_GRAVITY
-        run = estimate_both_directions if direction == "both" else partial(estimate, gains=gains)
-        track = run(
-            read, chosen, gravity=gravity, latitude=here, gyro_bias_std=known, force_bias_std=floor,
-            fix_latency=gnss_latency,
-        )  # fmt: skip
-        document = attitude_document(read, track, direction)
-        text = attitude_text(read, document)
-    if out is not None:
-        write_track(out, read, track)
-    hand_out(document, text, json, f"attitude of {log}, attitude/1")
-    if out is not None:
-        typer.echo(f"{out}: roll, pitch and down vector of {log}")
+
+def _diagnosed(
+    read: "AttitudeLog", aid: str, gains: "Gains | None", gravity: float
+) -> "tuple[AttitudeEstimate, dict[str, Any], str]":
+    """Return the corrected attitude with its document and text, after the diagnosis."""
+    from procedures.attitude.diagnosis.attitude_diagnosis import diagnose_attitude
+    from station.attitude.attitude_json import attitude_document, attitude_text
+    from station.attitude.diagnosis_json import attitude_diagnosis_document, attitude_diagnosis_text
+
+    traced = diagnose_attitude(read, aid, gains, gravity)
+    document = attitude_document(read, traced.track) | {"diagnosis": attitude_diagnosis_document(traced)}
+    is_whole = not traced.findings or traced.corrected is read
+    which = "the log as it is" if is_whole else "the log after correction"
+    found = attitude_diagnosis_text(document["diagnosis"])
+    return traced.track, document, f"{found}\n\nattitude of {which}:\n{attitude_text(read, document)}"
+
+
+def _estimated(
+    read: "AttitudeLog", aid: str, gains: "Gains | None", direction: str, known: dict[str, float | None]
+) -> "tuple[AttitudeEstimate, dict[str, Any], str]":
+    """Return the attitude forwards or in both directions, with its document and text."""
+    from functools import partial
+
+    from procedures.attitude.attitude_estimate import estimate
+    from procedures.attitude.both_directions import estimate_both_directions
+    from station.attitude.attitude_json import attitude_document, attitude_text
+
+    run: Any = estimate_both_directions if direction == "both" else partial(estimate, gains=gains)
+    track = run(read, aid, **known)
+    document = attitude_document(read, track, direction)
+    return track, document, attitude_text(read, document)
 
 
 def _read(log: Path, told: _log_options.LogOptions, axes: str | None, convention: str | None) -> "AttitudeLog":
     from station.attitude.general_log import CONVENTIONS, read_any_log
-    from station.calibrated.body_axes import body_axes
+    from station.calibrated.output_frame import body_axes
 
     if convention is not None and convention not in CONVENTIONS:
         expected = f"found {convention!r}, expected {' or '.join(CONVENTIONS)}"
@@ -208,3 +238,42 @@ def _gains(tau: float | None, k1: float | None, k2: float | None) -> "Gains | No
         if tau is not None:
             return Gains.of_time_constant(tau)
         return None if k1 is None or k2 is None else Gains(k1, k2)
+
+
+def tune(
+    log: Annotated[Path, argument("LOG", "A CSV file of attitude-log/1 with truth.")],
+    aid: Annotated[str, option("--aid", "AID", "none, airspeed or a paper- aid of `station attitude`.")] = "none",
+    gains: Annotated[
+        bool, option("--gains", "", "Search K1 and K2 separately instead of one time constant.")
+    ] = False,
+    gravity: Annotated[float, option("--gravity", "M_S2", "", min=9.7, max=9.9)] = STANDARD_GRAVITY,
+    json: Annotated[Path | None, option("--json", "OUT", "Write tuning/1 here instead of the curve.")] = None,
+    db: Database = None,
+) -> None:
+    """Choose the complementary filter's time constant [s] or gains [1/s] by cross-validation; show the curve.
+
+    The filter runs over the log with every candidate; its inclination error against the log's truth is computed
+    over scored rows. Each fifth of the rows is evaluated with the candidate that the other four choose.
+
+    Exit code 3 if the log breaks a rule of attitude-log/1, 5 if it has no truth.
+
+    Example: station tune drive.csv --aid airspeed
+    """
+    from procedures.attitude.attitude_estimate import AID_COLUMN, AIDS, takes_gains
+    from station.attitude.attitude_log import read_log
+    from station.files.atomic_file import refuse_own
+
+    refuse_own((json,), (log,))
+    lawful = [name for name in AIDS if takes_gains(name)]
+    if aid not in lawful:
+        raise typer.BadParameter(f"found {aid!r}, expected one of {', '.join(lawful)}", param_hint="--aid")
+    read = read_log(log)
+    if aid in AID_COLUMN and getattr(read, AID_COLUMN[aid]) is None:
+        raise typer.BadParameter(f"{aid} needs {AID_COLUMN[aid]}, which {log} has not", param_hint="--aid")
+    from procedures.attitude.gain_tuning import grid_of_gains, grid_of_taus
+    from procedures.attitude.gain_tuning import tune as search
+    from station.attitude.tuning_json import tuning_document, tuning_text
+
+    found = search(read, aid, grid_of_gains() if gains else grid_of_taus(), gravity)
+    document = tuning_document(found, aid, by_tau=not gains)
+    write_result(document, tuning_text(document), json, f"gains for {log}, tuning/1")

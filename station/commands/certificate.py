@@ -8,10 +8,17 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from station.commands import Database
-from station.commands._certificate_copies import Copy, refuse_signed, signer, write_copies
-from station.commands._certificate_options import check_copy, check_out, check_time_service
 from station.commands._options import argument, day_option, option
-from station.commands._signed_files import signing_key
+from station.commands._signatures import (
+    Copy,
+    check_copy,
+    check_out,
+    check_time_service,
+    refuse_signed,
+    signer,
+    signing_key,
+    write_copies,
+)
 
 if TYPE_CHECKING:
     from fixtures_db.database import Database as OpenDatabase
@@ -83,15 +90,7 @@ def certificate(
         names = ("--customer", "--customer-address", "--customer-email", "--received", "--condition", "--amend")
         values = (customer, customer_address, customer_email, received, condition, amend or None)
         check_copy(dict(zip(names, values, strict=True)))
-    check_out(out)
-    check_time_service(timestamp)
-    is_signed = sign is not None or token is not None
-    if timestamp is not None and not is_signed:
-        raise typer.BadParameter("--timestamp stamps a signature; expected --sign KEY.p12 or --token URI")
-    if is_signed and not (dcc or pdf):
-        raise typer.BadParameter("--sign and --token sign the XML and the PDF; add --dcc, --pdf or both")
-    if out is not None and not is_signed:
-        refuse_signed(_beside(out, pdf, dcc))
+    _check_files(out, timestamp, pdf, dcc, is_signed=sign is not None or token is not None)
     key = signing_key(sign, token, password_fd, password_env)  # before a number is given
     with open_db(db) as database:
         if copy or laboratory is None:
@@ -106,11 +105,23 @@ def certificate(
     try:
         if dcc and row.dcc is None:
             raise NoXml(row.number)
-        _hand_out(row, html, copy)
+        _write_html(row, html, copy)
         write_copies(_copies(row, html, pdf, dcc), None if key is None else signer(db, row.number, key, timestamp))
     finally:
         if key is not None:
             key.close()
+
+
+def _check_files(out: Path | None, timestamp: str | None, pdf: bool, dcc: bool, *, is_signed: bool) -> None:
+    """Raise `typer.BadParameter` or `CannotWrite` if the files asked for cannot be signed or written so."""
+    check_out(out)
+    check_time_service(timestamp)
+    if timestamp is not None and not is_signed:
+        raise typer.BadParameter("--timestamp stamps a signature; expected --sign KEY.p12 or --token URI")
+    if is_signed and not (dcc or pdf):
+        raise typer.BadParameter("--sign and --token sign the XML and the PDF; add --dcc, --pdf or both")
+    if out is not None and not is_signed:
+        refuse_signed(_beside(out, pdf, dcc))
 
 
 def _example() -> str:
@@ -148,7 +159,7 @@ def _issue(
         raise
 
 
-def _hand_out(row: "IssuedCertificateRow", html: Path, copy: bool) -> None:
+def _write_html(row: "IssuedCertificateRow", html: Path, copy: bool) -> None:
     from station.files.atomic_file import replace_file
 
     replaces = f", replaces No. {row.replaces}" if row.replaces else ""

@@ -39,10 +39,8 @@ def demo(
 
     from rich.console import Console
 
-    from station.demo.comparison import compared, comparison_text
-    from station.demo.findings_text import findings_lines
-    from station.demo.progress import DemoProgress
-    from station.demo.run import DemoRequest, run_demo
+    from station.demo.comparison import compared, comparison_text, findings_lines
+    from station.demo.run import DemoProgress, DemoRequest, run_demo
 
     began = time.monotonic()
     typer.echo(f"simulated IMU on a serial line, {speed:g} times as fast as real time")

@@ -10,9 +10,9 @@ from station.commands._options import option
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from station.devices.port_survey import SurveyedPort
+    from station.device_survey import SurveyedPort
 
-OFF_PACE = 0.5  # of the declared rate; a look is short
+RATE_TOLERANCE = 0.5  # of the declared rate; a look is short
 CLEAR = "\x1b[H\x1b[2J"
 
 
@@ -35,7 +35,7 @@ def devices(
     Example: station devices --url serial:///dev/ttyUSB0?baud=921600
     """
     from drivers.address_guess import whole_url
-    from station.devices.port_survey import SurveyedPort, ports_present, survey
+    from station.device_survey import SurveyedPort, ports_present, survey
 
     url = [whole_url(each) for each in url or ()]
     if url and len(url) == 1 and not watch and not json:
@@ -60,7 +60,7 @@ def _show(found: "Sequence[SurveyedPort]", *, json: bool, clear: bool) -> None:
     from json import dumps
     from shutil import get_terminal_size
 
-    from station.devices.port_survey import fit_lines, port_lines
+    from station.device_survey import fit_lines, port_lines
 
     if json:
         typer.echo(dumps({"format": "devices/1", "devices": [asdict(each) for each in found]}))
@@ -79,21 +79,20 @@ def _show(found: "Sequence[SurveyedPort]", *, json: bool, clear: bool) -> None:
 
 def _pace(url: str, came_hz: float, rate_hz: float | None) -> str:
     """Return what to say of samples that come much faster or slower than they say, empty where they do not."""
-    if rate_hz is None or url.startswith(("replay:", "camera:")) or abs(came_hz / rate_hz - 1) <= OFF_PACE:
+    if rate_hz is None or url.startswith(("replay:", "camera:")) or abs(came_hz / rate_hz - 1) <= RATE_TOLERANCE:
         return ""
     return f"{came_hz:.3g} Hz by this computer's clock; check sample period and sync line"
 
 
 def _closely(url: str, seconds: float) -> None:
     if url.startswith(("mavlink:", "camera:")):
-        from station.devices.camera_probe import probe_camera
-        from station.devices.gnss_probe import probe_gnss
+        from station.device_probe import probe_camera, probe_gnss
 
         seen = probe_camera(url, seconds) if url.startswith("camera:") else probe_gnss(url, seconds)
         typer.echo("\n".join(seen.lines()))
         return
     from drivers.wire import ALL_CHANNELS
-    from station.devices.imu_probe import probe_imu
+    from station.device_probe import probe_imu
     from station.text.plural import plural
 
     imu = probe_imu(url, seconds)

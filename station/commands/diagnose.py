@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from station.commands import Database, _log_options
-from station.commands._options import Effects, argument, hand_out, option
+from station.commands._options import Effects, argument, option, write_result
 
 if TYPE_CHECKING:
     from procedures.diagnosis.result import Diagnosis
@@ -78,13 +78,13 @@ def diagnose(
         "utc": utc, "as": as_, "latitude": latitude, "serial": serial, "campaign": campaign,
     })  # fmt: skip
     if told.are_logs(campaigns) and (means := _log_options.means_of_logs(campaigns, told)) is not None:
-        _say_means(means, told, json)
+        _report_means(means, told, json)
         return
     if told.are_logs(campaigns):
         loaded, partial = [_log_options.read_logs(campaigns, told, campaign)], True
     else:
         if not any(told.are_logs([path]) for path in validate or []):
-            told.refuse_beside_folders()
+            told.refuse_with_folders()
         loaded = [read_campaign(folder) for folder in campaigns]
     others = {
         str(path): _log_options.read_logs([path], told, None) if told.are_logs([path]) else read_campaign(path)
@@ -95,11 +95,11 @@ def diagnose(
     _diagnose(loaded, others, json, html, plan, is_partial=partial, is_searched=discover)
 
 
-def _say_means(means: "MeansTable", told: _log_options.LogOptions, json: Path | None) -> None:
+def _report_means(means: "MeansTable", told: _log_options.LogOptions, json: Path | None) -> None:
     from station.results.diagnosis.means_document import means_document, means_text
 
     document = means_document(means, told.given.get("latitude"), told.given.get("serial"))
-    hand_out(document, means_text(document), json, f"means of {document['poses']} poses, means/1")
+    write_result(document, means_text(document), json, f"means of {document['poses']} poses, means/1")
 
 
 def _diagnose(
@@ -134,17 +134,17 @@ def _diagnose(
 def _searched(found: "Diagnosis") -> "Discovery":
     from procedures.discovery.discover import discover
 
-    return discover(found, _say_how_far)
+    return discover(found, _print_progress)
 
 
-def _say_how_far(line: str) -> None:
+def _print_progress(line: str) -> None:
     typer.echo(line, err=True)
 
 
 def _document(
     found: "Diagnosis", loaded: Sequence["LoadedCampaign"], others: "Mapping[str, LoadedCampaign]"
 ) -> dict[str, Any]:
-    from station.results.diagnosis.closed_loop import with_unnoticed_leans
+    from station.results.diagnosis.closed_loop import with_undetectable_tilts
     from station.results.diagnosis.diagnosis_json import diagnosis_document
 
     validated = {}
@@ -152,7 +152,7 @@ def _document(
         from procedures.diagnosis.validation_campaigns import validate
 
         validated = {name: validate(found, [one.campaign]) for name, one in others.items()}
-    return diagnosis_document(with_unnoticed_leans(found), loaded, validated)
+    return diagnosis_document(with_undetectable_tilts(found), loaded, validated)
 
 
 def _say(
@@ -179,7 +179,7 @@ def _say(
         ):  # a gyroscope is solved there, and other triads are not asked for
             lines = [line for line in lines if not line.endswith(NOT_SOLVED)]
         text += "".join(f"\n{line}" for line in ([""] if lines else []) + lines)
-    hand_out(document, text, json, f"diagnosis of {unit}, diagnosis/1")
+    write_result(document, text, json, f"diagnosis of {unit}, diagnosis/1")
     if html is not None:
         from station.results.diagnosis.diagnosis_html import write_page
 

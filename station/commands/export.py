@@ -48,8 +48,7 @@ def export(
             raise typer.BadParameter(f"{name}: --to {to} uses counts; omit it")
     if single is not None and to != "c":
         raise typer.BadParameter(f"--float, --double: only for --to c, not for {to}")
-    from station.exports import EXPORTS, PREFIX, Request
-    from station.exports.export_paths import export_paths
+    from station.exports import EXPORTS, PREFIX, Request, export_paths
     from station.files.atomic_file import refuse_own, replace_file, replace_files
 
     one = next(each for each in EXPORTS if each.name == to)

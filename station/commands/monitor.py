@@ -1,4 +1,4 @@
-"""``station monitor``: roll and pitch of a live device."""
+"""``station monitor`` and ``reset-terminal``: roll and pitch of a live device; a terminal restored."""
 
 from functools import partial
 from pathlib import Path
@@ -93,7 +93,7 @@ def monitor(
     from drivers.address_parsing import parse_device_url
     from drivers.errors import PortNotFound
     from procedures.attitude.laws import JOINT, parse_laws, refuse_without_velocity
-    from station.calibrated.body_axes import body_axes
+    from station.calibrated.output_frame import body_axes
     from station.monitor.alarms import parse_alarm
     from station.monitor.monitor_command import MonitorRequest, run
     from station.sending.outputs import kind_of
@@ -102,16 +102,7 @@ def monitor(
     url = whole_url(url)
     if json and plain:
         raise typer.BadParameter("--json and --plain are two outputs; expected one of them")
-    if aid and aid not in AIDS:
-        raise typer.BadParameter(f"found {aid!r}, expected one of {', '.join(AIDS)}", param_hint="--aid")
-    if aid not in {"", "none"} and not (gnss or url.startswith("replay:")):
-        raise typer.BadParameter(f"{aid} needs a source: give --gnss URL", param_hint="--aid")
-    if locate and not (gnss or url.startswith("replay:")):
-        raise typer.BadParameter("locating needs a receiver: give --gnss URL", param_hint="--locate")
-    if camera is not None and not locate:
-        raise typer.BadParameter("a camera is for locating: give --locate", param_hint="--camera")
-    if wheel is not None and not locate:
-        raise typer.BadParameter("a wheel is for locating: give --locate", param_hint="--wheel")
+    _check_sources(aid, locate, camera, wheel, has_receiver=bool(gnss) or url.startswith("replay:"))
     aid = "airspeed-filter" if aid == "airspeed" else aid
     with refused_as("--law"):
         laws = parse_laws(law) if law else ()
@@ -141,3 +132,45 @@ def monitor(
     )  # fmt: skip
     show = partial(run_monitor, slow=slow, quiet=quiet)
     run(wanted, "json" if json else "plain" if plain else "screen", show, quiet=quiet)
+
+
+# Each undoes one thing that a screen asks a terminal for; a terminal that does not know one ignores it.
+ALTERNATE_SCREEN, HIDDEN_CURSOR, PASTE, FOCUS, RESIZE, AT_ONCE = "?1049", "?25", "?2004", "?1004", "?2048", "?2026"
+MOUSE = ("?1000", "?1002", "?1003", "?1006", "?1015", "?1016")
+OFF = (*MOUSE, PASTE, FOCUS, RESIZE, AT_ONCE, ALTERNATE_SCREEN)
+KEYBOARD, PLAIN_LETTERS = "\x1b[<u", "\x1b[0m"
+RESET = "".join(f"\x1b[{mode}l" for mode in OFF) + f"\x1b[{HIDDEN_CURSOR}h{KEYBOARD}{PLAIN_LETTERS}"
+
+
+def _check_sources(aid: str, locate: bool, camera: Path | None, wheel: Path | None, *, has_receiver: bool) -> None:
+    """Raise `typer.BadParameter` if an option needs a source that no other option names."""
+    if aid and aid not in AIDS:
+        raise typer.BadParameter(f"found {aid!r}, expected one of {', '.join(AIDS)}", param_hint="--aid")
+    if aid not in {"", "none"} and not has_receiver:
+        raise typer.BadParameter(f"{aid} needs a source: give --gnss URL", param_hint="--aid")
+    if locate and not has_receiver:
+        raise typer.BadParameter("locating needs a receiver: give --gnss URL", param_hint="--locate")
+    if camera is not None and not locate:
+        raise typer.BadParameter("a camera is for locating: give --locate", param_hint="--camera")
+    if wheel is not None and not locate:
+        raise typer.BadParameter("a wheel is for locating: give --locate", param_hint="--wheel")
+
+
+def reset_terminal(db: Database = None) -> None:
+    """Restore a terminal after a screen of the station was killed: its own screen, cursor, mouse and echo.
+
+    It does no harm to a terminal that works. --db, which every command has, is not used.
+
+    Exit code 2 if there is no terminal.
+
+    Example: station reset-terminal
+    """
+    import subprocess
+    import sys
+
+    if not (sys.stdin.isatty() and sys.stdout.isatty()):
+        raise typer.BadParameter("this is no terminal; type it in the one that is to be restored")
+    sys.stdout.write(RESET)
+    sys.stdout.flush()
+    subprocess.run(["stty", "sane"], check=False)
+    typer.echo("the terminal is restored; `station resume` goes on with a campaign that was under way")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from station.commands import Database, _log_options
-from station.commands._options import argument, hand_out, option
+from station.commands._options import argument, option, write_result
 
 if TYPE_CHECKING:
     from station.files.campaign_folder.loaded_campaign import LoadedCampaign
@@ -48,7 +48,7 @@ def noise(
     document = _document(loaded)
     from station.results.noise.noise_text import noise_text
 
-    hand_out(document, noise_text(document), json, "noise/1")
+    write_result(document, noise_text(document), json, "noise/1")
     if html is not None:
         from station.results.noise.noise_html import write_noise_page
 
@@ -67,7 +67,7 @@ def _loaded(recordings: Sequence[Path], told: _log_options.LogOptions) -> "list[
 
     if told.are_logs(recordings):
         return [_log_options.read_logs(recordings, told, None)]
-    told.refuse_beside_folders()
+    told.refuse_with_folders()
     loaded = [read_campaign(folder) for folder in recordings]
     check_one_unit(loaded)
     return loaded

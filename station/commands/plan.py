@@ -1,4 +1,4 @@
-"""``station plan``: the campaign that meets limits in the least time, or tells most in a time given."""
+"""``station plan``: the campaign that meets limits in the least time, or determines most in a time given."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -6,11 +6,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from station.commands import Database
-from station.commands._options import hand_out, option, refused_as
+from station.commands._options import option, refused_as, write_result
 
 if TYPE_CHECKING:
-    from procedures.planning.design_sigmas import DesignSigmas
-    from procedures.planning.wanted_sigmas import WantedSigmas
+    from procedures.planning.design_sigmas import DesignSigmas, WantedSigmas
 
 
 def plan(
@@ -84,7 +83,7 @@ def plan(
     with refused_as("--sigma"):
         asked = wanted_by_name(sigma or [])
     if so_far is not None:
-        _refuse_beside_continue(has_wanted=bool(limits or sigma), others=(minutes, json, out, no_turns or None))
+        _refuse_with_continue(has_wanted=bool(limits or sigma), others=(minutes, json, out, no_turns or None))
     with open_db(db) as database:
         model, rows = limits_named(database, limits)
         known = known_noise(database, model, serial, noise or [])
@@ -101,7 +100,7 @@ def plan(
     _plan(sigmas, asked.and_also(by_limits), minutes, said, json, out, turns=not no_turns)
 
 
-def _refuse_beside_continue(*, has_wanted: bool, others: tuple[object, ...]) -> None:
+def _refuse_with_continue(*, has_wanted: bool, others: tuple[object, ...]) -> None:
     with refused_as("--continue"):
         if not has_wanted:
             raise ValueError("found no target, expected --limits or --sigma with it")
@@ -111,12 +110,12 @@ def _refuse_beside_continue(*, has_wanted: bool, others: tuple[object, ...]) -> 
 
 def _continue(sigmas: "DesignSigmas", asked: "WantedSigmas", so_far: Path) -> None:
     from procedures.planning.campaign_design import usual_design
-    from procedures.planning.sequential import next_placing
-    from procedures.planning.wanted_sigmas import with_all_solved
+    from procedures.planning.design_sigmas import with_all_solved
+    from procedures.planning.least_time import next_placement
     from station.results.planning.continued import continued_text, placings_of
 
     whole = with_all_solved(asked, sigmas.of(usual_design()))
-    found = next_placing(sigmas, whole, placings_of(so_far))
+    found = next_placement(sigmas, whole, placings_of(so_far))
     typer.echo(continued_text(found, asked, whole))
     if not found.is_reachable:
         raise typer.Exit(1)
@@ -129,8 +128,8 @@ def _plan(
     import numpy as np
 
     from procedures.planning.campaign_design import usual_design
+    from procedures.planning.design_sigmas import as_good_as, with_all_solved
     from procedures.planning.least_time import least_time, most_in_time
-    from procedures.planning.wanted_sigmas import as_good_as, with_all_solved
     from station.files.campaign_folder.plan_toml import write_plan
     from station.results.planning.plan_json import not_met, plan_document
     from station.results.planning.plan_text import plan_text
@@ -144,7 +143,7 @@ def _plan(
         with refused_as("--minutes"):
             found = most_in_time(sigmas, whole, minutes, turns=turns)
     document = plan_document(found, asked, sigmas, said)
-    hand_out(document, plan_text(document), json, "planned/1")
+    write_result(document, plan_text(document), json, "planned/1")
     if out is not None:
         write_plan(out, found.design.steps())
         typer.echo(f"{out}: for `station calibrate --plan {out}`")

@@ -1,6 +1,6 @@
 """``station record``: what a device sends, to a file."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -12,8 +12,11 @@ from station.commands._options import argument, lengths, option, refused_as
 from station.text.plural import plural
 
 if TYPE_CHECKING:
+    from station.stream.camera.camera_feed import CameraFeed
     from station.stream.gnss.gnss_feed import GnssFeed
+    from station.stream.gnss.sample_rate import SampleRate
     from station.stream.live.live_feed import LiveFeed
+    from station.stream.wheel.wheel_feed import WheelFeed
 
 
 def record(
@@ -74,7 +77,6 @@ def record(
     from station.stream.gnss.gnss_feed import open_gnss
     from station.stream.gnss.sample_rate import SampleRate, host_sample_rate
     from station.stream.live.live_feed import no_recording, open_feed
-    from station.stream.live.trouble_lines import TroubleLog
     from station.stream.reader import Reader
     from station.stream.recorder import plain_recording
     from station.stream.wheel.description import read_description as read_wheel
@@ -86,30 +88,17 @@ def record(
         folder = stack.enter_context(new_folder(out, plain_recording.RECORDING_FILE))
         reader = stack.enter_context(Reader(url, journal_path(folder)))
         receiver = stack.enter_context(open_gnss(gnss, folder)) if gnss else None
-        view = stack.enter_context(open_camera(described, folder)) if described else None
-        axle = stack.enter_context(open_wheel(rolling, folder)) if rolling else None
+        auxiliary = list["CameraFeed | WheelFeed"]()
+        if described is not None:
+            auxiliary.append(stack.enter_context(open_camera(described, folder)))
+        if rolling is not None:
+            auxiliary.append(stack.enter_context(open_wheel(rolling, folder)))
         feed = open_feed(reader)
         rate = SampleRate(feed, receiver.utc, receiver.utc_scatter) if receiver else host_sample_rate(feed)
-        beside = (receiver, view, axle)
-        names = (feed.address.name, *("" if each is None else each.address.name for each in beside))
-        line, sky, sight, road = (TroubleLog(name, lambda text: typer.echo(text, err=True)) for name in names)
-
-        def look() -> None:
-            line.look(feed.amiss or feed.silent or ("" if receiver else rate.warned()))
-            if receiver is not None:
-                warned = rate.warned()
-                sky.look(receiver.trouble or warned)
-            if view is not None:
-                view.advance()
-                sight.look(view.trouble)
-            if axle is not None:
-                axle.advance()
-                road.look(axle.trouble)
-
         # also of what Ctrl-C or a fault has ended, once its files are closed
         after.callback(made, f"replay:{folder / plain_recording.RECORDING_FILE}?format={feed.wire.name}")
         try:
-            done = plain_recording.record(feed, folder, seconds, receiver, look)
+            done = plain_recording.record(feed, folder, seconds, receiver, _watch(feed, receiver, rate, auxiliary))
         except ReplayEnded as error:
             after.pop_all()
             (folder / plain_recording.RECORDING_FILE).unlink()  # so that nothing is left of the folder
@@ -117,11 +106,36 @@ def record(
         finally:
             if (folder / plain_recording.RECORDING_FILE).exists():
                 _say(out / plain_recording.RECORDING_FILE, feed, receiver, rate.said if receiver else "")
-                if view is not None:
-                    typer.echo(view.summary)
-                if axle is not None:
-                    typer.echo(axle.summary)
+                for each in auxiliary:
+                    typer.echo(each.summary)
         typer.echo(f"{done.seconds:.3f} s of device time, {plural(done.samples, 'sample')}")
+
+
+def _watch(
+    feed: "LiveFeed",
+    receiver: "GnssFeed | None",
+    rate: "SampleRate",
+    auxiliary: "Sequence[CameraFeed | WheelFeed]",
+) -> Callable[[], None]:
+    """Return what reports faults of each device on stderr when they begin and when they are over."""
+    from station.stream.live.trouble_lines import TroubleLog
+
+    def log_of(name: str) -> TroubleLog:
+        return TroubleLog(name, lambda text: typer.echo(text, err=True))
+
+    line, sky = log_of(feed.address.name), log_of("" if receiver is None else receiver.address.name)
+    logs = [(each, log_of(each.address.name)) for each in auxiliary]
+
+    def look() -> None:
+        line.look(feed.amiss or feed.silent or ("" if receiver else rate.warned()))
+        if receiver is not None:
+            warned = rate.warned()
+            sky.look(receiver.trouble or warned)
+        for each, log in logs:
+            each.advance()
+            log.look(each.trouble)
+
+    return look
 
 
 def _say(file: Path, feed: "LiveFeed", receiver: "GnssFeed | None", warning: str) -> None:

@@ -1,8 +1,8 @@
-"""``station simulate``: a simulated IMU on a real transport."""
+"""``station simulate``: a simulated IMU on a real transport, and its truth as a file."""
 
 import contextlib
 import signal
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
@@ -13,7 +13,6 @@ import typer
 
 from station.commands import Database
 from station.commands._options import option
-from station.commands._truth_file import blamed_on, read_text, read_truth
 
 if TYPE_CHECKING:
     from drivers.simulated.companions.camera_server import SimulatedCamera
@@ -22,6 +21,41 @@ if TYPE_CHECKING:
     from drivers.simulated.server import SimulatedDevice
     from drivers.simulated.truth import Truth
     from drivers.simulated.vehicle_track import VehicleTrack
+
+
+def read_truth(path: Path) -> "Truth":
+    """Read a truth; raise `DataRefused` if it is none."""
+    from drivers.simulated.truth import load_truth
+
+    with blamed_on(path):
+        return load_truth(read_text(path))
+
+
+@contextlib.contextmanager
+def blamed_on(file: Path | None) -> Iterator[None]:
+    """Have what the simulator refuses name the file it came from."""
+    from drivers.errors import SimulatorError, TruthRefused, UnknownEffect
+    from station.errors import DataRefused
+
+    try:
+        yield
+    except TruthRefused as error:
+        raise DataRefused(file or "truth", None, error.found, error.expected) from error
+    except UnknownEffect as error:
+        accepted = f"one of {', '.join(error.accepted)}"
+        raise DataRefused(file or "truth", None, f"effect {error.name!r}", accepted) from error
+    except SimulatorError as error:
+        raise DataRefused(file or "truth", None, str(error), "it as described") from error
+
+
+def read_text(path: Path, kind: str = "a TOML file") -> str:
+    """Return what a file says; raise `DataRefused` if it cannot be read."""
+    from station.errors import DataRefused
+
+    try:
+        return path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise DataRefused(path, None, f"no readable file ({error})", f"{kind} in UTF-8") from error
 
 
 def simulate(
@@ -92,7 +126,7 @@ def simulate(
     Example: station simulate --example 7 --pty /tmp/imu --speed 20
     """
     from drivers.errors import PortNotFound
-    from drivers.simulated.server import CAN_TRANSPORTS, TRANSPORTS, SimulatedDevice, serve
+    from drivers.simulated.server import CAN_TRANSPORTS, SimulatedDevice, serve
     from drivers.simulated.truth import Truth, truth_from
     from drivers.simulated.vehicle_track import load_track
     from drivers.wire import FORMATS
@@ -110,14 +144,8 @@ def simulate(
     if pty is not None and tcp is not None:
         raise typer.BadParameter("--pty and --tcp are two transports; expected one of them")
     transport = transport or ("pty" if tcp is None else "tcp")
-    if transport not in TRANSPORTS or (tcp is not None) != (transport == "tcp"):
-        raise typer.BadParameter(
-            f"transport {transport!r}: expected one of {', '.join(TRANSPORTS)}, tcp with --tcp"
-        )
-    if transport in CAN_TRANSPORTS and str(context.get_parameter_source("format")).endswith("COMMANDLINE"):
-        raise typer.BadParameter(f"--format and --transport {transport}; on CAN expected --dbc and --map instead")
-    if (dbc or mapping) and transport not in CAN_TRANSPORTS:
-        raise typer.BadParameter(f"--dbc or --map; expected with --transport {' or '.join(CAN_TRANSPORTS)} only")
+    has_format = str(context.get_parameter_source("format")).endswith("COMMANDLINE")
+    _check_transport(transport, is_tcp=tcp is not None, has_format=has_format, has_messages=bool(dbc or mapping))
     if format not in FORMATS:
         raise typer.BadParameter(f"format {format!r}: expected one of {', '.join(FORMATS)}")
     if not speed >= 0:
@@ -147,6 +175,20 @@ def simulate(
     except OSError as error:
         reason = (error.strerror or str(error)).partition(";")[0]
         raise PortNotFound(str(pty or tcp or "pty"), reason, "choose another path or port") from error
+
+
+def _check_transport(transport: str, *, is_tcp: bool, has_format: bool, has_messages: bool) -> None:
+    """Raise `typer.BadParameter` if the transport is unknown, or the options for it belong to another."""
+    from drivers.simulated.server import CAN_TRANSPORTS, TRANSPORTS
+
+    if transport not in TRANSPORTS or is_tcp != (transport == "tcp"):
+        raise typer.BadParameter(
+            f"transport {transport!r}: expected one of {', '.join(TRANSPORTS)}, tcp with --tcp"
+        )
+    if transport in CAN_TRANSPORTS and has_format:
+        raise typer.BadParameter(f"--format and --transport {transport}; on CAN expected --dbc and --map instead")
+    if has_messages and transport not in CAN_TRANSPORTS:
+        raise typer.BadParameter(f"--dbc or --map; expected with --transport {' or '.join(CAN_TRANSPORTS)} only")
 
 
 def _serve_scenario(path: Path, context: typer.Context, camera_file: Path | None) -> None:

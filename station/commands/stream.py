@@ -74,7 +74,7 @@ def stream(
     if nominal and calibration:
         raise typer.BadParameter("--nominal and --calibration; expected one of them")
     from drivers.address_guess import whole_url
-    from station.calibrated.body_axes import body_axes
+    from station.calibrated.output_frame import body_axes
     from station.sending.outputs import kind_of
     from station.sending.stream_command import StreamRequest, run
 

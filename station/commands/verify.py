@@ -7,11 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from station.commands import Database
-from station.commands._anchors import anchor_faults, keep, read_kept, witness_said
-from station.commands._certificate_options import check_time_service
-from station.commands._optional import signing_libraries
-from station.commands._options import argument, option
-from station.commands._signed_files import refuse_missing
+from station.commands._anchors import anchor_faults, keep, read_kept, witness_text
+from station.commands._options import argument, option, signing_libraries
+from station.commands._signatures import check_time_service, refuse_missing, verify_signed
 from station.text.plural import plural
 
 if TYPE_CHECKING:
@@ -85,8 +83,6 @@ def verify(
     elif anchor or head or to or what is None:
         raise typer.BadParameter("--anchor, --head and --write-anchor are of the database; expected no folder")
     elif what.suffix.lower() in {".xml", ".pdf"}:
-        from station.commands._signed_files import verify_signed
-
         verify_signed(what, trust or [], crl or [], laboratory, db)
     elif trust or crl or laboratory:
         raise typer.BadParameter(
@@ -174,9 +170,9 @@ def _database(
         said = [
             f"{database.url}: as stored{' and as in ' if anchors else ''}{', '.join(map(str, anchors))}; "
             f"newest calibration {'none' if now.calibration == GENESIS else now.calibration}",
-            _journal_said(session, now.code),
+            _journal_text(session, now.code),
             *([f"{head}: is there"] if head is not None else []),
-            witness_said(kept, now.entries),
+            witness_text(kept, now.entries),
         ]
     if to is not None:
         keep(to, now, stamp)
@@ -186,7 +182,7 @@ def _database(
     return "\n".join(said)
 
 
-def _journal_said(session: "Session", code: str) -> str:
+def _journal_text(session: "Session", code: str) -> str:
     from fixtures_db.journal_verification import speaks_since
 
     begun, carried = speaks_since(session)

@@ -1,1 +1,1 @@
-"""The demo: the whole main job on a simulated device, its truth beside what was found."""
+"""The demo: `run` (campaign on a simulated `device`), `example_bench` (cube and plate), `comparison`."""

@@ -1,4 +1,4 @@
-"""What was found against what was true, parameter by parameter."""
+"""Results compared with the simulator's truth, parameter by parameter, and what the diagnosis found."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -10,9 +10,11 @@ from scipy.special import erfc, erfinv
 
 from drivers.simulated.truth import Truth, imu_from_cube
 from procedures.arrays import FloatArray
-from procedures.dwells_and_turns.mean_cube import mean_cube
 from procedures.frames import AXES, TRIADS
+from procedures.twelve_positions.bench_parameters import mean_cube
 from procedures.units import ARCSEC_PER_RAD, DEG_H_PER_DEG_S, PPM_PER_ONE, UG_PER_G
+from station.demo.device import COEFFICIENT, EFFECT, KEY
+from station.results.diagnosis.diagnosis_wording import p_text
 from station.results.parameters_by_name import parameters
 
 NOTABLE = 2.0  # standard uncertainties, which one error in twenty exceeds
@@ -139,3 +141,35 @@ def _triad_truth(name: str, k: FloatArray, E: FloatArray, D: FloatArray) -> dict
         for p, body in enumerate(AXES):
             values[f"{name}.misalignment.{sensor}{body}"] = float(E[q, p] / length[q])
     return values
+
+
+SHOWN = 4.0  # standard uncertainties from which on a coefficient is shown that was not planted
+
+
+def findings_lines(diagnosis: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the lines of a `diagnosis/1`."""
+    causes = [each for each in diagnosis["findings"] if each["kind"] != "bench"]
+    for each in causes:
+        yield f"error found that the model lacked: {each['effect']}"
+        yield f"  {each['confidence']}, {p_text(each['log10_p'])}"
+        yield from _coefficients(each)
+    if not causes:
+        yield "no error was found that the model lacked; use longer dwells (--dwell-s 60)"
+    held_out = [each for each in diagnosis["error"] if each.get("held_out_after")]
+    if causes and held_out:
+        most = max(held_out, key=lambda each: each["held_out_before"] / each["held_out_after"])
+        yield f"  {'error of ' + most['quantity']:<32}{'without it':<15}with it"
+        for name, where in (("", "in the data"), ("held_out_", "in held-out data")):
+            before, after = (f"{most[f'{name}{when}']:.3g} {most['unit']}" for when in ("before", "after"))
+            yield f"    {where:<30}{before:<15}{after}"
+
+
+def _coefficients(finding: Mapping[str, Any]) -> Iterator[str]:
+    for name, found in finding["coefficients"].items():
+        planted = COEFFICIENT if (finding["effect"], name) == (EFFECT, KEY) else 0.0
+        if planted or abs(found["value"]) > SHOWN * found["std"]:
+            error = (found["value"] - planted) / found["std"]
+            value = f"{found['value']:.4f} {finding['unit']}, u = {found['std']:.4f}"
+            yield f"  {name} = {value}; true value {planted:g}"
+            if abs(error) > NOTABLE:  # by a wrong field
+                yield f"  (error {error:+.1f} u: the assumed magnetic field is a model's, a few % off)"

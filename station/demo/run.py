@@ -9,6 +9,10 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import UTC, date, datetime
 from pathlib import Path
+from typing import Self
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from drivers.errors import LinkLost
 from drivers.simulated.bench_control import BenchControl
@@ -17,8 +21,8 @@ from fixtures_db.database import Database, open_db
 from procedures.campaign.plan_steps import Dwell
 from procedures.frames import ATTITUDES
 from station.demo.comparison import truth_values
+from station.demo.device import demo_truth
 from station.demo.example_bench import GRAVITY_STD, ExampleBench, add_example
-from station.demo.unit import demo_truth
 from station.errors import CannotWrite, Incomplete, cannot_write
 from station.files.atomic_file import replace_file
 from station.files.setup import Setup
@@ -30,6 +34,7 @@ from station.results.campaign_results import CampaignResults, make_results, stor
 from station.results.certificate.issuing import issue
 from station.results.certificate.laboratory import Laboratory
 from station.stream.recorder.raw_check import check_raw_bytes
+from station.stream.stream_events import NewEvents
 
 MARK = ".station-demo"
 CERTIFICATE_FILE = "certificate.html"
@@ -182,3 +187,34 @@ def demo_laboratory(received: date) -> Laboratory:
             "traceability": {"time_base": "the simulator's own time"},
         }
     )
+
+
+class DemoProgress:
+    """Shows the views of a campaign while the ``with`` block lasts."""
+
+    def __init__(self, console: Console) -> None:
+        self._console, self._events = console, NewEvents()
+        columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
+        self._progress = Progress(*columns, console=console, transient=True, disable=not console.is_terminal)
+        self._task = self._progress.add_task("connecting", total=None)
+
+    def show(self, view: CalibrationView) -> None:
+        """Print what was accepted or rejected, and move the bar."""
+        for event in self._events.of(view.events):
+            if event.sound in {"accepted", "rejected"}:
+                self._console.print(event.text, highlight=False, markup=False)
+        line = view.line[: self._console.width // 2]
+        self._progress.update(self._task, description=line, total=len(view.steps) or None, completed=view.done)
+
+    def busy(self, text: str) -> None:
+        """Say what goes on after the campaign: beside the bar, or in a line where there is no terminal."""
+        if not self._console.is_terminal:
+            self._console.print(text, highlight=False, markup=False)
+        self._progress.update(self._task, description=text, total=None)
+
+    def __enter__(self) -> Self:
+        self._progress.start()
+        return self
+
+    def __exit__(self, *raised: object) -> None:
+        self._progress.stop()

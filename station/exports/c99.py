@@ -13,8 +13,8 @@ from procedures.arrays import FloatArray
 from procedures.effects.temperature_history import REVERSAL_K
 from procedures.frames import TRIADS
 from procedures.units import RAD_PER_DEG, STANDARD_GRAVITY
-from station.calibrated.temperature_signals import KEPT, KEPT_S, MIN_SLOPE_S, SLOPE_S
-from station.exports.carried_effects import CarriedEffect, carried_effects
+from station.calibrated.correction_inputs import KEPT, KEPT_S, MIN_SLOPE_S, SLOPE_S
+from station.exports.exported_calibration import CarriedEffect, StoredCalibration, carried_effects
 from station.exports.expressions import CExpressions, c_functions, c_number
 from station.exports.known_samples import AUXILIARY, MAGNETIC_UT, Sample, known_samples, rounds_needed
 from station.exports.program_text import (
@@ -28,7 +28,6 @@ from station.exports.program_text import (
     templates,
     terms_of,
 )
-from station.exports.stored_calibration import StoredCalibration
 
 WANTED = {False: 1e-15, True: 3e-8}  # of the input's length, that rounds may leave: what rounding does anyway
 LIMIT = {False: "1e-12", True: "1e-6"}  # of the self-test

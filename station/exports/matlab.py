@@ -13,9 +13,9 @@ from scipy.io import savemat
 from procedures.effects.temperature_history import REVERSAL_K
 from procedures.frames import TRIADS
 from procedures.units import RAD_PER_DEG, STANDARD_GRAVITY
-from station.calibrated.temperature_signals import KEPT_S, MIN_SLOPE_S, SLOPE_S
+from station.calibrated.correction_inputs import KEPT_S, MIN_SLOPE_S, SLOPE_S
 from station.exports.c99 import DIGITS, WANTED
-from station.exports.carried_effects import carried_effects
+from station.exports.exported_calibration import StoredCalibration, carried_effects
 from station.exports.expressions import MatlabExpressions
 from station.exports.known_samples import Sample, known_samples, rounds_needed
 from station.exports.program_text import (
@@ -28,7 +28,6 @@ from station.exports.program_text import (
     templates,
     terms_of,
 )
-from station.exports.stored_calibration import StoredCalibration
 
 
 def files(stored: StoredCalibration, prefix: str) -> dict[str, bytes]:

@@ -9,10 +9,9 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from procedures.effects.term.grammar import names
 from procedures.units import RAD_PER_DEG, STANDARD_GRAVITY
-from station.exports.carried_effects import CarriedEffect, LeftOut
+from station.exports.exported_calibration import CarriedEffect, NotExported, StoredCalibration
 from station.exports.expressions import Expressions
 from station.exports.known_samples import Rounds
-from station.exports.stored_calibration import StoredCalibration
 
 SHORT = {"accelerometer": ("accel", "f", "g", "count/(g s)"), "gyroscope": ("gyro", "omega", "deg/s", "count/deg")}
 OUTPUTS = {"accelerometer": ("force_m_s2", STANDARD_GRAVITY), "gyroscope": ("rate_rad_s", RAD_PER_DEG)}
@@ -37,7 +36,7 @@ def terms_of(
 ) -> list[str]:
     """Return what is added to a triad's output: products of a coefficient and its term.
 
-    ``coefficient`` has {table} and {column}, from nought, ``times`` multiplies.
+    ``coefficient`` has {table} and {column}, from zero, ``times`` multiplies.
     """
     found = list[str]()
     for one, table in zip(effects, tables_of(effects), strict=True):
@@ -64,7 +63,7 @@ def inputs_of(effects: Sequence[CarriedEffect]) -> list[NamedInput]:
 def about(
     stored: StoredCalibration,
     effects: Sequence[CarriedEffect],
-    left: Sequence[LeftOut],
+    left: Sequence[NotExported],
     rounds: Rounds,
     digits: str,
 ) -> list[str]:

@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from procedures.earth.gravity_and_rate import earth_rate_n
+from procedures.earth.geodesy import earth_rate_n
 from procedures.fusion.alignment.alignment_attempts import align_when_possible
 from procedures.fusion.alignment.alignment_in_motion import MovingAligner
 from procedures.fusion.alignment.alignment_result import AlignmentState, Waiting

@@ -9,9 +9,8 @@ import numpy as np
 from drivers.errors import ReplayEnded
 from fixtures_db.folder_on_disk import make_folder
 from procedures.campaign.campaign import UNKNOWN
-from procedures.earth.geodesy import LocalLevel
+from procedures.earth.geodesy import LocalLevel, normal_gravity
 from procedures.earth.gnss_records import GnssFix, TimeMark
-from procedures.earth.gravity_and_rate import normal_gravity
 from procedures.fusion.fixes_east_north_up import antenna, is_usable, level_fixes, origin_at
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
 from station.calibrated.calibration_choice import AppliedCalibration, find_calibration

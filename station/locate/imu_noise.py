@@ -11,10 +11,9 @@ from typing import Any
 import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.free_positions.rest_detection import second_means, whole_seconds
 from procedures.fusion.fusion_records import ImuNoise, ImuSeries
-from procedures.rests_and_moves.rest_detection import second_means, whole_seconds
-from procedures.statistics.allan_deviation import overlapping_deviation
-from procedures.statistics.noise_terms import noise_terms
+from procedures.statistics.allan_deviation import noise_terms, overlapping_deviation
 from procedures.statistics.white_noise import white_noise
 from station.calibrated.filter_settings import FORCE_WALK, GYRO_BIAS_WALK, force_bias_std, gyro_bias_std
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from procedures.earth.gravity_and_rate import earth_rate_n
+from procedures.earth.geodesy import earth_rate_n
 from procedures.fusion.alignment.alignment_at_rest import is_still
 from procedures.fusion.alignment.alignment_attempts import align_when_possible
 from procedures.fusion.alignment.alignment_in_motion import MovingAligner

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.earth.gravity_and_rate import earth_rate_n, normal_gravity
+from procedures.earth.geodesy import earth_rate_n, normal_gravity
 from procedures.fusion.alignment.alignment_in_motion import MovingAligner
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
 from procedures.fusion.imu.gnss_velocity import LeverArm

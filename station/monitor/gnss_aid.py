@@ -27,17 +27,17 @@ class AidSilence:
     """Says once that an aid tells nothing; what it aids goes on without."""
 
     def __init__(self, aid: str) -> None:
-        self._aid, self._since, self._is_told = aid, math.nan, False
+        self._aid, self._since, self._is_stated = aid, math.nan, False
 
     def look(self, aiding: AidValues, t: float) -> str:
         """Take what the aid said until device time ``t`` [s]; return what is to be said, empty if nothing."""
-        if self._aid not in EXPECTED or self._is_told:
+        if self._aid not in EXPECTED or self._is_stated:
             return ""
         if math.isnan(self._since) or t < self._since or aiding is not NO_AID:
             self._since = t
         if t - self._since < SILENT_S:
             return ""
-        self._is_told = True
+        self._is_stated = True
         found, expected, instead = EXPECTED[self._aid]
         return f"{found} for {SILENT_S:.0f} s, expected {expected}; check --gnss, or use {instead}"
 

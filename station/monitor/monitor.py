@@ -18,8 +18,8 @@ from procedures.attitude.heading_at_rest import heading_at_rest
 from procedures.attitude.kalman_state import KalmanSettings
 from procedures.attitude.laws import JOINT
 from procedures.units import STANDARD_GRAVITY
+from station.calibrated import InUse
 from station.calibrated.calibration_choice import AppliedCalibration
-from station.calibrated.calibration_in_use import InUse
 from station.calibrated.filter_settings import filter_settings, gyro_bias_std, in_a_vehicle
 from station.calibrated.rates_and_forces import CalibratedTick, Sensors
 from station.files.mcap_files.fix_reader import Record

@@ -20,7 +20,7 @@ from procedures.arrays import FloatArray
 from procedures.attitude.complementary_gains import Gains
 from procedures.attitude.laws import JOINT, parse_laws, refuse_without_velocity
 from procedures.campaign.campaign import UNKNOWN
-from procedures.earth.gravity_and_rate import normal_gravity
+from procedures.earth.geodesy import normal_gravity
 from procedures.optional_libraries import opencv
 from procedures.units import STANDARD_GRAVITY
 from station.calibrated.calibration_choice import AppliedCalibration, find_calibration

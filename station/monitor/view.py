@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple, Protocol
 
-from station.calibrated.calibration_in_use import InUse
+from station.calibrated import InUse
 from station.live_attitude.readings import AttitudeReading, LawReading, RestErrorComparison
 from station.locate.location import Location
 from station.stream.stream_events import Event, StreamState

@@ -143,13 +143,13 @@ def store(results: CampaignResults, database: Database) -> str:
     except AlreadyStored as error:  # a kill may have come between the row and the files
         with database.read() as session:
             stored, code = calibration(session, error.sha256), journal_head(session).code
-        _hand_out(results, stored.document, stored.sha256, code)
+        _write_html(results, stored.document, stored.sha256, code)
         raise
-    _hand_out(results, row.document, row.sha256, code)
+    _write_html(results, row.document, row.sha256, code)
     return row.sha256
 
 
-def _hand_out(results: CampaignResults, text: str, sha256: str, journal: str) -> None:
+def _write_html(results: CampaignResults, text: str, sha256: str, journal: str) -> None:
     from station.results.report.report import write_report
 
     path = results.calibration_file

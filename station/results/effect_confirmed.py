@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from procedures.statistics.tail_probabilities import log_chi2_sf
+from procedures.statistics.significance import log_chi2_sf
 from station.files.effect_file import DIGITS, EffectFile, OriginTable
 
 PROPOSED = "proposed"

@@ -15,8 +15,7 @@ from fixtures_db.calibration import utc_text
 from fixtures_db.campaign_references import references
 from fixtures_db.campaigns import campaign, last_accepted
 from fixtures_db.schema import CampaignRow, SiteRow
-from procedures.campaign.campaign import Campaign
-from procedures.campaign.recorded_clock import clock_rate
+from procedures.campaign.campaign import Campaign, clock_rate
 from procedures.frames import ATTITUDES, POSITIONS
 from procedures.units import UG_PER_G
 from station.files.campaign_folder.campaign_schema import CampaignTable

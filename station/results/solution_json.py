@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from procedures.calibration.solution_values import Estimate, FitQuality, Solution, TriadCalibration
-from procedures.calibration.unnoticed_leans import ANY_LEAN_RAD, UnnoticedLean
+from procedures.calibration.undetectable_tilt import ANY_TILT_RAD, UndetectableTilt
 from procedures.units import RAD_PER_ARCSEC
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 
@@ -50,7 +50,7 @@ def solution_document(
         "format": FORMAT,
         **{name: part for name, part in parts.items() if part is not None and part != {}},
         **({"effects": [dict(effect) for effect in effects]} if effects else {}),
-        **({"unnoticed_leans": leans} if (leans := [_lean(each) for each in solution.unnoticed_leans]) else {}),
+        **({"unnoticed_leans": leans} if (leans := [_lean(each) for each in solution.undetectable_tilts]) else {}),
         "not_observable": list(solution.not_observable),
         "warnings": _once(warnings),
         "unused_steps": _once(unused),
@@ -146,12 +146,12 @@ def _quality(quality: FitQuality) -> dict[str, Any]:
     return {name: value for name, value in values.items() if value is not None}
 
 
-def _lean(one: UnnoticedLean) -> dict[str, Any]:
+def _lean(one: UndetectableTilt) -> dict[str, Any]:
     return {
         "campaign": one.campaign + 1,
         "step": Path(one.step).stem,
         "position": one.position,
-        "lean_arcsec": min(one.lean, ANY_LEAN_RAD) / RAD_PER_ARCSEC,
+        "lean_arcsec": min(one.lean, ANY_TILT_RAD) / RAD_PER_ARCSEC,
         "value": one.value,
         "sigmas": one.sigmas,
     }

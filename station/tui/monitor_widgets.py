@@ -8,7 +8,7 @@ from textwrap import wrap
 from textual.content import Content
 
 from procedures.attitude.laws import JOINT
-from station.calibrated.calibration_in_use import InUse
+from station.calibrated import InUse
 from station.live_attitude.readings import LawReading, MotionState, RestErrorComparison, difference
 from station.locate.location import Location
 from station.monitor.view import LATE_S, ChartPoint, MonitorView

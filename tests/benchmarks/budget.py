@@ -13,10 +13,10 @@ import numpy as np
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.calibration.joint_calibration import fit
-from procedures.dwells_and_turns.mean_cube import mean_cube
 from procedures.frames import AXES
+from procedures.twelve_positions.bench_parameters import mean_cube
 from procedures.uncertainty.budget import budget
-from procedures.uncertainty.given_values import EXACT, GivenValues
+from procedures.uncertainty.sources import EXACT, GivenValues
 from tests.proof.evidence import Figure, spread
 
 UNIT = 1

@@ -15,7 +15,7 @@ from procedures.calibration.joint_calibration import fit, report
 from procedures.calibration.solution_values import Estimate
 from procedures.frames import AXES
 from procedures.uncertainty.budget import ParameterBudget, budget
-from procedures.uncertainty.given_values import EXACT
+from procedures.uncertainty.sources import EXACT
 from tests.proof.evidence import Figure, spread
 
 CERTIFICATE = 5e-6  # rad

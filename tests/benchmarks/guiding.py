@@ -14,7 +14,7 @@ from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Dwell
 from procedures.counts.count_rate import estimate_counts
 from procedures.counts.sample_records import CountSeries
-from procedures.earth.gravity_and_rate import earth_rate_n
+from procedures.earth.geodesy import earth_rate_n
 from procedures.earth.gyrocompass import CertainDwell, QuarterHeading, find_heading
 from procedures.frames import cross_axes, face_normal, face_of, nominal_C_lb, vertical_rotation
 from procedures.units import RAD_PER_ARCSEC, RAD_S_PER_DEG_H

@@ -12,9 +12,9 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import CampaignFits
 from procedures.calibration.triad_calibration import reference_axes, scale_misalignment_bias
-from procedures.dwells_and_turns.twelve_position import TriadFit, specific_force
-from procedures.earth.gravity_and_rate import earth_rate_n
+from procedures.earth.geodesy import earth_rate_n
 from procedures.statistics.least_squares import minimise
+from procedures.twelve_positions.accelerometer_fit import TriadFit, specific_force
 
 Residual = Callable[[FloatArray], FloatArray]
 STEP_SIGMAS = 0.1  # for central differences

@@ -11,9 +11,9 @@ from procedures.calibration.joint_calibration import fit, report
 from procedures.campaign.campaign import Campaign, Fixture, MeasuredCube
 from procedures.campaign.measured_cube import NAMES, from_tilts
 from procedures.campaign.observations import dwell_rates
-from procedures.dwells_and_turns.mean_cube import mean_axes
-from procedures.dwells_and_turns.twelve_position import TriadFit
-from procedures.rests_and_moves.free_attitudes_solve import solve_with_rests
+from procedures.free_positions.free_attitude_fit import solve_with_rests
+from procedures.twelve_positions.accelerometer_fit import TriadFit
+from procedures.twelve_positions.bench_parameters import mean_axes
 from tests.procedures.measured_units import calibrated, campaigns, some_unit, values
 
 ALL = ("as drawn", "about z", "about x")

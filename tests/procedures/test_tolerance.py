@@ -12,10 +12,10 @@ from drivers.simulated.truth import paper_truth
 from procedures.arrays import FloatArray
 from procedures.calibration.triad_calibration import triad_vector
 from procedures.campaign.plan_steps import Dwell
-from procedures.dwells_and_turns.twelve_position import closed_form, solve_accelerometer
 from procedures.frames import C_bn
 from procedures.tolerance.drawing_items import ITEMS, angles, p1_tilts
 from procedures.tolerance.estimator_errors import ToleranceUnit, estimator_errors
+from procedures.twelve_positions.accelerometer_fit import closed_form, solve_accelerometer
 from tests.procedures.independent import TABLE_4_D, TABLE_4_E, THETA, campaign, dwells
 from tests.refusals import refused
 

@@ -7,15 +7,23 @@ from hypothesis import strategies as st
 
 from procedures.arrays import FloatArray
 from procedures.tolerance.drawing_items import ITEMS, STACK
-from procedures.tolerance.estimator_errors import ToleranceUnit, estimator_errors
+from procedures.tolerance.estimator_errors import (
+    ToleranceShape,
+    ToleranceUnit,
+    draw_errors,
+    draw_tilts,
+    estimator_errors,
+    tilt_std,
+)
 from procedures.tolerance.improvements import remedies, remedy_gain
-from procedures.tolerance.monte_carlo import ToleranceShape, draw_errors, draw_tilts, tilt_std
 from procedures.tolerance.tolerances_for_accuracy import (
     AccuracyUnreachable,
+    all_errors,
     allowed_tolerances,
     cheapest_items,
+    worst_case,
+    worst_corner,
 )
-from procedures.tolerance.worst_case import all_errors, worst_case, worst_corner
 from tests.procedures.test_tolerance import P1_ITEMS, PAPER, random_case
 from tests.refusals import refused
 

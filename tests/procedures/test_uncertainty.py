@@ -15,10 +15,9 @@ from procedures.counts.sample_records import RateSeries
 from procedures.diagnosis.diagnose import diagnose
 from procedures.uncertainty import sources
 from procedures.uncertainty.budget import ParameterBudget, budget, combined_budget
-from procedures.uncertainty.given_values import EXACT, GivenValues
-from procedures.uncertainty.sources import SOURCES, SourceCell
+from procedures.uncertainty.sources import EXACT, SOURCES, GivenValues, SourceCell
 from procedures.units import RAD_S_PER_DEG_H
-from tests.procedures.rests_and_moves.test_gyroscopes_from_moves import campaign_of
+from tests.procedures.free_positions.test_gyroscopes_from_moves import campaign_of
 
 SHORT = 10.0  # s a dwell
 

@@ -11,10 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from station.applying.applying import apply_to
-from station.applying.opened_source import open_source
+from station.applying.applying import Progress, apply_to
+from station.applying.open_source import open_source
 from station.applying.output_request import OutputRequest
-from station.applying.progress import Progress
 from station.calibration import load
 from station.errors import DataRefused
 from station.exports import EXPORTS, Request

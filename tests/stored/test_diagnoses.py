@@ -17,7 +17,7 @@ from procedures.diagnosis.wrong_positions import find_wrong_labels
 from procedures.diagnosis.wrong_turn_directions import with_true_directions
 from procedures.discovery.discover import discover
 from procedures.uncertainty.budget import budget
-from procedures.uncertainty.given_values import GivenValues
+from procedures.uncertainty.sources import GivenValues
 from tests.procedures.diagnosis.planted import with_reference_time
 from tests.stored.conftest import StoredResult
 from tests.stored.small_campaigns import CASES, campaigns_of, outcome, some_effects, stated, unit, with_table

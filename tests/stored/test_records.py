@@ -4,16 +4,13 @@ import numpy as np
 import pytest
 
 from procedures.counts.count_rate import estimate_counts
-from procedures.counts.rate_output_mean import estimate_rates
+from procedures.counts.dwell_means import estimate_rates
 from procedures.counts.reference_time import fit_clock
 from procedures.counts.sample_times import own_period, sample_times
-from procedures.history.control_chart import control_chart, control_limit
-from procedures.history.parameter_series import CalibrationSeries
-from procedures.history.prediction import forecast
-from procedures.history.repeatability import turn_on_repeatability
-from procedures.history.unit_outliers import judge_fleet
-from procedures.statistics.allan_deviation import overlapping_deviation
-from procedures.statistics.noise_terms import fit_noise
+from procedures.history.drift import forecast
+from procedures.history.population import judge_fleet
+from procedures.history.repeatability import CalibrationSeries, control_chart, control_limit, turn_on_repeatability
+from procedures.statistics.allan_deviation import fit_noise, overlapping_deviation
 from procedures.statistics.spectrum import lines_of, spectrum_of
 from tests.stored.conftest import StoredResult
 

@@ -11,7 +11,7 @@ from procedures.campaign.campaign import Campaign, RestRecord, Site
 from procedures.campaign.plan_steps import turn_steps
 from procedures.frames import rotation
 from procedures.uncertainty.budget import budget
-from procedures.uncertainty.given_values import GivenValues, Unexplained
+from procedures.uncertainty.sources import GivenValues, Unexplained
 from procedures.units import STANDARD_GRAVITY
 from tests.procedures.free_units import LATITUDE, sequence
 from tests.procedures.free_units import unit as free_unit

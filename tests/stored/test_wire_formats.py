@@ -8,11 +8,10 @@ from drivers.can.can_format import can_format
 from drivers.framing import Decoder
 from drivers.mavlink.decoder import MavlinkDecoder
 from drivers.mavlink.session import MavlinkSession
-from drivers.simulated.autopilot import Autopilot
-from drivers.simulated.autopilot_truth import AutopilotTruth
+from drivers.simulated.companions.autopilot import Autopilot
+from drivers.simulated.companions.truths import AutopilotTruth
+from drivers.simulated.faults import KINDS, Fault, FaultyLine, TimedFault
 from drivers.simulated.imu import SimulatedImu
-from drivers.simulated.line_faults import KINDS, Fault, FaultyLine
-from drivers.simulated.timed_faults import TimedFault
 from drivers.simulated.vehicle_track import VehicleTrack
 from drivers.wire import FORMATS, WireFormat
 from tests.stored.conftest import StoredResult

@@ -26,7 +26,7 @@ LAZY = (  # what the station imports when it wants it: before the clocks are put
     "station.guide.campaign.verdict", "station.guide.campaign.port_check", "station.guide.campaign.readiness",
     "station.stream.reader.restarting_reader", "station.stream.gnss.gnss_feed",
     "station.guide.campaign.gnss_receiver",
-    "station.guide.stages.monitor_stage", "station.guide.campaign.folder_recorder", "station.devices.imu_probe",
+    "station.guide.stages.monitor_stage", "station.guide.campaign.folder_recorder", "station.device_probe",
     "station.results.campaign_results", "station.results.diagnosis.closed_loop", "station.results.report.report",
     "station.results.solution_json", "station.results.budget_json", "station.results.effect_adopted",
     "station.results.report.measurement_conditions", "station.results.diagnosis.diagnosis_html",
@@ -114,7 +114,7 @@ class Machine:
                 self.of(url), url, path
             ),
             "station.stream.reader.restarting_reader.Reader": partial(InProcessReceiverReader, self),
-            "station.devices.imu_probe.open_port": lambda address: ProbePort(self.of(address)),
+            "station.device_probe.open_port": lambda address: ProbePort(self.of(address)),
             "station.guide.campaign.campaign_start.open_feed": self._feed,
             "station.guide.engine.ThreadPoolExecutor": InlineExecutor,
             "station.guide.start_screen.list_ports": list,

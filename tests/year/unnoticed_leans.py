@@ -39,7 +39,7 @@ def untold_by_size(
 ) -> dict[str, str]:
     """Return which values are off by more than `MOST_SIGMAS` and less than that and what an unnoticed lean does.
 
-    ``said`` are the ``unnoticed_leans`` of `solution/1`, ``leans`` [rad] the true ones of the dwells, counted
+    ``said`` are the ``undetectable_tilts`` of `solution/1`, ``leans`` [rad] the true ones of the dwells, counted
     up to `MARGIN` times what shows, ``sigmas`` by how much of its own sigma each value of either triad is off.
     """
     untold = dict[str, str]()

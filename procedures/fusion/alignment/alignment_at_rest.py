@@ -9,9 +9,9 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.earth.gyrocompass import attitude_at_rest
+from procedures.free_positions.rest_detection import second_means, whole_seconds
 from procedures.fusion.alignment.alignment_result import MAX_TILT_STD, MAX_YAW_STD, AlignmentState, Waiting
 from procedures.fusion.fusion_records import ImuNoise, ImuSeries
-from procedures.rests_and_moves.rest_detection import second_means, whole_seconds
 
 MAX_FORCE_CHANGE = 5e-3  # m/s2 of a second's mean specific force, beside its noise, that a bench may have
 MAX_RATE_CHANGE = 1e-4  # rad/s of a second's mean rate

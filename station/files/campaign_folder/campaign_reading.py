@@ -22,7 +22,7 @@ from procedures.campaign.campaign import (
     SoakRecord,
     TurnRecord,
 )
-from procedures.earth.gravity_and_rate import normal_gravity
+from procedures.earth.geodesy import normal_gravity
 from procedures.error_codes import ErrorCode
 from procedures.frames import TURN_START
 from procedures.units import RAD_PER_ARCSEC, RAD_S_PER_DEG_H, STANDARD_GRAVITY

@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from procedures.arrays import FloatArray
-from procedures.campaign.campaign import Campaign
-from procedures.campaign.recorded_clock import MAX_CLOCK_PPM, RATE_SIGMAS, clock_rate, false_pace, is_known
+from procedures.campaign.campaign import MAX_CLOCK_PPM, RATE_SIGMAS, Campaign, clock_rate, false_rate, is_known
 from procedures.counts.reference_time import ClockRate
 from procedures.error_codes import ErrorCode
 from procedures.units import PPM_PER_ONE
@@ -101,7 +100,7 @@ def clock_warnings(tables: CampaignTable, campaign: Campaign) -> list[str]:
 
     Where it cannot tell as much, or is no time [s] of these rows, that is said.
     """
-    if (pace := false_pace(campaign)) is not None:
+    if (pace := false_rate(campaign)) is not None:
         return [
             f"clock.rate: utc_s is no time [s] of these rows: it moves by {pace:.3g} while t_s moves by 1 s, "
             "expected 1; correct its unit or direction, or remove the column; it is not used"

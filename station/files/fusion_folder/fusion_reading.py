@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.earth.gravity_and_rate import normal_gravity
+from procedures.earth.geodesy import normal_gravity
 from procedures.error_codes import ErrorCode
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries, Trajectory
 from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
-from procedures.counts.log_stamps import StampsGoBack, log_times
+from procedures.counts.sample_times import StampsGoBack, log_times
 from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 from station.files.columns import TRIADS, DataFile

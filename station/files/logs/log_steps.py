@@ -10,8 +10,15 @@ from procedures.campaign.campaign import Campaign
 from procedures.counts.reference_angle import slope_and_correlation
 from procedures.error_codes import ErrorCode
 from procedures.frames import AXES
-from procedures.rests_and_moves.moving import MAX_SCALE_ERROR, moves_and_rests, true_angle, turned_deg, whole_turns
-from procedures.rests_and_moves.turning import MIN_REST_S, turning
+from procedures.free_positions.rest_detection import (
+    MAX_SCALE_ERROR,
+    MIN_SOAK_REST_S,
+    moves_and_rests,
+    true_angle,
+    turned_deg,
+    turning,
+    whole_turns,
+)
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import loaded_step
 from station.files.campaign_folder.campaign_schema import CampaignImuTable, SequenceTable
@@ -66,7 +73,7 @@ def refuse_restless(campaign: Campaign) -> None:
         if turned is not None and turned.rest is None:
             fast = f"by up to {turned.fastest:.3g} deg/s about {AXES[turned.axis]}"
             raise DataRefused(
-                soak.name, None, f"turns, {fast}, and no rest of {MIN_REST_S:g} s", "a log that rests",
+                soak.name, None, f"turns, {fast}, and no rest of {MIN_SOAK_REST_S:g} s", "a log that rests",
                 "state what it is: --as turn:+z, or --reference COL of a rate table",
             )  # fmt: skip
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
 from procedures.error_codes import ErrorCode
-from procedures.rests_and_moves.pose_means import MAX_POSES, differ_like_poses
+from procedures.free_positions.pose_means import MAX_POSES, differ_like_poses
 from station.errors import DataRefused
 from station.files.logs.header_guesses import guessed_time
 from station.files.logs.log_columns import LogColumns, ToldColumns, choose_columns, outputs

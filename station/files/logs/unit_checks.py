@@ -23,8 +23,10 @@ from procedures.recordings.rest_physics import (
     Contradiction,
     contradiction,
     explanations,
+    signed,
+    unsigned_bits,
+    width,
 )
-from procedures.recordings.unsigned_integers import signed, unsigned_bits, width
 from procedures.units import RAD_PER_DEG, STANDARD_GRAVITY
 from station.errors import DataRefused
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW, outputs_per_unit

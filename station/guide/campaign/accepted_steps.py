@@ -7,20 +7,19 @@ from pathlib import Path
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.bench.seating_check import PositionRates
-from procedures.bench.turn_closing import TurnCounts
+from procedures.bench.seating_check import PositionRates, TurnCounts
 from procedures.campaign.campaign import Campaign, TurnRecord
 from procedures.campaign.observations import turn_totals
 from procedures.campaign.plan_steps import Dwell, FreePosition, Soak, Turn
 from procedures.counts.count_rate import RateEstimate, estimate_channels
 from procedures.counts.sample_records import CountSeries
-from procedures.dwells_and_turns.turn_leans import turn_rests
 from procedures.frames import AXES, face_of
-from procedures.planning.campaign_design import Placing
+from procedures.planning.campaign_design import Placement
+from procedures.twelve_positions.rotation_tilt import turn_rests
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.campaign_schema import StepTable
 from station.guide.campaign.checklist import is_free
-from station.results.planning.continued import placings_in
+from station.results.planning.continued import placements_in
 from station.stream.live.power_cycle import switched_on_again
 from station.stream.live.rates_as_counts import series_as_counts
 from station.stream.recorder.accepted_step_writer import step_of
@@ -75,7 +74,7 @@ class AcceptedSteps:
 
     ``dwells`` as accepted; ``turns`` in the order they were done; ``seconds`` how long each step is;
     ``free_attitudes`` by the accelerometers' count rates (3,); ``badly_seated`` the steps whose seat is bad;
-    ``placings`` in the order they were done, as a planned campaign has them;
+    ``placements`` in the order they were done, as a planned campaign has them;
     ``turn_on`` for which time, from 1, the unit was switched on, and ``last_s`` its last clock reading;
     ``dwells`` and ``turn_rests``, the accelerometers' rates at rest about turns, are of that one, ``earlier``
     dwells, which sat well, of those before it.
@@ -86,7 +85,7 @@ class AcceptedSteps:
     seconds: Mapping[str, float] = field(default_factory=dict)
     free_attitudes: Mapping[str, FloatArray] = field(default_factory=dict)
     badly_seated: frozenset[str] = frozenset()
-    placings: tuple[tuple[str, Placing], ...] = ()
+    placements: tuple[tuple[str, Placement], ...] = ()
     turn_on: int = 1
     last_s: float | None = None
     earlier: tuple[tuple[AcceptedDwell, int], ...] = ()
@@ -130,15 +129,15 @@ def read_accepted_steps(folder: Path) -> AcceptedSteps:
     bad = frozenset(_dwell(one).name for one in folder_read.tables.dwell if one.number and one.kept_seat_rad)
     of_now = [one for one in folder_read.steps if (getattr(one.table, "turn_on", None) or 1) == turn_on]
     last = max((float(one.data.series.t[-1]) for one in of_now if one.data is not None), default=None)
-    placings = tuple(
+    placements = tuple(
         (step.name, placing)
-        for name, placing in placings_in(loaded)
+        for name, placing in placements_in(loaded)
         if (step := step_of(tables[name])) is not None
     )
     earlier = tuple((dwell, on) for dwell, on in known if on != turn_on and dwell.step.name not in bad)
     rests = _turn_rests(loaded, turn_on)
     return AcceptedSteps(
-        tuple(before), turns, seconds, free_attitudes, bad, placings, turn_on, last, earlier, rests
+        tuple(before), turns, seconds, free_attitudes, bad, placements, turn_on, last, earlier, rests
     )
 
 

@@ -13,7 +13,7 @@ from fixtures_db.fixtures import fixture_row
 from fixtures_db.schema import CubeRow
 from fixtures_db.user_effects import effects_in_force
 from procedures.campaign.campaign import Campaign, Fixture, ProcedureSigma, Site
-from procedures.earth.gravity_and_rate import normal_gravity
+from procedures.earth.geodesy import normal_gravity
 from procedures.units import RAD_PER_ARCSEC, RAD_PER_DEG
 from station.errors import DataRefused
 from station.files.atomic_file import replace_file

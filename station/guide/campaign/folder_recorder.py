@@ -10,12 +10,12 @@ import numpy as np
 from drivers.wire import WireFormat
 from procedures.arrays import FloatArray
 from procedures.campaign.plan_steps import Dwell, Step
-from procedures.earth.gravity_and_rate import normal_gravity
+from procedures.earth.geodesy import normal_gravity
 from procedures.errors import ProcedureError
 from procedures.frames import TRIADS
 from procedures.units import STANDARD_GRAVITY
+from station.calibrated import InUse
 from station.calibrated.calibration_choice import AppliedCalibration, find_calibration
-from station.calibrated.calibration_in_use import InUse
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_for_solve
 from station.files.campaign_folder.notes import (

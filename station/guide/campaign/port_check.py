@@ -12,7 +12,7 @@ from station.stream.live.rates_as_counts import RATE_UNIT
 from station.stream.live.stillness import TICKS_PER_BLOCK, block_of
 
 if TYPE_CHECKING:
-    from station.devices.imu_probe import ImuProbe
+    from station.device_probe import ImuProbe
 
 PORT_LOOK_S = 2.0
 RECORD_INSTEAD = "record its steps with `station record` and solve them as a campaign folder"
@@ -24,7 +24,7 @@ RECEIVER_FIXES = 10
 
 def check_port(url: str, seconds: float = PORT_LOOK_S) -> PortCheck:
     """Look at what a port sends; what is wrong with it stands in ``text``, with what to do. Never raises."""
-    from station.devices.imu_probe import probe_imu
+    from station.device_probe import probe_imu
 
     try:
         seen = probe_imu(url, seconds)
@@ -50,7 +50,7 @@ def check_port(url: str, seconds: float = PORT_LOOK_S) -> PortCheck:
 
 def check_receiver(url: str, seconds: float = LISTEN_S) -> PortCheck:
     """Listen to a receiver; what is wrong stands in ``text``, with what to do. Never raises."""
-    from station.devices.gnss_probe import probe_gnss
+    from station.device_probe import probe_gnss
     from station.stream.gnss.gnss_feed import site_in_words
 
     try:

@@ -1,7 +1,7 @@
 """A campaign that continues until target uncertainties are met: the next step, when a dwell is enough, progress.
 
 The plan depends on the steps that were done, their length and the unit's noise, never on the estimated values
-(`procedures.planning.sequential`). White noise is the noise known before, scaled by what the accepted dwells show.
+(`procedures.planning.least_time`). White noise is the noise known before, scaled by what the accepted dwells show.
 If nothing is known of a unit, its first dwell lasts two minutes and shows the noise (`measured_noise`): the scale
 of the accelerometers is what 1 g makes of the vertical one, that of the gyroscopes follows from turns or dwells,
 else the rate at rest is taken for the Earth's alone. Bias instability from step to step is not visible at rest: it
@@ -19,13 +19,11 @@ from procedures.arrays import FloatArray
 from procedures.bench.dwell_length import WHITE_NOISE_FACTOR
 from procedures.campaign.campaign import Campaign, Fixture
 from procedures.campaign.plan_steps import Dwell, Step, Turn
-from procedures.earth.gravity_and_rate import EARTH_RATE
-from procedures.planning.campaign_design import TURNS, CampaignDesign, HandTimes, Placing, usual_design
-from procedures.planning.design_sigmas import NAMES, DesignSigmas
-from procedures.planning.sequential import NextPlacing, is_enough, next_placing
-from procedures.planning.step_information import StepInformation
-from procedures.planning.unit_noise import UnitNoise
-from procedures.planning.wanted_sigmas import wanted, with_all_solved
+from procedures.earth.geodesy import EARTH_RATE
+from procedures.planning.campaign_design import TURNS, CampaignDesign, HandTimes, Placement, usual_design
+from procedures.planning.design_sigmas import NAMES, DesignSigmas, wanted, with_all_solved
+from procedures.planning.least_time import NextPlacement, is_enough, next_placement
+from procedures.planning.step_information import StepInformation, UnitNoise
 from procedures.units import RAD_PER_DEG, S_PER_MIN
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import ProcedureTable, SiteTable
@@ -76,14 +74,14 @@ NOT_KNOWN = f"the noise of this unit is unknown: it is measured for {NOISE_S:.0f
 
 
 class SequentialCampaign:
-    """``bench`` has site, cube and care; ``done`` are the placings of a campaign that is resumed, by step.
+    """``bench`` has site, cube and care; ``done`` are the placements of a campaign that is resumed, by step.
 
     ``counts`` says whether the unit counts: of one whose noise is not known, its dwells show that too. Of a plan
     that is fixed, ``is_fixed``, it only says how far what is limited is.
     """
 
     def __init__(
-        self, bench: Campaign, record: WantedRecord, done: Iterable[tuple[str, Placing]] = (), *,
+        self, bench: Campaign, record: WantedRecord, done: Iterable[tuple[str, Placement]] = (), *,
         counts: bool = True, is_fixed: bool = False,
     ) -> None:  # fmt: skip
         self._bench, self._hands = bench, HandTimes(record.placing_s, record.move_s)
@@ -93,7 +91,7 @@ class SequentialCampaign:
         self._steps: StepInformation | None = None  # computed with the known noise
         self._take(recorded_noise(record))
         self._done = list(done)
-        self._next: NextPlacing | None = None
+        self._next: NextPlacement | None = None
         self._next_of: object = None  # what it was asked for
         self._limits: tuple[object, tuple[LimitView, ...]] = (None, ())  # of which dwell they are
 
@@ -143,9 +141,9 @@ class SequentialCampaign:
             return [Dwell(FIRST_POSITION, NOISE_S)]
         asked = (tuple(self._placings), goes_on, self._sigmas)
         if self._next is None or asked != self._next_of:  # a search of seconds
-            self._next = next_placing(self._sigmas, self._wanted, self._placings, goes_on=goes_on)
+            self._next = next_placement(self._sigmas, self._wanted, self._placings, goes_on=goes_on)
             self._next_of = asked
-        left = self._next.way.placings[len(self._done) :]
+        left = self._next.way.placements[len(self._done) :]
         return [Dwell(at.position, at.seconds) for at in left]
 
     def is_enough(self, step: Step, seconds: float, *, is_carried: bool) -> bool:
@@ -181,7 +179,7 @@ class SequentialCampaign:
         return self._limits[1]
 
     @property
-    def _placings(self) -> list[Placing]:
+    def _placings(self) -> list[Placement]:
         return [at for _, at in self._done]
 
     def _with(self, step: Step, seconds: float, *, is_carried: bool) -> CampaignDesign | None:
@@ -190,7 +188,7 @@ class SequentialCampaign:
         return None if placing is None else CampaignDesign((*others, placing))
 
     def _views(self, design: CampaignDesign) -> tuple[LimitView, ...]:
-        found = self._sigmas.of(design) if design.placings else np.full(len(self._asked.sigma), np.inf)
+        found = self._sigmas.of(design) if design.placements else np.full(len(self._asked.sigma), np.inf)
         shown = tuple(_view(each) for each in sigmas_so_far(found, self._asked))
         worst = float(self._wanted.worst(found))
         return (*shown, _all_else(worst)) if worst > 1 and all(one.share >= 1 for one in shown) else shown
@@ -223,10 +221,10 @@ def _ratio(std: FloatArray, scale: FloatArray, variance: FloatArray) -> float:
     return float(np.mean((std / scale) ** 2 / variance)) if np.all(np.isfinite(scale)) else 1.0
 
 
-def _placing(step: Step, seconds: float, *, is_carried: bool) -> Placing | None:
+def _placing(step: Step, seconds: float, *, is_carried: bool) -> Placement | None:
     if isinstance(step, Turn):
-        return Placing(step.start_position, 0.0, NUMBERS[step.axis, step.direction], is_carried)
-    return Placing(step.position, seconds, None, is_carried) if isinstance(step, Dwell) else None
+        return Placement(step.start_position, 0.0, NUMBERS[step.axis, step.direction], is_carried)
+    return Placement(step.position, seconds, None, is_carried) if isinstance(step, Dwell) else None
 
 
 def _all_else(ratio: float) -> LimitView:
@@ -294,7 +292,7 @@ def sequential_plan(
         raise DataRefused(
             folder / NOTES[WantedRecord], None, f"a sigma of {unknown[0]}", "parameters of a solution"
         )
-    return SequentialCampaign(bench_of(site, care, fixture), record, done.placings, counts=counts)
+    return SequentialCampaign(bench_of(site, care, fixture), record, done.placements, counts=counts)
 
 
 def limits_of(
@@ -315,7 +313,7 @@ def limits_of(
         return None
     hands = HandTimes()
     record = WantedRecord(sigmas=named, placing_s=hands.placing, move_s=hands.move)
-    return SequentialCampaign(bench_of(site, care, fixture), record, done.placings, counts=counts, is_fixed=True)
+    return SequentialCampaign(bench_of(site, care, fixture), record, done.placements, counts=counts, is_fixed=True)
 
 
 def _counted(scale: FloatArray) -> tuple[float, ...] | None:

@@ -21,11 +21,16 @@ from procedures.bench.cube_attitude import (
     without_heading,
 )
 from procedures.campaign.plan_steps import Turn
-from procedures.dwells_and_turns.brisk_moves import MAX_CONING_RAD, coning_of, long_enough_s
-from procedures.earth.cube_heading import earth_heading
-from procedures.earth.gravity_and_rate import EARTH_RATE
-from procedures.earth.gyrocompass import BIAS_STD_RAD_S, SCALE_SPREAD, first_position, rough_scale_factor
+from procedures.earth.geodesy import EARTH_RATE
+from procedures.earth.gyrocompass import (
+    BIAS_STD_RAD_S,
+    SCALE_SPREAD,
+    earth_heading,
+    first_position,
+    rough_scale_factor,
+)
 from procedures.frames import AXES
+from procedures.twelve_positions.placement_transfers import MAX_CONING_RAD, coning_of, long_enough_s
 from procedures.units import RAD_PER_ARCSEC
 from station.guide.checks.face_and_stillness import BlockLook
 from station.guide.stages.stage_context import StageContext

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from procedures.bench.turn_closing import (
+from procedures.bench.seating_check import (
     Closing,
     TurnCounts,
     closure_scatter,

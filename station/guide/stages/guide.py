@@ -12,7 +12,7 @@ import numpy as np
 from drivers.errors import DeadChannel, DriverError, WrongFormat
 from procedures.arrays import FloatArray
 from procedures.campaign.plan_steps import Step
-from procedures.rests_and_moves.free_attitudes import MIN_APART_DEG, nearest_deg
+from procedures.free_positions.free_attitudes import MIN_APART_DEG, nearest_deg
 from station.files.campaign_folder.notes import UnitRecord
 from station.guide.checks.cube_pose import HeadingWatch, face_wanted, pose_view
 from station.guide.checks.cube_tracking import CubeTracker, FastMoveWatch

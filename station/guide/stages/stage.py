@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from typing import Any, Protocol
 
-from procedures.bench.heading_errors import HeadingError, heading_error_text
+from procedures.bench.position_checks import HeadingError, heading_error_text
 from procedures.campaign.plan_steps import Dwell, Turn
 from procedures.frames import POSITIONS, face_of, position_name
 from station.guide.checks.face_and_stillness import BlockLook

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.bench.heading_errors import HeadingError, heading_errors
-from procedures.bench.turn_closing import Closing, TurnCounts, pair_difference, pair_limit
+from procedures.bench.position_checks import HeadingError, heading_errors
+from procedures.bench.seating_check import Closing, TurnCounts, pair_difference, pair_limit
 from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Dwell, Monitor, Soak, Step, Turn
 from procedures.counts.count_rate import RateEstimate
-from procedures.earth.gravity_and_rate import EARTH_RATE
+from procedures.earth.geodesy import EARTH_RATE
 from procedures.earth.gyrocompass import CertainDwell, QuarterHeading, find_heading, rough_scale_factor
 from procedures.error_codes import ErrorCode
 from station.errors import DataRefused

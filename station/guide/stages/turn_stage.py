@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from procedures.bench.turn_closing import TurnCounts
+from procedures.bench.seating_check import TurnCounts
 from procedures.campaign.plan_steps import Turn
 from procedures.earth.gyrocompass import CertainDwell, rough_scale_factor
 from procedures.frames import AXES, face_of

@@ -7,7 +7,7 @@ from procedures.diagnosis.channel_noise import channel_noise
 from procedures.diagnosis.held_samples import known_scales
 from procedures.diagnosis.result import Diagnosis
 from procedures.uncertainty.budget import ParameterBudget, budget
-from procedures.uncertainty.given_values import GivenValues
+from procedures.uncertainty.sources import GivenValues
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.results.noise.noise_json import channel_document
 

@@ -8,13 +8,13 @@ from typing import Any
 
 from procedures.calibration.joint_calibration import CampaignFits, leans_of
 from procedures.calibration.solution_values import Solution
-from procedures.calibration.unnoticed_leans import unnoticed_lean_warnings
+from procedures.calibration.undetectable_tilt import undetectable_tilt_warnings
 from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.result import Diagnosis, Finding
 from procedures.effects.effect import REFERENCE_C
 from procedures.errors import NotObservable
 from procedures.uncertainty.budget import ParameterBudget, budget
-from procedures.uncertainty.given_values import GivenValues
+from procedures.uncertainty.sources import GivenValues
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_effects import effects_of
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
@@ -83,7 +83,7 @@ def close_loop(campaigns: Sequence[LoadedCampaign]) -> ClosedLoop:
     found = diagnose([one.campaign for one in campaigns], declared=[file.term for file in files])
     if not found.is_calibrated:
         raise NotObservable("the scale factor and bias of either triad", ALL_POSITIONS)
-    found = with_unnoticed_leans(found)
+    found = with_undetectable_tilts(found)
     document = diagnosis_document(found, campaigns)
     if any(is_of_unit(each) and each.confidence not in CARRIED_CONFIDENCES for each in found.findings):
         if (alone := found.bench_alone) is not None:
@@ -97,7 +97,7 @@ def close_loop(campaigns: Sequence[LoadedCampaign]) -> ClosedLoop:
     return ClosedLoop(found, document, found.after, solution, (*effect_entries(found.declared, files), *carried))
 
 
-def with_unnoticed_leans(found: Diagnosis) -> Diagnosis:
+def with_undetectable_tilts(found: Diagnosis) -> Diagnosis:
     """Say in the solution's warnings where a crumb would not be noticed now that the seats found tell nothing."""
     askew = {
         (int(str(each.where.get("campaign", 1))) - 1, str(each.where["file"]))
@@ -115,9 +115,12 @@ def with_unnoticed_leans(found: Diagnosis) -> Diagnosis:
 def _with_leans(solution: Solution, fits: CampaignFits, askew: Collection[tuple[int, str]]) -> Solution:
     if not askew:
         return solution
-    leans, before = leans_of(fits, solution.quality, askew), unnoticed_lean_warnings(solution.unnoticed_leans)
+    leans, before = (
+        leans_of(fits, solution.quality, askew),
+        undetectable_tilt_warnings(solution.undetectable_tilts),
+    )
     kept = [each for each in solution.warnings if each not in before]
-    return replace(solution, warnings=(*kept, *unnoticed_lean_warnings(leans)), unnoticed_leans=leans)
+    return replace(solution, warnings=(*kept, *undetectable_tilt_warnings(leans)), undetectable_tilts=leans)
 
 
 def is_of_unit(finding: Finding) -> bool:

@@ -7,8 +7,8 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.error_codes import ErrorCode
 from procedures.frames import AXES
-from procedures.rests_and_moves.pose_means import MeansCalibration, calibrate_means, gyro_bias
-from procedures.rests_and_moves.undetermined_rests import Undetermined
+from procedures.free_positions.norm_fit import Undetermined
+from procedures.free_positions.pose_means import MeansCalibration, calibrate_means, gyro_bias
 from procedures.units import STANDARD_GRAVITY
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import ANY_EARTH_RATE_DEG_H, site_of

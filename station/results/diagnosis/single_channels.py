@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from procedures.diagnosis.single_channels import SingleChannel, single_channels
-from procedures.statistics.line_with_correlated_errors import CorrelatedLine
-from procedures.statistics.noise_terms import NoiseTerm
+from procedures.statistics.allan_deviation import NoiseTerm
+from procedures.statistics.line_fits import CorrelatedLine
 from procedures.units import DEG_H_PER_DEG_S, S_PER_H, UG_PER_G
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.results.solution_text import measured

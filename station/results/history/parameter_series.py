@@ -7,7 +7,7 @@ import numpy as np
 
 from fixtures_db.stored_calibrations import Run, turn_ons
 from procedures.arrays import FloatArray
-from procedures.history.parameter_series import CalibrationSeries
+from procedures.history.repeatability import CalibrationSeries
 from station.results.parameters_by_name import Parameter, applied, parameters
 from station.text.plural import plural
 

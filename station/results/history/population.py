@@ -1,7 +1,7 @@
 """population/1: which units of a model stand out, and which cubes, slabs, sites or operators shift a parameter.
 
 Two families of tests, each with half of `ALPHA`: all parameters of all units (Bonferroni over parameters, beside
-that over units in `procedures.history.unit_outliers`), and all parameters of all groups (Holm). The adjusted
+that over units in `procedures.history.population`), and all parameters of all groups (Holm). The adjusted
 p-values are doubled for it, so that a fleet in which nothing is off shows something with probability `ALPHA` at
 most.
 """
@@ -13,9 +13,8 @@ from typing import Any
 import numpy as np
 
 from fixtures_db.stored_calibrations import MADE_WITH, Run, turn_ons
-from procedures.history.group_shifts import GroupShift, group_shift
-from procedures.history.unit_outliers import judge_fleet, significant
-from procedures.statistics.multiple_testing import holm
+from procedures.history.population import GroupShift, group_shift, judge_fleet, significant
+from procedures.statistics.significance import holm
 from station.results.history.parameter_series import RunParameter, by_parameter, values_and_sigmas
 
 ALPHA = 0.05

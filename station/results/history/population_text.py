@@ -3,8 +3,7 @@
 from collections.abc import Iterator
 from typing import Any
 
-from procedures.history.group_shifts import MIN_UNITS_IN_BOTH
-from procedures.history.unit_outliers import MIN_UNITS
+from procedures.history.population import MIN_UNITS, MIN_UNITS_IN_BOTH
 from station.results.parameters_by_name import shown_scale, title_of
 from station.text.rounding import decimals
 from station.text.table import table_lines

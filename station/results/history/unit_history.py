@@ -9,17 +9,24 @@ import numpy as np
 from fixtures_db.calibration import utc_text
 from fixtures_db.model_limits import Limit
 from fixtures_db.stored_calibrations import Run, turn_ons
-from procedures.history.control_chart import MIN_EARLIER, ControlChart, control_chart, control_limit
-from procedures.history.parameter_series import CalibrationSeries
-from procedures.history.prediction import (
+from procedures.history.drift import (
     MAX_SPANS_AHEAD,
     MIN_CALIBRATIONS,
     Forecast,
     forecast,
     last_predictable_day,
 )
-from procedures.history.repeatability import CLUSTER_DAYS, Repeatability, turn_on_repeatability
-from procedures.statistics.multiple_testing import holm, two_sided
+from procedures.history.repeatability import (
+    CLUSTER_DAYS,
+    MIN_EARLIER,
+    CalibrationSeries,
+    ControlChart,
+    Repeatability,
+    control_chart,
+    control_limit,
+    turn_on_repeatability,
+)
+from procedures.statistics.significance import holm, two_sided
 from station.results.history.parameter_series import DAY_S, ParameterSeries, unit_series
 from station.results.parameters_by_name import applied, parameters, shifts
 from station.text.plural import plural

@@ -9,7 +9,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.diagnosis.channel_noise import ChannelNoise, channel_noise
 from procedures.diagnosis.held_samples import constant_channels, known_scales, records_at_rest
-from procedures.statistics.conditions.condition import Condition
+from procedures.statistics.noise_conditions import Condition
 from procedures.statistics.spectrum import Line
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.results.noise.noise_units import NoiseUnits, units_of

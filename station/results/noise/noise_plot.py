@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from procedures.frames import TRIADS
-from procedures.statistics.noise_terms import noise_shapes
+from procedures.statistics.allan_deviation import noise_shapes
 from station.files.atomic_file import replace_file
 from station.results.noise.noise_units import units_of
 from station.results.report.noise_figure import decade

@@ -9,10 +9,9 @@ from fixtures_db.model_limits import UNITS
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord
 from procedures.frames import ATTITUDES, face_of
-from procedures.planning.campaign_design import TURNS, Placing
-from procedures.planning.design_sigmas import NAMES
-from procedures.planning.sequential import NextPlacing
-from procedures.planning.wanted_sigmas import TIMES_USUAL, WantedSigmas
+from procedures.planning.campaign_design import TURNS, Placement
+from procedures.planning.design_sigmas import NAMES, TIMES_USUAL, WantedSigmas
+from procedures.planning.least_time import NextPlacement
 from procedures.units import PPM_PER_ONE, S_PER_MIN
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.results.parameters_by_name import title_of
@@ -34,20 +33,20 @@ class SigmaSoFar:
     ratio: float
 
 
-def placings_of(folder: Path) -> list[Placing]:
+def placings_of(folder: Path) -> list[Placement]:
     """Return the dwells and turns of a campaign's folder in the order of their times; raise as `read_campaign`."""
-    return [placing for _, placing in placings_in(read_campaign(folder).campaign)]
+    return [placing for _, placing in placements_in(read_campaign(folder).campaign)]
 
 
-def placings_in(campaign: Campaign) -> list[tuple[str, Placing]]:
+def placements_in(campaign: Campaign) -> list[tuple[str, Placement]]:
     """Return a campaign's dwells and turns by file, in the order of their times, with whether moves lead there."""
     numbers = {(step.axis, step.direction): i for i, step in enumerate(TURNS)}
     steps = [
-        (each.turn_on, float(each.series.t[0]), each.name, Placing(each.position, _seconds(each)))
+        (each.turn_on, float(each.series.t[0]), each.name, Placement(each.position, _seconds(each)))
         for each in campaign.dwells
     ]
     for turn in campaign.turns:
-        placing = Placing(turn.start_position, 0.0, numbers[turn.axis, turn.direction])
+        placing = Placement(turn.start_position, 0.0, numbers[turn.axis, turn.direction])
         steps.append((turn.turn_on, float(turn.series.t[0]), turn.name, placing))
     steps.sort(key=lambda step: step[:2])
     carried = {(move.before, move.after) for move in campaign.moves}
@@ -62,7 +61,7 @@ def _seconds(dwell: DwellRecord) -> float:
     return len(dwell.series) * dwell.series.period
 
 
-def continued_text(found: NextPlacing, asked: WantedSigmas, whole: WantedSigmas) -> str:
+def continued_text(found: NextPlacement, asked: WantedSigmas, whole: WantedSigmas) -> str:
     """Return how far each asked sigma is, how long it will take, and the next placing.
 
     ``whole`` is what is asked, and all else as well as it is to be solved: said where it alone is not met.

@@ -21,21 +21,21 @@ NEWEST = 20  # campaigns
 
 def hand_times(database: Database) -> tuple[HandTimes, str]:
     """Return how long placings and turns take on the median, and where that is from, in words."""
-    placings, turns = list[float](), list[float]()
+    placements, turns = list[float](), list[float]()
     with database.read() as session:
         for row in list(complete_campaigns(session))[-NEWEST:]:
             for step, seconds in _timed(row):
-                (turns if isinstance(step, Turn) else placings).append(seconds)
+                (turns if isinstance(step, Turn) else placements).append(seconds)
     usual = HandTimes()
-    if len(placings) < FEWEST_TIMES:
+    if len(placements) < FEWEST_TIMES:
         return (
             usual,
-            f"{usual.placing:g} s per placement as stated: {len(placings)} were timed here, {FEWEST_TIMES} are "
+            f"{usual.placing:g} s per placement as stated: {len(placements)} were timed here, {FEWEST_TIMES} are "
             "needed",
         )
-    placing = float(np.median(placings))
+    placing = float(np.median(placements))
     turn = float(np.median(turns)) if len(turns) >= FEWEST_TIMES else usual.turn
-    said = f"{placing:.0f} s per placement, the median of {len(placings)} of this station"
+    said = f"{placing:.0f} s per placement, the median of {len(placements)} of this station"
     return HandTimes(placing, placing * usual.move / usual.placing, turn), said
 
 

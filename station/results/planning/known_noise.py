@@ -12,7 +12,7 @@ from fixtures_db.schema import CampaignRow, ImuRow
 from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import CampaignFits, fit
 from procedures.errors import ProcedureError
-from procedures.planning.unit_noise import UnitNoise
+from procedures.planning.step_information import UnitNoise
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_campaign
 

@@ -8,12 +8,11 @@ import numpy as np
 from fixtures_db.model_limits import UNITS
 from procedures.arrays import FloatArray
 from procedures.frames import ATTITUDES, AXES, face_of
-from procedures.planning.campaign_design import CampaignDesign, Placing, usual_design
-from procedures.planning.design_sigmas import NAMES, DesignSigmas
+from procedures.planning.campaign_design import CampaignDesign, Placement, usual_design
+from procedures.planning.design_sigmas import IN_PLACE, NAMES, TIMES_USUAL, DesignSigmas, WantedSigmas
+from procedures.planning.identifiability import identifiable_effects
 from procedures.planning.least_time import PlannedCampaign
-from procedures.planning.told_effects import effects_told
-from procedures.planning.unit_noise import UnitNoise
-from procedures.planning.wanted_sigmas import IN_PLACE, TIMES_USUAL, WantedSigmas
+from procedures.planning.step_information import UnitNoise
 from procedures.units import PPM_PER_ONE, S_PER_H
 
 FORMAT = "planned/1"
@@ -32,7 +31,7 @@ def plan_document(
         "format": FORMAT,
         "minutes": round(found.design.minutes(hands), 2),
         "usual_minutes": round(usual.minutes(hands), 2),
-        "steps": [_step(at, sigmas) for at in found.design.placings],
+        "steps": [_step(at, sigmas) for at in found.design.placements],
         "effects": effect_table(sigmas, found.design),
         "sigmas": sigma_table(found.sigmas, asked, sigmas.of(usual)),
         "noise": noise_table(sigmas.steps.noise) | {"source": said["noise"]},
@@ -56,7 +55,10 @@ def sigma_table(found: FloatArray, asked: WantedSigmas, usual: FloatArray) -> li
 
 def effect_table(sigmas: DesignSigmas, design: CampaignDesign) -> list[dict[str, Any]]:
     """Return which effects of the instrument a diagnosis could tell by a design and by the usual one, moves in."""
-    told = [{one.name: one for one in effects_told(sigmas, each)} for each in (design, usual_design(moves=True))]
+    told = [
+        {one.name: one for one in identifiable_effects(sigmas, each)}
+        for each in (design, usual_design(moves=True))
+    ]
     return [
         {"effect": name}
         | {
@@ -93,7 +95,7 @@ def noise_table(noise: UnitNoise) -> dict[str, Any]:
     }
 
 
-def _step(at: Placing, sigmas: DesignSigmas) -> dict[str, Any]:
+def _step(at: Placement, sigmas: DesignSigmas) -> dict[str, Any]:
     if at.turn is not None:
         step = CampaignDesign((at,)).steps()[0]
         return {"kind": "turn", "name": step.name, "seconds": sigmas.steps.hands.turn}

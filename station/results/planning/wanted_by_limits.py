@@ -17,8 +17,7 @@ from fixtures_db.database import Database
 from fixtures_db.model_limits import Limit, covered, limits_of
 from fixtures_db.stored_calibrations import last_calibration
 from procedures.frames import TRIADS
-from procedures.planning.design_sigmas import NAMES
-from procedures.planning.wanted_sigmas import WantedSigmas, wanted
+from procedures.planning.design_sigmas import NAMES, WantedSigmas, wanted
 from procedures.units import PPM_PER_ONE
 from station.errors import DataRefused
 from station.files.limits_toml import PPM, limits_in, units_of

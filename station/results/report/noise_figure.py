@@ -15,9 +15,10 @@ from procedures.frames import AXES
 from procedures.statistics.allan_deviation import (
     MIN_SAMPLES,
     AllanDeviation,
+    NoiseTerm,
+    noise_terms,
     overlapping_deviation,
 )
-from procedures.statistics.noise_terms import NoiseTerm, noise_terms
 from procedures.units import DEG_H_PER_DEG_S, STANDARD_GRAVITY, UG_PER_G
 from station.results.report.svg import AXIS_STYLE, RULE, draw_svg
 from station.text.rounding import fixed, power_of_ten, significant

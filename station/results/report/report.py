@@ -10,7 +10,7 @@ from typing import Any
 from markupsafe import Markup
 
 from procedures.calibration.solution_values import FitQuality, Solution, TriadCalibration
-from procedures.calibration.unnoticed_leans import ANY_LEAN_RAD, UnnoticedLean
+from procedures.calibration.undetectable_tilt import ANY_TILT_RAD, UndetectableTilt
 from procedures.campaign.campaign import Campaign
 from procedures.frames import TRIADS
 from procedures.uncertainty.budget import ParameterBudget
@@ -113,7 +113,7 @@ def render(context: ReportContext) -> str:
         quality=solution.quality,
         summary=_summary(context),
         facts=_facts(solution),
-        seating=_detectable_seating(solution.unnoticed_leans),
+        seating=_detectable_seating(solution.undetectable_tilts),
         triads=[_triad(name, triad, context) for name in TRIADS if (triad := getattr(solution, name)) is not None],
         bench=bench_groups(solution, context.truth),
         budget_tables=_budget_tables(context.budgets),
@@ -178,13 +178,13 @@ def _summary(context: ReportContext) -> list[tuple[str, str]]:
     return rows
 
 
-def _detectable_seating(leans: Sequence[UnnoticedLean]) -> str:
+def _detectable_seating(leans: Sequence[UndetectableTilt]) -> str:
     """Say which seating error of the cube the residuals show, and what a smaller one does; nothing without one."""
     if not leans:
         return ""
     shown = [f"{each.lean / RAD_PER_ARCSEC:.0f}" for each in sorted(leans, key=attrgetter("lean"))]
-    shown = shown[: sum(each.lean <= ANY_LEAN_RAD for each in leans)]
-    hidden = sorted({each.position for each in leans if each.lean > ANY_LEAN_RAD})
+    shown = shown[: sum(each.lean <= ANY_TILT_RAD for each in leans)]
+    hidden = sorted({each.position for each in leans if each.lean > ANY_TILT_RAD})
     worst = max(leans, key=attrgetter("sigmas"))
     said = []
     if shown:
@@ -193,8 +193,8 @@ def _detectable_seating(leans: Sequence[UnnoticedLean]) -> str:
         said.append(
             f"No seating error is detected in position{'s' * (len(hidden) > 1)} {', '.join(map(str, hidden))}."
         )
-    is_any = worst.lean > ANY_LEAN_RAD
-    which = f"One of {ANY_LEAN_RAD / RAD_PER_ARCSEC:.0f} arcsec" if is_any else "A smaller one"
+    is_any = worst.lean > ANY_TILT_RAD
+    which = f"One of {ANY_TILT_RAD / RAD_PER_ARCSEC:.0f} arcsec" if is_any else "A smaller one"
     said.append(
         f"{which} in position {worst.position} can shift {worst.value} by up to {worst.sigmas:.1f} times its "
         f"standard uncertainty."

@@ -32,7 +32,7 @@ from fixtures_db.schema import CubeRow
 from procedures.arrays import FloatArray
 from procedures.tolerance.drawing_items import ITEMS, angles
 from procedures.tolerance.estimator_errors import ToleranceUnit
-from procedures.tolerance.set_aside_items import SET_ASIDE
+from procedures.tolerance.neglected_effects import SET_ASIDE
 from station.errors import DataRefused
 from station.files.toml_reading import read_tables, read_text_file
 

@@ -8,12 +8,26 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.tolerance.drawing_items import ITEMS, p1_tilts
-from procedures.tolerance.estimator_errors import ESTIMATOR_NAMES, EstimatorErrors, ToleranceUnit, estimator_errors
+from procedures.tolerance.estimator_errors import (
+    ESTIMATOR_NAMES,
+    Directions,
+    DrawnErrors,
+    EstimatorErrors,
+    ToleranceShape,
+    ToleranceUnit,
+    draw_errors,
+    estimator_errors,
+)
 from procedures.tolerance.improvements import RemedyGain, remedies, remedy_gain
-from procedures.tolerance.monte_carlo import Directions, DrawnErrors, ToleranceShape, draw_errors
-from procedures.tolerance.set_aside_items import SET_ASIDE, SetAsideCase, combined, set_aside_errors
-from procedures.tolerance.tolerances_for_accuracy import AllowedTolerance, allowed_tolerances
-from procedures.tolerance.worst_case import Quantity, all_errors, worst_case, worst_corner
+from procedures.tolerance.neglected_effects import SET_ASIDE, SetAsideCase, combined, set_aside_errors
+from procedures.tolerance.tolerances_for_accuracy import (
+    AllowedTolerance,
+    Quantity,
+    all_errors,
+    allowed_tolerances,
+    worst_case,
+    worst_corner,
+)
 from procedures.units import RAD_PER_DEG
 from station.results.tolerance.tolerance_inputs import Drawing
 

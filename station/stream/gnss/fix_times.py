@@ -17,7 +17,7 @@ import numpy as np
 from drivers.camera import CameraImage
 from drivers.can.wheel_reading import WheelReading
 from procedures.earth.gnss_records import GnssFix, TimeMark
-from procedures.statistics.robust_clock_line import TimeLine, fit_time_line
+from procedures.statistics.line_fits import TimeLine, fit_time_line
 
 REFIT_NS = 10**9
 REBOOT_NS = 10**9

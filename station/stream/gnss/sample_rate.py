@@ -12,7 +12,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from procedures.campaign.recorded_clock import MAX_CLOCK_PPM
+from procedures.campaign.campaign import MAX_CLOCK_PPM
 from procedures.counts.reference_time import ClockRate, fit_clock
 from procedures.error_codes import ErrorCode
 from station.errors import DataRefused

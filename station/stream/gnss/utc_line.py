@@ -4,7 +4,7 @@ from bisect import bisect_left
 
 import numpy as np
 
-from procedures.statistics.robust_clock_line import TimeLine, fit_earliest_line
+from procedures.statistics.line_fits import TimeLine, fit_earliest_line
 
 AROUND_NS = 30 * 10**9  # of a moment: the marks its time is taken from
 REFIT_NS = 10**9  # how old the newest line may be

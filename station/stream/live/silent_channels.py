@@ -7,7 +7,7 @@ import numpy as np
 
 from drivers.wire import FrameKind
 from procedures.arrays import BoolArray, FloatArray
-from procedures.campaign.stopped_channels import (
+from procedures.campaign.dead_channels import (
     MIN_CONSTANT_SAMPLES,
     MIN_EXPECTED_CHANGES,
     MIN_NOISE_LEVELS,

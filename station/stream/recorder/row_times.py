@@ -1,7 +1,7 @@
 """Reference time beside the rows of a recording: of those that came last in a chunk, as they came.
 
 Each is the reference's reading when the row was read, with the jitter of that reading, so that a fit over many of
-them (`procedures.campaign.recorded_clock`) sees how well they tell; a smooth line through them would hide it.
+them (`procedures.campaign.campaign`) sees how well they tell; a smooth line through them would hide it.
 
 Where the device tells how long before a sample a pulse (PPS) came, that pulse is the reference: a whole second,
 latched by the device itself to a microsecond. Which second it is says the reading of the first one, and the

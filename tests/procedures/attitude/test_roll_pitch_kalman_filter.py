@@ -10,7 +10,7 @@ from procedures.attitude.kalman_state import AIDED_SETTINGS, UNAIDED_SETTINGS
 from procedures.attitude.kalman_update import propagate
 from procedures.attitude.roll_pitch_kalman_filter import AttitudeKalmanFilter
 from procedures.attitude.strapdown_integration import align, integrate_sample
-from procedures.earth.gravity_and_rate import EARTH_RATE
+from procedures.earth.geodesy import EARTH_RATE
 from procedures.frames import rotation
 from tests.drivers.simulated.flight import paper_bench, paper_flight
 from tests.procedures.attitude.driving import driving

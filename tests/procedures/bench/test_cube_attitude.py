@@ -12,9 +12,8 @@ from procedures.bench.cube_attitude import (
     propagated,
     tilt_corrected,
 )
-from procedures.earth.cube_heading import earth_heading
-from procedures.earth.gravity_and_rate import EARTH_RATE
-from procedures.earth.gyrocompass import CertainDwell
+from procedures.earth.geodesy import EARTH_RATE
+from procedures.earth.gyrocompass import CertainDwell, earth_heading
 from procedures.frames import face_normal, face_of, rotation, vertical_rotation
 from procedures.units import RAD_S_PER_DEG_H
 from tests.procedures.independent import body_from_level

@@ -8,9 +8,8 @@ import pytest
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.calibration.joint_calibration import fit, report
-from procedures.calibration.second_order import second_order
-from procedures.calibration.triad_calibration import scale_misalignment_bias
-from procedures.dwells_and_turns.twelve_position import specific_force
+from procedures.calibration.triad_calibration import scale_misalignment_bias, second_order
+from procedures.twelve_positions.accelerometer_fit import specific_force
 from procedures.uncertainty.budget import budget
 from procedures.uncertainty.sources import SECOND_ORDER
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
-from procedures.counts.lines_within_counts import rate_within_counts
-from procedures.counts.shaken_dwells import shaken
+from procedures.counts.count_propagation import rate_within_counts
+from procedures.counts.dwell_means import shaken
 
 N = 160
 

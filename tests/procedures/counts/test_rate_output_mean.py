@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from procedures.counts.rate_output_mean import estimate_rates
+from procedures.counts.dwell_means import estimate_rates
 
 
 @pytest.mark.parametrize("seed", range(2))

@@ -8,7 +8,7 @@ import pytest
 from procedures.arrays import FloatArray
 from procedures.counts.reference_angle import SURE, lateness, mean_rates, unwrapped
 from procedures.counts.reference_time import fit_clock
-from procedures.statistics.line_with_correlated_errors import fit_correlated_line
+from procedures.statistics.line_fits import fit_correlated_line
 from tests.procedures.counts.recorded_delays import LAYOUTS, campaign, read_traces
 
 TRACES = read_traces()

@@ -8,8 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from procedures.arrays import FloatArray
-from procedures.counts.log_stamps import StampsGoBack, log_times
-from procedures.counts.sample_times import own_period, sample_times
+from procedures.counts.sample_times import StampsGoBack, log_times, own_period, sample_times
 from tests.refusals import refused
 
 PERIOD = 0.01006

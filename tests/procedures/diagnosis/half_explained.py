@@ -10,7 +10,7 @@ from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.result import Diagnosis
 from procedures.frames import AXES
 from procedures.uncertainty.budget import budget
-from procedures.uncertainty.given_values import GivenValues, Unexplained
+from procedures.uncertainty.sources import GivenValues, Unexplained
 from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, truth_of
 
 

@@ -4,13 +4,12 @@ import numpy as np
 import pytest
 
 from procedures.calibration.joint_calibration import report, solve
-from procedures.campaign.recorded_clock import clock_rate
+from procedures.campaign.campaign import clock_rate
 from procedures.diagnosis.clock_rate_check import find_clock, with_true_clock
 from procedures.diagnosis.diagnose import diagnose
 from procedures.uncertainty import sources
-from procedures.uncertainty.budget import budget
-from procedures.uncertainty.clock_rate_sigma import with_clock
-from procedures.uncertainty.given_values import GivenValues
+from procedures.uncertainty.budget import budget, with_clock
+from procedures.uncertainty.sources import GivenValues
 from tests.procedures.diagnosis.planted import planted, with_reference_time
 
 BASE = planted(1, dwell_s=10.0)

@@ -25,7 +25,7 @@ from procedures.diagnosis.linear_model import (
 )
 from procedures.diagnosis.residual_rows import Evidence, evidence_of
 from procedures.diagnosis.sign_flip_test import sign_flip_p
-from procedures.statistics.tail_probabilities import log_chi2_sf
+from procedures.statistics.significance import log_chi2_sf
 from tests.benchmarks.diagnosing.designs import certified, unit
 from tests.procedures.diagnosis.redrawn import made_up, redrawn, seen_by, small
 

@@ -19,7 +19,7 @@ from procedures.diagnosis.validation_campaigns import validate
 from procedures.effects import EFFECTS
 from procedures.uncertainty import sources
 from procedures.uncertainty.budget import ParameterBudget, budget
-from procedures.uncertainty.given_values import GivenValues, Unexplained
+from procedures.uncertainty.sources import GivenValues, Unexplained
 from tests.benchmarks.diagnosing.designs import certified, plain, unit
 from tests.procedures.diagnosis.half_explained import by_residual, expanded_bias, half_explained
 from tests.procedures.diagnosis.planted import wandering

@@ -3,9 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from procedures.earth.geodesy import LocalLevel
+from procedures.earth.geodesy import EARTH_RATE, LocalLevel, earth_rate_n, normal_gravity
 from procedures.earth.gnss_records import FixType, GnssFix, averaged_site
-from procedures.earth.gravity_and_rate import EARTH_RATE, earth_rate_n, normal_gravity
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from drivers.simulated.bench_in_memory import SimulatedBench
 from drivers.simulated.truth import Truth, imu_from_cube
 from procedures.arrays import FloatArray
 from procedures.campaign.plan_steps import Dwell
-from procedures.earth.gravity_and_rate import EARTH_RATE
+from procedures.earth.geodesy import EARTH_RATE
 from procedures.earth.gyrocompass import (
     CertainDwell,
     find_heading,

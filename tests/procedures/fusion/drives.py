@@ -11,7 +11,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
-from procedures.earth.gravity_and_rate import earth_rate_n
+from procedures.earth.geodesy import earth_rate_n
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries, Trajectory
 from procedures.fusion.wheel_speeds import WheelMount, WheelSpeeds
 

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
-from procedures.earth.gravity_and_rate import earth_rate_n
+from procedures.earth.geodesy import earth_rate_n
 from procedures.frames import rotation
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries, Trajectory
 from procedures.fusion.odometry import OdometryDrift, RecordedOdometry

@@ -4,9 +4,13 @@ import numpy as np
 import pytest
 from scipy.stats import norm, t
 
-from procedures.history.control_chart import MIN_EARLIER, control_chart, control_limit
-from procedures.history.parameter_series import CalibrationSeries
-from procedures.history.repeatability import turn_on_repeatability
+from procedures.history.repeatability import (
+    MIN_EARLIER,
+    CalibrationSeries,
+    control_chart,
+    control_limit,
+    turn_on_repeatability,
+)
 
 
 def unit(rng: np.random.Generator, n: int, turn_on: float, std: float = 1.0) -> CalibrationSeries:

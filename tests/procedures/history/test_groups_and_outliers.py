@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import t as student_t
 
-from procedures.history.group_shifts import GroupShift, group_shift
-from procedures.history.unit_outliers import judge_fleet, significant
+from procedures.history.population import GroupShift, group_shift, judge_fleet, significant
 
 INSIDE = np.array([False, False, True, True])
 

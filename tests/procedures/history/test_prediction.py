@@ -5,9 +5,15 @@ from functools import cache
 import numpy as np
 import pytest
 
-from procedures.history.drift_models import NormalMixture, ProcessHypotheses, filtered
-from procedures.history.parameter_series import CalibrationSeries
-from procedures.history.prediction import MIN_CALIBRATIONS, TAIL_PROBABILITY, forecast
+from procedures.history.drift import (
+    MIN_CALIBRATIONS,
+    TAIL_PROBABILITY,
+    NormalMixture,
+    ProcessHypotheses,
+    filtered,
+    forecast,
+)
+from procedures.history.repeatability import CalibrationSeries
 from tests.procedures.history.worlds import WORLDS
 
 UNITS = 40

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.history.parameter_series import CalibrationSeries
+from procedures.history.repeatability import CalibrationSeries
 
 
 @dataclass(frozen=True)

@@ -5,11 +5,9 @@ import numpy as np
 from procedures.campaign.campaign import Campaign, Fixture, ProcedureSigma, Site
 from procedures.frames import ATTITUDES, AXES
 from procedures.planning.campaign_design import CampaignDesign, of_positions
-from procedures.planning.design_sigmas import DesignSigmas
-from procedures.planning.step_information import StepInformation
-from procedures.planning.unit_noise import UnitNoise
-from procedures.planning.wanted_sigmas import WantedSigmas, wanted
-from tests.procedures.dwells_and_turns.carried_cube import ARW, HEADING, LATITUDE, SEAT, WANDER_DEG_S
+from procedures.planning.design_sigmas import DesignSigmas, WantedSigmas, wanted
+from procedures.planning.step_information import StepInformation, UnitNoise
+from tests.procedures.twelve_positions.carried_cube import ARW, HEADING, LATITUDE, SEAT, WANDER_DEG_S
 
 ARCSEC = np.pi / 180 / 3600
 OFF_DIAGONAL = [4, 5, 6, 8, 9, 10]  # of E, in k, E, D

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from procedures.calibration.triad_calibration import triad_vector
-from procedures.dwells_and_turns.gyroscopes_joint_fit import solve_gyroscope
-from procedures.dwells_and_turns.twelve_position import solve_accelerometer
 from procedures.frames import POSITIONS
 from procedures.planning.campaign_design import HandTimes, usual_design
 from procedures.planning.design_sigmas import OF_TRIAD
-from procedures.planning.told_effects import ToldEffect, effects_told
-from tests.procedures.dwells_and_turns.carried_cube import campaign
+from procedures.planning.identifiability import IdentifiableEffect, identifiable_effects
+from procedures.twelve_positions.accelerometer_fit import solve_accelerometer
+from procedures.twelve_positions.gyroscope_fit import solve_gyroscope
 from tests.procedures.planning.bench_of_moves import ARCSEC, HALVES, OFF_DIAGONAL, D, E, K, bench, order, rms, unit
+from tests.procedures.twelve_positions.carried_cube import campaign
 
 
 def of_gyroscopes(found: np.ndarray) -> tuple[float, float, float]:
@@ -68,14 +68,14 @@ def test_turns_and_longer_dwells_make_no_sigma_larger() -> None:
     engine = bench(unit())
     short, long = engine.of(order(HALVES, 50.0)), engine.of(order(HALVES, 100.0))
     with_turns = engine.of(
-        replace(usual_design(), placings=(*order(HALVES).placings, *usual_design().placings[12:]))
+        replace(usual_design(), placements=(*order(HALVES).placements, *usual_design().placements[12:]))
     )
     assert np.all(long <= short * (1 + 1e-9))
     assert np.all(with_turns <= long * (1 + 1e-6))
 
 
-def told(design) -> dict[str, ToldEffect]:
-    return {one.name: one for one in effects_told(bench(unit()), design)}
+def told(design) -> dict[str, IdentifiableEffect]:
+    return {one.name: one for one in identifiable_effects(bench(unit()), design)}
 
 
 def test_twelve_placings_and_turns_tell_what_is_known_that_they_do() -> None:
@@ -84,14 +84,16 @@ def test_twelve_placings_and_turns_tell_what_is_known_that_they_do() -> None:
     assert not usual["accelerometer.quadratic"].is_told
     assert not usual["accelerometer.cubic"].is_told
     assert usual["accelerometer.bias_drift"].is_told
-    assert usual["gyroscope.g_sensitivity"] == ToldEffect("gyroscope.g_sensitivity", True)
+    assert usual["gyroscope.g_sensitivity"] == IdentifiableEffect("gyroscope.g_sensitivity", True)
     assert usual["gyroscope.scale_asymmetry"].is_told
     assert "gyroscope.bias_temperature" not in usual  # nobody plans temperatures
 
 
 def test_turns_one_way_alone_do_not_tell_an_asymmetry_and_no_turn_tells_nothing_of_scale() -> None:
     usual = usual_design(moves=False)
-    one_way = replace(usual, placings=tuple(at for at in usual.placings if at.turn is None or at.turn % 2 == 0))
+    one_way = replace(
+        usual, placements=tuple(at for at in usual.placements if at.turn is None or at.turn % 2 == 0)
+    )
     assert not told(one_way)["gyroscope.scale_asymmetry"].is_told
     assert not told(replace(order(list(POSITIONS)), moves=False))["gyroscope.scale_asymmetry"].is_told
 

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from procedures.frames import POSITIONS
-from procedures.planning.campaign_design import TURN_PLACINGS, CampaignDesign, Placing, of_positions
+from procedures.planning.campaign_design import ROTATION_PLACEMENTS, CampaignDesign, Placement, of_positions
+from procedures.planning.design_sigmas import WantedSigmas
 from procedures.planning.order_search import OrderSearch, flips
-from procedures.planning.wanted_sigmas import WantedSigmas
 from tests.procedures.planning.bench_of_moves import ARCSEC, accelerometer_bias, bench, gyroscopes, unit
 
 
@@ -39,8 +39,10 @@ def test_an_order_has_a_scale_factor_of_2_2_ppm_and_a_misalignment_of_1_8_arcsec
 def test_the_scores_of_exchanges_are_those_of_whole_designs_with_turns_after_them() -> None:
     engine, asked = bench(unit()), gyroscopes(k=2e-6, misalignment=ARCSEC, bias=0.01)
     for moves in (False, True):
-        found, score = OrderSearch(engine, asked, 60.0, tail=TURN_PLACINGS, moves=moves).best(6, beginnings=2)
-        assert found.placings[6:] == TURN_PLACINGS
+        found, score = OrderSearch(engine, asked, 60.0, tail=ROTATION_PLACEMENTS, moves=moves).best(
+            6, beginnings=2
+        )
+        assert found.placements[6:] == ROTATION_PLACEMENTS
         assert score == pytest.approx(float(asked.score(engine.of(found))), rel=1e-5)
 
 
@@ -55,7 +57,7 @@ CAN = flips()
 
 
 def designs(
-    n: int, head: Sequence[Placing] = (), tail: Sequence[Placing] = (), moves: bool = True
+    n: int, head: Sequence[Placement] = (), tail: Sequence[Placement] = (), moves: bool = True
 ) -> list[CampaignDesign]:
     """Return every order of ``n`` dwells that goes by flips, between what stands before and after."""
     before = tuple(at.position for at in head[-1:])
@@ -65,7 +67,7 @@ def designs(
         if all(CAN[a - 1, b - 1] for a, b in itertools.pairwise((*before, *order)))
     ]  # fmt: skip
     assert len(orders) > 5
-    return [CampaignDesign((*head, *(Placing(p, SECONDS) for p in order), *tail), moves) for order in orders]
+    return [CampaignDesign((*head, *(Placement(p, SECONDS) for p in order), *tail), moves) for order in orders]
 
 
 def score(design: CampaignDesign, asked: WantedSigmas = ASKED) -> float:
@@ -74,11 +76,11 @@ def score(design: CampaignDesign, asked: WantedSigmas = ASKED) -> float:
 
 ENDS = {
     "nothing": ((), ()),
-    "dwells before": ((Placing(2, 30.0), Placing(1, 70.0)), ()),
-    "a turn before": ((Placing(2, 30.0), TURN_PLACINGS[0]), ()),
-    "turns after": ((), TURN_PLACINGS),
-    "two turns after": ((), (TURN_PLACINGS[4], TURN_PLACINGS[1])),
-    "both": ((Placing(12, 55.0),), TURN_PLACINGS[2:4]),
+    "dwells before": ((Placement(2, 30.0), Placement(1, 70.0)), ()),
+    "a turn before": ((Placement(2, 30.0), ROTATION_PLACEMENTS[0]), ()),
+    "turns after": ((), ROTATION_PLACEMENTS),
+    "two turns after": ((), (ROTATION_PLACEMENTS[4], ROTATION_PLACEMENTS[1])),
+    "both": ((Placement(12, 55.0),), ROTATION_PLACEMENTS[2:4]),
 }
 
 
@@ -91,7 +93,7 @@ def test_the_best_of_all_orders_is_found_with_its_score(ends: str, moves: bool) 
     found, said = search.best(3, beginnings=25)
     every = designs(3, head, tail, moves)
     least = min(score(each, asked) for each in every)
-    assert found.placings in [each.placings for each in every]
+    assert found.placements in [each.placements for each in every]
     assert found.moves == moves
     assert score(found, asked) == pytest.approx(least, rel=1e-5)
     assert said == pytest.approx(score(found, asked), rel=1e-6)

@@ -1,11 +1,10 @@
 import numpy as np
 import pytest
 
-from procedures.planning.campaign_design import CampaignDesign, HandTimes, Placing, usual_design
-from procedures.planning.least_time import FEWEST, least_time
+from procedures.planning.campaign_design import CampaignDesign, HandTimes, Placement, usual_design
+from procedures.planning.design_sigmas import with_all_solved
+from procedures.planning.least_time import FEWEST, least_time, next_placement
 from procedures.planning.order_search import OrderSearch
-from procedures.planning.sequential import next_placing
-from procedures.planning.wanted_sigmas import with_all_solved
 from tests.procedures.planning.bench_of_moves import accelerometer_bias, bench, gyroscopes, unit
 
 ENGINE = bench(unit())
@@ -17,15 +16,15 @@ def planned() -> CampaignDesign:
     return least_time(ENGINE, ASKED, turns=False).design
 
 
-def campaign() -> tuple[list[Placing], list[float]]:
+def campaign() -> tuple[list[Placement], list[float]]:
     """Follow the rule to its end; return what was done and how much was said to be left each time."""
-    done, left = list[Placing](), list[float]()
+    done, left = list[Placement](), list[float]()
     while True:
-        now = next_placing(ENGINE, ASKED, done)
+        now = next_placement(ENGINE, ASKED, done)
         left.append(now.seconds)
         if now.placing is None:
             return done, left
-        assert now.placing == now.way.placings[len(done)]  # what was done stands first in it
+        assert now.placing == now.way.placements[len(done)]  # what was done stands first in it
         done.append(now.placing)
         assert len(done) < 20
 
@@ -43,17 +42,17 @@ def test_step_by_step_it_takes_hardly_longer_than_the_plan_and_stops_when_all_is
 
 
 def test_what_was_done_stays_and_its_score_is_that_of_the_whole() -> None:
-    head = [Placing(1, 30.0), Placing(3, 70.0)]
+    head = [Placement(1, 30.0), Placement(3, 70.0)]
     asked = gyroscopes(k=3e-6, bias=0.02).and_also(accelerometer_bias(2e-7))
     found, score = OrderSearch(ENGINE, asked, 40.0, head=head).best(6, beginnings=2)
-    assert found.placings[:2] == tuple(head)
-    assert not {1, 3} & {at.position for at in found.placings[2:]}
+    assert found.placements[:2] == tuple(head)
+    assert not {1, 3} & {at.position for at in found.placements[2:]}
     assert score == pytest.approx(float(asked.score(ENGINE.of(found))), rel=1e-4)
 
 
 def test_what_cannot_be_reached_is_said() -> None:
-    done = [Placing(position, 50.0) for position in (1, 3, 6, 8)]
-    found = next_placing(ENGINE, gyroscopes(bias=1e-4), done)
+    done = [Placement(position, 50.0) for position in (1, 3, 6, 8)]
+    found = next_placement(ENGINE, gyroscopes(bias=1e-4), done)
     assert not found.is_reachable
     assert found.placing is not None
     assert np.isfinite(found.seconds)

@@ -4,11 +4,18 @@ import numpy as np
 import pytest
 
 from procedures.planning import least_time as planning
-from procedures.planning import order_search, sequential
+from procedures.planning import order_search
 from procedures.planning.campaign_design import HandTimes, of_positions, usual_design
-from procedures.planning.dwell_lengths import SHORTEST_S, equal_lengths, is_met
-from procedures.planning.least_time import FEWEST, least_time, most_in_time, planned
-from procedures.planning.wanted_sigmas import WantedSigmas, as_good_as, with_all_solved
+from procedures.planning.design_sigmas import WantedSigmas, as_good_as, with_all_solved
+from procedures.planning.least_time import (
+    FEWEST,
+    SHORTEST_S,
+    equal_lengths,
+    is_met,
+    least_time,
+    most_in_time,
+    planned,
+)
 from tests.procedures.planning.bench_of_moves import accelerometer_bias, bench, gyroscopes, unit
 from tests.refusals import refused
 
@@ -20,11 +27,10 @@ SHORTEST = 10.0  # s, of a dwell
 
 @pytest.fixture
 def few(monkeypatch: pytest.MonkeyPatch) -> None:
-    for module in (planning, sequential):
-        monkeypatch.setattr(module, "FEWEST", 3)
-        monkeypatch.setattr(module, "MOST", 4)
-        monkeypatch.setattr(module, "SCANNED", 2)
-    monkeypatch.setattr(order_search, "PLACINGS_OF_BEGINNINGS", 9)
+    monkeypatch.setattr(planning, "FEWEST", 3)
+    monkeypatch.setattr(planning, "MOST", 4)
+    monkeypatch.setattr(planning, "SCANNED", 2)
+    monkeypatch.setattr(order_search, "PLACEMENTS_OF_STARTS", 9)
 
 
 def times(asked: WantedSigmas, factor: float) -> WantedSigmas:
@@ -53,7 +59,7 @@ def test_the_shortest_campaign_meets_what_is_wanted_and_none_of_its_dwells_can_b
     found = least_time(ENGINE, BIAS, turns=turns)
     assert found.is_met
     assert 3 <= len(found.design.positions) <= 4
-    lengths = [at.seconds for at in found.design.placings if at.turn is None]
+    lengths = [at.seconds for at in found.design.placements if at.turn is None]
     for i, seconds in enumerate(lengths):
         if seconds > SHORTEST:
             shorter = [s - 5.0 * (j == i) for j, s in enumerate(lengths)]
@@ -87,7 +93,7 @@ def test_in_given_minutes_more_is_known_than_by_the_usual_campaign_cut_short() -
     found = most_in_time(ENGINE, asked, minutes)
     assert found.design.minutes(HandTimes()) <= minutes
     assert asked.worst(found.sigmas) < asked.worst(cut)
-    assert min(at.seconds for at in found.design.placings) >= SHORTEST_S
+    assert min(at.seconds for at in found.design.placements) >= SHORTEST_S
     assert len(found.design.positions) >= FEWEST
 
 

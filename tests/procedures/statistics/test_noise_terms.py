@@ -2,8 +2,7 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
-from procedures.statistics.allan_deviation import overlapping_deviation
-from procedures.statistics.noise_terms import TERMS, noise_terms
+from procedures.statistics.allan_deviation import TERMS, noise_terms, overlapping_deviation
 
 
 @pytest.mark.parametrize("seed", range(2))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from procedures.statistics.robust_clock_line import fit_earliest_line
+from procedures.statistics.line_fits import fit_earliest_line
 
 NS = 10**9
 

@@ -4,14 +4,16 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from procedures.statistics.multiple_testing import holm, two_sided
-from procedures.statistics.small_sample_outlier import (
+from procedures.statistics.significance import (
     TauSums,
+    holm,
+    log_chi2_sf,
+    log_f_sf,
     tail_probabilities,
     tau_levels,
     tau_terms,
+    two_sided,
 )
-from procedures.statistics.tail_probabilities import log_chi2_sf, log_f_sf
 
 
 @pytest.mark.parametrize("k", [1, 2, 3, 9, 40])

@@ -6,9 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from procedures.uncertainty.excess_scatter import unexplained, unexplained_within
+from procedures.uncertainty.excess_scatter import TemperatureEffect, unexplained, unexplained_within
 from procedures.uncertainty.sources import UNEXPLAINED, SourceCell
-from procedures.uncertainty.temperature import TemperatureEffect
 
 SEEN = np.array([True, True, False])
 

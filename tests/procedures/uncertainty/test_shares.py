@@ -8,13 +8,18 @@ import pytest
 from procedures.calibration.joint_calibration import CampaignFits, fit
 from procedures.campaign.campaign import ProcedureSigma
 from procedures.counts.sample_records import CountSeries, RateSeries
-from procedures.dwells_and_turns.latitude_and_time_base import clock_on_accelerometer, clock_on_moves
+from procedures.twelve_positions.gyroscope_fit import clock_on_accelerometer, clock_on_moves
 from procedures.uncertainty import sources
-from procedures.uncertainty.excess_scatter import unexplained
-from procedures.uncertainty.noise_and_quantisation import durations_s, noise_dof, white_variance
-from procedures.uncertainty.row_variance import gyroscope_shares, joint_shares, scatter_dof
+from procedures.uncertainty.excess_scatter import TemperatureEffect, unexplained
+from procedures.uncertainty.row_variance import (
+    durations_s,
+    gyroscope_shares,
+    joint_shares,
+    noise_dof,
+    scatter_dof,
+    white_variance,
+)
 from procedures.uncertainty.sources import Shares
-from procedures.uncertainty.temperature import TemperatureEffect
 from tests.procedures.diagnosis.planted import planted
 
 

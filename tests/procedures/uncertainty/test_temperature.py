@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from procedures.statistics.least_squares import Fit
-from procedures.uncertainty.temperature import temperature_effect
+from procedures.uncertainty.excess_scatter import temperature_effect
 
 ROWS = 10
 

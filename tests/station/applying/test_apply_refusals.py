@@ -79,9 +79,9 @@ def test_rates_in_another_unit_than_the_calibrations_are_refused(
 ) -> None:
     known = calibration_file(tmp_path, unit="output")
     columns = {names.format(n) if n in NAMES[:3] else n: c for n, c in COLUMNS.items()}
-    told = ("--gyro", ",".join(map(names.format, NAMES[:3])), *options)
+    stated = ("--gyro", ",".join(map(names.format, NAMES[:3])), *options)
     result = apply(
-        write_csv(tmp_path / "a.csv", columns), "--calibration", known, "--out", tmp_path / "o.npz", *told
+        write_csv(tmp_path / "a.csv", columns), "--calibration", known, "--out", tmp_path / "o.npz", *stated
     )
     assert said in str(refusal(result))
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
+from station.calibrated.applied_calibration import CalibrationModel
 from station.calibrated.calibrated_stream import BLOCK, CalibratedStream
-from station.calibrated.calibration_applied import CalibrationModel
 from station.errors import DataRefused
 from tests.refusals import refused
 from tests.station.calibrated.test_calibration_applied import OMEGA, F, calibration, effect, put_out

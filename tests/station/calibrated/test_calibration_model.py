@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from station.calibrated.calibration_applied import calibrated_inputs
-from station.calibrated.surroundings import Surroundings
+from station.calibrated.applied_calibration import calibrated_inputs
+from station.calibrated.correction_inputs import Surroundings
 
 
 def triad(k: float, bias: tuple[float, float, float]) -> dict[str, Any]:

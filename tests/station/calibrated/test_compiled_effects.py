@@ -8,12 +8,9 @@ import pytest
 from procedures.arrays import FloatArray
 from procedures.effects import EFFECTS
 from procedures.effects.effect import PLAY, TAU
-from station.calibrated.calibration_applied import CalibrationModel
-from station.calibrated.compiled_effects import is_compiled
-from station.calibrated.effect_entries import LOST, TRANSIENT_EFFECTS
-from station.calibrated.own_effects_applied import added_by, excitation
-from station.calibrated.surroundings import Surroundings
-from station.calibrated.temperature_signals import TemperatureFollower
+from station.calibrated.applied_calibration import CalibrationModel
+from station.calibrated.applied_effects import LOST, TRANSIENT_EFFECTS, added_by, excitation, is_compiled
+from station.calibrated.correction_inputs import Surroundings, TemperatureFollower
 from tests.station.calibrated.test_calibration_applied import calibration, effect
 
 N = 500

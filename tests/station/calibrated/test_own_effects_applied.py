@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from procedures.effects.temperature_history import lagged
-from station.calibrated.calibration_applied import calibrated_inputs
-from station.calibrated.surroundings import Surroundings
-from station.calibrated.temperature_signals import TemperatureFollower
+from station.calibrated.applied_calibration import calibrated_inputs
+from station.calibrated.correction_inputs import Surroundings, TemperatureFollower
 from station.errors import DataRefused
 from tests.refusals import refused
 

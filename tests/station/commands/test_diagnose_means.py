@@ -12,7 +12,7 @@ from station.errors import DataRefused
 from station.files.logs import read_log
 from station.files.logs.log_columns import ToldColumns
 from station.files.logs.means_table import means_of
-from tests.procedures.rests_and_moves.test_pose_means import BIAS, SIX, K, directions, outputs
+from tests.procedures.free_positions.test_pose_means import BIAS, SIX, K, directions, outputs
 from tests.refusals import refused
 
 G = 9.80665

@@ -13,8 +13,8 @@ from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import turn_steps
 from station import cli
-from station.calibrated.calibration_applied import calibrated_inputs
-from station.calibrated.surroundings import Surroundings
+from station.calibrated.applied_calibration import calibrated_inputs
+from station.calibrated.correction_inputs import Surroundings
 from station.errors import DataRefused
 from station.files.effect_file import read_effect
 from tests.refusals import refused

@@ -22,7 +22,7 @@ from tests.station.commands.transcripts import TextFile, transcript
 def leaves(command: Command, path: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
     """Yield the words of every command that does something, each of which takes ``--db``."""
     module, words = importlib.import_module(command.module), (*path, command.name)
-    if not hasattr(module, "COMMANDS"):
+    if hasattr(module, command.function):
         assert inspect.signature(getattr(module, command.function)).parameters["db"].annotation == Database
         yield words
         return

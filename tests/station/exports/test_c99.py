@@ -13,7 +13,7 @@ import pytest
 
 from procedures.units import STANDARD_GRAVITY
 from station import cli
-from station.calibrated.calibration_applied import calibrated_inputs
+from station.calibrated.applied_calibration import calibrated_inputs
 from station.errors import DataRefused
 from station.exports import EXPORTS, Request
 from tests.refusals import refused

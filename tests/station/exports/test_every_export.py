@@ -16,7 +16,7 @@ from fixtures_db.hash_chain import GENESIS
 from procedures.arrays import FloatArray
 from procedures.calibration.solution_values import Estimate, FitQuality, Solution, TriadCalibration
 from procedures.campaign.plan_steps import Dwell
-from procedures.earth.gravity_and_rate import earth_rate_n
+from procedures.earth.geodesy import earth_rate_n
 from procedures.frames import face_normal, face_of, nominal_C_lb
 from procedures.units import STANDARD_GRAVITY
 from station import cli

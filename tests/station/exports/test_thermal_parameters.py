@@ -11,7 +11,7 @@ import pytest
 
 from procedures.units import RAD_PER_DEG, STANDARD_GRAVITY
 from station.exports import EXPORTS, Request
-from station.exports.parameter_lists import ARDUPILOT, MAX_NAME, PX4
+from station.exports.flight_stacks import ARDUPILOT, MAX_NAME, PX4
 from tests.station.calibrated.test_calibration_applied import D_A, D_G, K_A, K_G, calibration, effect
 from tests.station.exports.every_effect import every_effect, with_facts
 

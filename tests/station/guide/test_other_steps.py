@@ -14,9 +14,9 @@ from drivers.wire import WireFormat
 from drivers.wire.counts import FORMAT as COUNTS
 from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak
 from procedures.error_codes import ErrorCode
-from procedures.rests_and_moves.free_attitudes import UP_DIRECTIONS, angle_deg, up_vector
+from procedures.free_positions.free_attitudes import UP_DIRECTIONS, angle_deg, up_vector
+from station.calibrated import InUse
 from station.calibrated.calibration_choice import AppliedCalibration
-from station.calibrated.calibration_in_use import InUse
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.sha256sums import verify_folder

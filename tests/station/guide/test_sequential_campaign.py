@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from procedures.campaign.plan_steps import Dwell
-from procedures.planning.campaign_design import CampaignDesign, Placing
-from procedures.planning.sequential import NextPlacing
+from procedures.planning.campaign_design import CampaignDesign, Placement
+from procedures.planning.least_time import NextPlacement
 from station.files.campaign_folder.notes import WantedRecord
 from station.guide.campaign import sequential_campaign
 from station.guide.campaign.accepted_steps import AcceptedDwell
@@ -28,17 +28,19 @@ WANTED = WantedRecord(
 def ruled(monkeypatch: pytest.MonkeyPatch) -> None:
     """A rule that is no search: `ASKED` in turn for 20 s, three are enough once the third has lasted 12 s."""
 
-    def following(_sigmas: object, _wanted: object, done: list[Placing], *, goes_on: bool = False) -> NextPlacing:
+    def following(
+        _sigmas: object, _wanted: object, done: list[Placement], *, goes_on: bool = False
+    ) -> NextPlacement:
         so_far, sigmas = CampaignDesign(tuple(done)), np.full(30, np.inf)
         if len(done) >= 3 and not goes_on:
-            return NextPlacing(None, 0.0, sigmas, so_far)
-        placing = Placing(ASKED[len(done)], 20.0)
-        return NextPlacing(placing, 65.0, sigmas, CampaignDesign((*done, placing)))
+            return NextPlacement(None, 0.0, sigmas, so_far)
+        placing = Placement(ASKED[len(done)], 20.0)
+        return NextPlacement(placing, 65.0, sigmas, CampaignDesign((*done, placing)))
 
     def is_enough(_sigmas: object, _wanted: object, so_far: CampaignDesign) -> bool:
-        return len(so_far.positions) == 3 and so_far.placings[-1].seconds >= 12
+        return len(so_far.positions) == 3 and so_far.placements[-1].seconds >= 12
 
-    monkeypatch.setattr(sequential_campaign, "next_placing", following)
+    monkeypatch.setattr(sequential_campaign, "next_placement", following)
     monkeypatch.setattr(sequential_campaign, "is_enough", is_enough)
 
 
@@ -95,9 +97,9 @@ def test_a_unit_of_which_nothing_is_known_shows_its_noise_in_the_first_two_minut
 
 def done(*, carried: bool = True) -> SequentialCampaign:
     """Return a campaign of seven placings of 45 s."""
-    placings = [replace(at, is_carried=carried) for at in order(HALVES[:7], 45.0).placings]
+    placements = [replace(at, is_carried=carried) for at in order(HALVES[:7], 45.0).placements]
     return SequentialCampaign(
-        bench(unit()).steps.campaign, WANTED, [(f"step {i}", at) for i, at in enumerate(placings)]
+        bench(unit()).steps.campaign, WANTED, [(f"step {i}", at) for i, at in enumerate(placements)]
     )
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import Dwell, Monitor, Turn
-from procedures.dwells_and_turns.brisk_moves import MAX_CONING_RAD, coning_of, long_enough_s
+from procedures.twelve_positions.placement_transfers import MAX_CONING_RAD, coning_of, long_enough_s
 from procedures.units import RAD_PER_ARCSEC
 from station.files.campaign_folder import notes
 from station.files.campaign_folder.campaign_reading import read_campaign

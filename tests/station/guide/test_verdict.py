@@ -10,8 +10,8 @@ import pytest
 from fixtures_db.calibration import calibration_document
 from fixtures_db.hash_chain import GENESIS
 from fixtures_db.model_limits import Limit, each_axis
-from procedures.dwells_and_turns.twelve_position import is_determined
 from procedures.frames import FACES, face_normal, face_of
+from procedures.twelve_positions.accelerometer_fit import is_determined
 from procedures.uncertainty.budget import combined_budget
 from procedures.uncertainty.sources import HEADING, SourceCell
 from station.guide.campaign.checklist import why_not_solvable

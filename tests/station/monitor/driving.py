@@ -17,9 +17,9 @@ from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack
 from procedures.earth.gnss_records import AirData, GnssFix, TimeMark
 from procedures.fusion.visual_alignment.camera_time import CameraTimeOffset
-from station.calibrated.body_axes import DEFAULT_AXES, body_axes
+from station.calibrated import InUse
 from station.calibrated.calibration_choice import AppliedCalibration
-from station.calibrated.calibration_in_use import InUse
+from station.calibrated.output_frame import DEFAULT_AXES, body_axes
 from station.files.mcap_files.fix_reader import Record
 from station.files.mcap_files.fix_writer import FixWriter
 from station.locate.live_camera import LiveCamera

@@ -6,8 +6,8 @@ from typing import Any
 
 from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
+from station.calibrated import InUse
 from station.calibrated.calibration_choice import AppliedCalibration
-from station.calibrated.calibration_in_use import InUse
 from station.monitor.monitor import Monitor, MonitorOptions
 from station.monitor.recording import MonitorRecording
 from station.monitor.view import MonitorVerb, MonitorView

@@ -16,8 +16,8 @@ from fixtures_db.database import open_db
 from procedures.campaign.campaign import UNKNOWN
 from procedures.error_codes import ErrorCode
 from procedures.frames import nominal_C_lb
-from station.calibrated.body_axes import body_axes
 from station.calibrated.calibration_choice import find_calibration
+from station.calibrated.output_frame import body_axes
 from station.errors import DataRefused
 from station.files.mcap_files import read_step
 from station.monitor.alarms import Alarm

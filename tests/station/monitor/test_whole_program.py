@@ -16,7 +16,7 @@ from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from station import cli
-from station.calibrated.body_axes import body_axes
+from station.calibrated.output_frame import body_axes
 from station.files.sha256sums import verify_folder
 from station.monitor import readers_beside
 from tests.patience import paced

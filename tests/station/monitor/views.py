@@ -2,7 +2,7 @@
 
 import math
 
-from station.calibrated.calibration_in_use import InUse
+from station.calibrated import InUse
 from station.live_attitude.readings import (
     AttitudeReading,
     LawReading,

@@ -12,8 +12,8 @@ from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from procedures.campaign.campaign import UNKNOWN
 from procedures.counts.sample_records import SampleBlock, joined_blocks
+from station.calibrated import InUse
 from station.calibrated.calibration_choice import AppliedCalibration
-from station.calibrated.calibration_in_use import InUse
 from station.sending.live_samples import LiveSamples
 from station.sending.samples import CalibratedSamples
 from station.stream.live.live_feed import open_feed

@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from procedures.earth.gravity_and_rate import earth_rate_n
+from procedures.earth.geodesy import earth_rate_n
 from procedures.frames import rotation
 from procedures.fusion.alignment.alignment_attempts import align_when_possible
 from procedures.fusion.alignment.alignment_in_motion import MovingAligner

@@ -12,7 +12,7 @@ from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import fit, report, solve
 from procedures.uncertainty.budget import budget
-from procedures.uncertainty.given_values import EXACT
+from procedures.uncertainty.sources import EXACT
 from station import cli
 from station.files.campaign_folder.campaign_reading import read_campaign
 from tests.station.campaign_writing import write_campaign

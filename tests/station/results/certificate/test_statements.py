@@ -11,7 +11,7 @@ import pytest
 from fixtures_db.database import open_db
 from fixtures_db.model_limits import Limit
 from procedures.diagnosis.result import Verdict
-from procedures.dwells_and_turns.bench_parameters import SLAB_TILT_RANGE_RAD
+from procedures.twelve_positions.bench_parameters import SLAB_TILT_RANGE_RAD
 from procedures.uncertainty.sources import SOURCES
 from station.errors import DataRefused
 from station.results.certificate.conformity import LimitComparison, conformity, greatest_risk, printed

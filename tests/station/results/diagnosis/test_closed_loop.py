@@ -11,8 +11,8 @@ from drivers.simulated.truth import Truth
 from procedures.calibration.joint_calibration import report
 from procedures.diagnosis.diagnose import diagnose
 from procedures.units import STANDARD_GRAVITY
-from station.calibrated.calibration_applied import calibrated_inputs
-from station.calibrated.surroundings import Surroundings
+from station.calibrated.applied_calibration import calibrated_inputs
+from station.calibrated.correction_inputs import Surroundings
 from station.files.campaign_folder.campaign_reading import read_for_solve
 from station.results.diagnosis import closed_loop
 from station.results.diagnosis.closed_loop import close_loop
@@ -64,7 +64,7 @@ def test_in_the_dwell_that_is_left_of_a_face_a_crumb_is_said_not_to_show(tmp_pat
     (said,) = (text for text in found.solution.warnings if "debris under" in text)
     assert "8 (" in said
     assert "7 (" not in said
-    assert 7 not in {each.position for each in found.solution.unnoticed_leans}
+    assert 7 not in {each.position for each in found.solution.undetectable_tilts}
     assert any("debris under" in text for text in found.document["solution"]["warnings"])
 
 

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from procedures.campaign.campaign import Campaign, Fixture, ProcedureSigma, Site
 from procedures.diagnosis.result import Because
 from procedures.diagnosis.single_channels import SingleChannel
-from procedures.statistics.line_with_correlated_errors import CorrelatedLine
-from procedures.statistics.noise_terms import NoiseTerm
+from procedures.statistics.allan_deviation import NoiseTerm
+from procedures.statistics.line_fits import CorrelatedLine
 from procedures.units import DEG_H_PER_DEG_S
 from station.files.effect_file import effect_in
 from station.results.diagnosis import single_channels

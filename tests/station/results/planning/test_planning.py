@@ -13,7 +13,7 @@ from fixtures_db.schema import CampaignRow, StepRow
 from procedures.campaign.plan_steps import dwell_steps, turn_steps
 from procedures.planning.campaign_design import HandTimes
 from procedures.planning.design_sigmas import NAMES
-from procedures.planning.unit_noise import UnitNoise
+from procedures.planning.step_information import UnitNoise
 from station.errors import DataRefused
 from station.files.campaign_folder.plan_toml import write_plan
 from station.results.planning.hand_times import hand_times

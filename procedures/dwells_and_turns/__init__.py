@@ -1,1 +1,0 @@
-"""The joint fits: accelerometers from dwells in known positions, gyroscopes from hand turns."""

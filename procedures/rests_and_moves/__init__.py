@@ -1,1 +1,0 @@
-"""Recordings without declared positions: rests found, moves between them, calibration from both."""

@@ -1,0 +1,240 @@
+"""A `calibration/1` applied to counts: specific force and angular rate, its error terms corrected.
+
+    N / k = E u + D + e(u, T, ...)        u <- E^-1 (N / k - D - e(u, T, ...))
+
+Effects of the catalogue are taken off a sample after the other (`settling_kernels`), effects of one's own around
+that, until u stands still: a round gains as many digits as they change slower than u.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from procedures.arrays import BoolArray, FloatArray
+from procedures.frames import TRIADS
+from procedures.units import DEG_H_PER_DEG_S
+from station.calibrated.applied_effects import (
+    CompiledEffects,
+    added_by,
+    backlashes,
+    compiled,
+    excitation,
+    is_compiled,
+    left_for_good,
+    needs,
+    temperature_lags,
+)
+from station.calibrated.correction_inputs import (
+    NOTHING_KNOWN,
+    Signal,
+    Surroundings,
+    TemperatureFollower,
+    TemperatureSignals,
+    Triad,
+)
+from station.calibrated.settling_kernels import settle
+
+MAX_ITERATIONS = 100
+CONVERGENCE_RTOL = 1e-13  # relative
+UNITS = {"accelerometer": ("g", 1.0), "gyroscope": ("deg/s", 1 / DEG_H_PER_DEG_S)}  # of u; of a bias as it stands
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CalibratedInputs:
+    """Specific force ``f`` (n, 3) [g] and angular rate ``omega`` (n, 3) [deg/s], IMU axes; absent triads are None.
+
+    ``unsettled`` (n,) are samples whose effects do not settle: nan in f or omega. ``not_applied`` names effects
+    that were left in, and why.
+    """
+
+    f: FloatArray | None
+    omega: FloatArray | None
+    unsettled: BoolArray
+    not_applied: tuple[str, ...] = ()
+
+
+def calibrated_inputs(
+    calibration: Mapping[str, Any],
+    accel: FloatArray | None,
+    gyro: FloatArray | None,
+    around: Surroundings = NOTHING_KNOWN,
+) -> CalibratedInputs:
+    """Return what the sensors felt, from ``accel`` and ``gyro`` (n, 3) [count/s], or rates as they came.
+
+    An effect of gyroscopes that depends on specific force needs both triads.
+    """
+    return CalibrationModel.of(calibration).inputs(accel, gyro, around)
+
+
+@dataclass(frozen=True, eq=False)
+class CalibrationModel:
+    """A `calibration/1` as it is applied: its triads by name, and the ``effects`` that are taken off.
+
+    ``names`` are those of all that it holds; ``left`` says why some are left in, whatever is known.
+    """
+
+    triads: Mapping[str, Triad]
+    effects: tuple[Mapping[str, Any], ...]
+    left: Mapping[str, str]
+    names: tuple[str, ...]
+
+    @classmethod
+    def of(cls, calibration: Mapping[str, Any]) -> "CalibrationModel":
+        """Return the model of a `calibration/1`; an effect of one's own that is not whole is `DataRefused`."""
+        triads = {name: Triad.of(calibration[name], UNITS[name][1]) for name in TRIADS if name in calibration}
+        why = {str(entry["name"]): left_for_good(entry) for entry in calibration["effects"]}
+        left = {name: reason for name, reason in why.items() if reason}
+        return cls(
+            triads, tuple(e for e in calibration["effects"] if str(e["name"]) not in left), left, tuple(why)
+        )
+
+    @cached_property
+    def taus(self) -> tuple[float, ...]:
+        """The time constants [s] by which its effects follow the temperature."""
+        return tuple(tau for entry in self.effects for tau in temperature_lags(entry))
+
+    @cached_property
+    def backlashes(self) -> tuple[float, ...]:
+        """The half widths [K] with which its effects follow the temperature with a play."""
+        return tuple(width for entry in self.effects for width in backlashes(entry))
+
+    def follower(self) -> TemperatureFollower:
+        """Return what follows the temperature as its effects do."""
+        return TemperatureFollower(self.taus, self.backlashes)
+
+    @property
+    def taken_off(self) -> tuple[str, ...]:
+        """The names of its ``effects``."""
+        return tuple(str(entry["name"]) for entry in self.effects)
+
+    def without(self, names: tuple[str, ...]) -> "CalibrationModel":
+        """Return it without some of its effects."""
+        return replace(
+            self,
+            effects=tuple(e for e in self.effects if str(e["name"]) not in names),
+            left={name: reason for name, reason in self.left.items() if name not in names},
+            names=tuple(name for name in self.names if name not in names),
+        )
+
+    def inputs(
+        self, accel: FloatArray | None, gyro: FloatArray | None, around: Surroundings = NOTHING_KNOWN
+    ) -> CalibratedInputs:
+        """Return what the sensors felt, of ``accel`` and ``gyro`` (n, 3) [count/s], as `calibrated_inputs`."""
+        rates = {"accelerometer": accel, "gyroscope": gyro}
+        output = {
+            name: np.asarray(rate, np.float64) / self.triads[name].k
+            for name in TRIADS
+            if (rate := rates[name]) is not None and name in self.triads
+        }
+        n = len(next(iter(output.values()), np.zeros((0, 3))))
+        around = _with_signals(around, self.follower(), n)
+        not_known = {str(e["name"]): needs(e, around, set(output)) for e in self.effects}
+        reasons = {name: self.left.get(name) or not_known.get(name, "") for name in self.names}
+        left = {name: reason for name, reason in reasons.items() if reason}
+        effects = [entry for entry in self.effects if str(entry["name"]) not in left]
+        unsettled = np.zeros(n, dtype=np.bool_)
+        u = self._settled(output, effects, around, unsettled) if n else output
+        said = tuple(f"{name}: {reason}" for name, reason in left.items())
+        return CalibratedInputs(u.get("accelerometer"), u.get("gyroscope"), unsettled, said)
+
+    def _settled(
+        self, output: Mapping[str, FloatArray], effects: list[Mapping[str, Any]], around: Surroundings,
+        unsettled: BoolArray,
+    ) -> dict[str, FloatArray]:  # fmt: skip
+        known = [entry for entry in effects if is_compiled(entry)]
+        kernels = {name: compiled(known, name) for name in output}
+        others = [entry for entry in effects if not is_compiled(entry)]
+        u = self._by_kernels(output, kernels, dict.fromkeys(output, np.zeros((0, 3))), around, unsettled)
+        if not others:
+            return u
+        with np.errstate(all="ignore"):  # what grows beyond all bounds is nan at the end
+            for _ in range(MAX_ITERATIONS):
+                off = self._added(others, u, around)
+                before, u = u, self._by_kernels(output, kernels, off, around, unsettled)
+                stands = {name: _stands_still(u[name], before[name]) for name in u}
+                if all(each.all() for each in stands.values()):
+                    break
+        is_known = np.isfinite(np.hstack(list(output.values()))).all(axis=1)
+        for name, value in u.items():
+            lost = ~(stands[name] & np.isfinite(value).all(axis=1))
+            u[name] = np.where(lost[:, None], np.nan, value)
+            unsettled |= lost & is_known
+        return u
+
+    def _added(
+        self, others: list[Mapping[str, Any]], u: Mapping[str, FloatArray], around: Surroundings
+    ) -> dict[str, FloatArray]:
+        """Return what effects of one's own add (n, 3) to each triad's output at inputs u."""
+        n = len(next(iter(u.values())))
+        seen = excitation(self.triads, u, around, n)
+        off = {name: np.zeros((n, 3)) for name in u}
+        for entry in others:
+            for name, added in added_by(entry, seen).items():
+                if name in off:
+                    off[name] += np.nan_to_num(added)
+        return off
+
+    def _by_kernels(
+        self, output: Mapping[str, FloatArray], kernels: Mapping[str, CompiledEffects],
+        extra: Mapping[str, FloatArray], around: Surroundings, unsettled: BoolArray,
+    ) -> dict[str, FloatArray]:  # fmt: skip
+        u, none = dict[str, FloatArray](), np.zeros((0, 3))
+        for name in ("accelerometer", "gyroscope"):  # in this order: g-sensitivity takes the specific force
+            if name not in output:
+                continue
+            triad, off, kernel = self.triads[name], extra[name], kernels[name]
+            if kernel.magnetic.any():
+                field = np.nan_to_num(np.asarray(around.magnetic)) @ kernel.magnetic.T
+                off = field + off if len(off) else field
+            force = u["accelerometer"] if kernel.matrix.any() else none
+            found = np.empty_like(output[name])
+            settle(
+                output[name], triad.E, triad.inverse, triad.D, kernel.bias, kernel.scale,
+                _rows(kernel.signals, around, len(found)), np.ascontiguousarray(off), kernel.matrix, force,
+                kernel.powers, kernel.cross, np.empty((4, 3)), found, unsettled,
+            )  # fmt: skip
+            u[name] = found
+        return u
+
+
+def _stands_still(now: FloatArray, before: FloatArray) -> BoolArray:
+    """Say of each sample whether a round has not moved it; none where it was none."""
+    close = np.isclose(now, before, CONVERGENCE_RTOL, CONVERGENCE_RTOL, equal_nan=True)
+    found: BoolArray = np.all(close, axis=1)
+    return found
+
+
+def _with_signals(around: Surroundings, follower: TemperatureFollower, n: int) -> Surroundings:
+    """Return the surroundings with signals; what is not known of them is nan."""
+    signals = around.signals
+    if signals is None:
+        t = np.zeros(n) if around.t is None else around.t
+        signals = follower.take(t, around.temperature)
+        if around.t is None:
+            unknown = np.full(n, np.nan)
+            lagged, branch = (dict.fromkeys(each, unknown) for each in (signals.lagged, signals.branch))
+            signals = TemperatureSignals(signals.warmth, unknown, unknown, lagged, branch)
+    if around.temperature_rate is not None:
+        signals = replace(signals, rate=around.temperature_rate)
+    return replace(around, signals=signals)
+
+
+def _rows(names: tuple[Signal, ...], around: Surroundings, n: int) -> FloatArray:
+    rows: FloatArray = np.stack([around.followed.of(name) for name in names]) if names else np.zeros((0, n))
+    return np.ascontiguousarray(rows)
+
+
+def compile_all() -> None:
+    """Apply a calibration without errors to twenty samples."""
+    triad = {"scale_factor": {"value": [1.0] * 3}, "misalignment": {"value": np.eye(3).tolist()},
+             "bias": {"value": [0.0] * 3}}  # fmt: skip
+    model = CalibrationModel.of({"accelerometer": triad, "gyroscope": triad, "effects": []})
+    nothing = np.zeros((20, 3))
+    model.inputs(nothing, nothing, Surroundings(temperature=np.full(20, 25.0), t=np.arange(20.0)))
+
+
+if __name__ == "__main__":
+    compile_all()

@@ -1,0 +1,211 @@
+"""Signed certificates at the command line: options checked, files signed and written, findings printed."""
+
+import hashlib
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+from urllib.parse import urlsplit
+
+import typer
+
+from procedures.error_codes import ErrorCode
+from station.commands._options import signing_libraries
+
+if TYPE_CHECKING:
+    from station.results.certificate.signing.signing_key import SigningKey
+    from station.results.certificate.signing.verification import Finding, Verified
+
+
+def verify_signed(
+    file: Path, roots: Sequence[Path], lists: Sequence[Path], laboratory: Path | None, db: str | None
+) -> None:
+    """Say what holds of a certificate's XML or PDF; a ``laboratory``'s file names more roots and lists.
+
+    Raises
+    ------
+    NotVerified
+        If something does not.
+    DataRefused
+        If it is no certificate that is read.
+    ExtraMissing
+        If the libraries for signatures are not installed.
+    """
+    signing_libraries()
+    from station.files.xml_document import read_document
+    from station.results.certificate.signing.errors import NotVerified
+    from station.results.certificate.signing.key_certificate import read_trust
+    from station.results.certificate.signing.verification import verify_pdf, verify_xml
+
+    if laboratory is not None:
+        from station.results.certificate.laboratory import read_laboratory
+
+        known = read_laboratory(laboratory).signature
+        roots = [*roots, *(laboratory.parent / name for name in known.roots)]
+        lists = [*lists, *(laboratory.parent / name for name in known.revocation_lists)]
+    look = verify_pdf if file.suffix.lower() == ".pdf" else verify_xml
+    content = read_document(file)
+    found = look(content, file, read_trust(roots, lists))
+    found = replace(found, findings=[*found.findings, *_by_database(db, content, found)])
+    if any(one.name == "database" and one.holds for one in found.findings):  # each byte is known, signed or not
+        found = replace(found, findings=[_known(one) for one in found.findings])
+    width = max(len(one.name) for one in found.findings)
+    for one in found.findings:
+        typer.echo(f"{one.name:<{width}}  {one.words}")
+    if found.faults:
+        raise NotVerified(file, found.faults, **_remedy(found.faults, bool(roots)))
+
+
+def _remedy(faults: "dict[str, str]", is_trusting: bool) -> dict[str, str]:
+    """Return what to do where all that fails is that nobody said whom to trust; else nothing of its own."""
+    of_trust = all(name.rpartition(": ")[2] in {"key", "time stamp"} for name in faults)
+    return {"remedy": "give --trust ROOT.pem, a root that you trust"} if of_trust and not is_trusting else {}
+
+
+def _known(finding: "Finding") -> "Finding":
+    from station.results.certificate.signing.verification import UNSIGNED
+
+    return replace(finding, holds=None) if finding == UNSIGNED else finding
+
+
+def refuse_missing(db: str | None) -> None:
+    """Raise `DataRefused` if the database named is a file that is not there: a check makes none."""
+    from station.errors import DataRefused
+
+    if db is not None and "://" not in db and not Path(db).exists():
+        raise DataRefused(
+            db,
+            None,
+            "no such file",
+            "a station's database",
+            "name the one that is there by --db",
+            code=ErrorCode.FILE_MISSING,
+        )
+
+
+def _by_database(db: str | None, content: bytes, found: "Verified") -> list["Finding"]:
+    from fixtures_db.database import default_path, open_db
+    from station.results.certificate.signing.against_database import database_findings
+
+    where = str(default_path()) if db is None else db
+    if "://" not in where and not Path(where).exists():  # a check makes no database
+        return []
+    with open_db(where) as database, database.read() as session:
+        return database_findings(session, database.url, content, found)
+
+
+def signing_key(
+    key: Path | None, token: str | None, descriptor: int | None, variable: str | None
+) -> "SigningKey | None":
+    """Return the laboratory's key, its password or PIN asked for; None where none is named.
+
+    Raises
+    ------
+    DataRefused
+        If it cannot sign.
+    ExtraMissing
+        If the libraries for signatures, or for tokens, are not installed.
+    """
+    if key is not None and token is not None:
+        raise typer.BadParameter("--sign KEY.p12 and --token URI: found two keys, expected one")
+    if key is None and token is None:
+        if descriptor is not None or variable is not None:
+            raise typer.BadParameter("--password-fd and --password-env are of a key; expected --sign or --token")
+        return None
+    signing_libraries(token=token is not None)
+    from station.results.certificate.signing.signing_key import key_password, read_signing_key, refuse_no_key
+
+    if key is not None:
+        refuse_no_key(key)  # before its password is asked for
+        return read_signing_key(key, key_password(key, descriptor, variable))
+    from station.results.certificate.signing.token_key import open_token_key
+
+    return open_token_key(str(token), key_password(str(token), descriptor, variable))
+
+
+SIGNATURE_MARKS = {".xml": b"SignatureValue", ".pdf": b"/ByteRange"}  # XMLDSig 1.1, 4.3; ISO 32000-2, 12.8.1
+Copy = tuple[Path, Callable[[bool], bytes], str]  # a place, what comes there if signed or not, what is said of it
+Sign = Callable[[Path, bytes], bytes]
+
+
+def looks_signed(path: Path) -> bool:
+    """Return whether a file has a signature in it, told by its marks alone."""
+    mark = SIGNATURE_MARKS.get(path.suffix.lower())
+    return mark is not None and path.is_file() and mark in path.read_bytes()
+
+
+def refuse_signed(paths: Iterable[Path]) -> None:
+    """Raise `CannotWrite` where an unsigned file would take the place of a signed one."""
+    from station.errors import CannotWrite
+
+    for path in paths:
+        if looks_signed(path):
+            raise CannotWrite(path, "a signed file exists, and this one would have no signature")
+
+
+def signer(db: str | None, number: str, key: "SigningKey", time_service: str | None) -> Sign:
+    """Return what signs and records a file of a certificate."""
+
+    def sign(path: Path, content: bytes) -> bytes:
+        from fixtures_db.database import open_db
+        from station.results.certificate.signing.signed_copies import signed_copy
+
+        with open_db(db) as database:
+            return signed_copy(database, number, path, content, key, time_service)
+
+    return sign
+
+
+def write_copies(copies: Iterable[Copy], sign: Sign | None) -> None:
+    """Write each file once, signed where there is a key; raise what signing raised, after all are written.
+
+    Where it fails they are written as issued, without signature, but none over a signed one.
+    """
+    from station.errors import StationError
+    from station.files.atomic_file import replace_file
+
+    failed: StationError | None = None
+    for path, make, said in copies:
+        signed = None
+        if sign is not None and failed is None:
+            try:
+                signed = sign(path, make(True))
+            except StationError as error:
+                failed = error
+        if signed is None and looks_signed(path):
+            typer.echo(f"{path}: not changed, it was signed before")
+            continue
+        replace_file(path, make(False) if signed is None else signed)
+        typer.echo(f"{path}: written{said}")
+        if signed is not None:
+            typer.echo(f"{path}: signed, sha256 {hashlib.sha256(signed).hexdigest()}")
+    if failed is not None:
+        raise failed
+
+
+BESIDE = (".xml", ".pdf")  # what is written beside the HTML, under its name
+
+
+def check_copy(order: Mapping[str, object]) -> None:
+    """Raise if anything of an order, by option, stands beside --copy: a copy says what was issued."""
+    if given := [option for option, value in order.items() if value is not None]:
+        said = ", ".join(given)
+        raise typer.BadParameter(f"--copy writes the issued certificate unchanged: found {said}; omit one")
+
+
+def check_out(out: Path | None) -> None:
+    """Raise if the HTML would be written where the XML or the PDF belongs."""
+    if out is not None and out.suffix.lower() in BESIDE:
+        expected = out.with_suffix(".html").name
+        raise typer.BadParameter(f"--out names the HTML: found {out.name!a}, expected such as {expected!a}")
+
+
+def check_time_service(url: str | None, option: str = "--timestamp") -> None:
+    """Raise if it is no address of a service: http or https, with a host."""
+    try:
+        parts = None if url is None else urlsplit(url)
+        if parts is None or (parts.scheme in ("http", "https") and parts.hostname):
+            return
+    except ValueError:  # half an IPv6 address
+        pass
+    raise typer.BadParameter(f"{option}: found {url!a}, expected a URL such as https://time.example/tsr")

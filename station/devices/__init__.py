@@ -1,1 +1,0 @@
-"""What is connected: a look at ports, IMUs, receivers and cameras, recording nothing."""
