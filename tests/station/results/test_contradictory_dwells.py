@@ -13,7 +13,7 @@ from fixtures_db.database import Database, open_db
 from procedures.bench.seating_check import PLAUSIBLE_FACE_TILT_RAD
 from procedures.campaign.campaign import Campaign
 from procedures.units import RAD_PER_ARCSEC
-from station.guide.outcome import verdict_view
+from station.guide.campaign.verdict import verdict_view
 from station.results.campaign_results import CampaignResults, make_results
 from station.results.contradictory_dwells import contradiction_of
 from tests.station.campaign_writing import write_campaign

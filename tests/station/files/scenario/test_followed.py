@@ -5,7 +5,7 @@ from pathlib import Path
 
 from station.files.scenario import read_scenario
 from station.files.setup import Setup
-from station.guide.live_campaign import usual_steps
+from station.guide.campaign.campaign_start import usual_steps
 from station.guide.view import CalibrationView
 from tests.paths import ROOT
 from tests.station.guide.rig import GuideRig

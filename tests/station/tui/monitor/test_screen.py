@@ -5,10 +5,9 @@ from collections.abc import Callable
 import pytest
 from textual.widgets import Footer
 
-from station.tui.monitor.app import MonitorApp
-from station.tui.screens.confirm import ConfirmScreen
-from station.tui.widgets.event_lines import EventLines
-from station.tui.widgets.redrawn_on_change import ValueWidget
+from station.tui.monitor_screen import MonitorApp
+from station.tui.screens.modals import ConfirmScreen
+from station.tui.widgets.common import EventLines, ValueWidget
 from tests.station.monitor.views import VIEWS
 from tests.station.tui.animation import shown
 from tests.station.tui.monitor.session import LARGE, SMALL, MemorySession, Shown
