@@ -31,8 +31,6 @@ from procedures.units import DEG_H_PER_DEG_S
 
 GYROSCOPE = TRIADS.index("gyroscope")
 OFFSET_SHARE = 0.1  # of the fastest rate: no gyroscope's bias is a tenth of the rates that it is made for
-# These multiply the whole output, other effects included
-EFFECTS_OF_WHOLE_OUTPUT = ("gyroscope.scale_temperature", "gyroscope.scale_temperature_lag", "clock.rate")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -118,7 +116,7 @@ class RateTables:
             _, part, _ = added_at_nodes(candidate, evidence, c)
             if part is not None:
                 total = total + part
-                inside = inside if candidate.effect.name in EFFECTS_OF_WHOLE_OUTPUT else inside + part
+                inside = inside if candidate.effect.multiplies_output else inside + part
         p, scale = self.points, self.points.scale(self.x)
         less = p.output - total[p.at, p.sensor] * scale[p.sensor]
         white = p.design() / self.noise[:, None]

@@ -26,9 +26,6 @@ from procedures.evidence.residual_rows import Evidence, evidence_of
 from procedures.inference.held_out_errors import left_out_groups, residual_rms
 from procedures.inference.result import Diagnosis, ResidualRms
 
-OF_THE_CUBE = "fixture.face_tilt"
-OF_THE_UNIT = "auxiliary.channel"  # beside all that is of the instrument: it is the sensor that feels the channel
-
 
 @let_go_at_the_end()
 def validate(diagnosis: Diagnosis, campaigns: Sequence[Campaign]) -> tuple[ResidualRms, ...]:
@@ -80,9 +77,9 @@ def _on_soaks(diagnosis: Diagnosis, campaigns: Sequence[Campaign]) -> tuple[Resi
 def _is_carried(candidate: Candidate, diagnosis: Diagnosis, campaigns: Sequence[Campaign]) -> bool:
     effect = candidate.effect
     cubes = {campaign.fixture.id for campaign in (*diagnosis.before.campaigns, *campaigns)}
-    if effect.name == OF_THE_CUBE:
+    if effect.carried_with == "cube":
         return len(cubes) == 1 and not cubes & {None, ""}
-    return effect.kind == "instrument" or effect.name == OF_THE_UNIT
+    return effect.kind == "instrument" or effect.carried_with == "unit"
 
 
 def _acts(candidate: Candidate, evidence: Evidence) -> bool:

@@ -48,4 +48,6 @@ EFFECT = Effect(
     plausible=1.0,
     columns=columns,
     separate_by="the channel changed on purpose while the cube rests",
+    driver="channel",
+    carried_with="unit",
 )

@@ -17,6 +17,7 @@ ACCELEROMETER = Effect(
     plausible=1e-4,
     columns=of_accelerometers(lambda seen: seen.t / S_PER_H),
     separate_by="a second campaign in another order, or a heating run up and down again",
+    driver="time",
 )
 GYROSCOPE = replace(
     ACCELEROMETER,

@@ -40,6 +40,7 @@ ACCELEROMETER = Effect(
     columns=lambda seen: [accelerometer_at(seen, Columns((), orders=(n, n, n))) for n in FIRST_ORDERS],
     separate_by="a heating run up and down again, or a second campaign in another order",
     at=accelerometer_at,
+    driver="temperature",
 )
 GYROSCOPE = replace(
     ACCELEROMETER,

@@ -26,4 +26,5 @@ EFFECT = Effect(
     plausible=100.0,
     columns=columns,
     separate_by="reference time (utc_s) beside the counts",
+    multiplies_output=True,
 )

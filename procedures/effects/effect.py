@@ -151,7 +151,11 @@ class Effect:
     these are fitted; ``ranges`` bound what is not linear. ``separate_by_certified`` stands for ``separate_by``
     where the cube has a certificate already. ``is_loss``: its coefficients are above nought, or it is another.
     ``is_turn``: it turns all that is seen, by as much as its columns say, which are for small angles alone.
-    ``driver`` is what a curve of free shape, as with a knee or a time constant, follows: input, temperature, time.
+    ``driver`` is what it follows: input, temperature, channel, time, time at rest.
+    ``multiplies_output``: it multiplies all that is put out, other effects included. ``same_at_rest`` names the
+    effect that does the same while nothing but the driver changes. ``is_held_at_prior``: a campaign says no more
+    of it than its prior does. ``covered_by`` names what stands for it where that is in the model.
+    ``carried_with`` is what other campaigns must share for it to act in them: cube or unit, "" of the instrument.
     ``is_bench_parameter``: every model of a bench holds it, as a parameter with its prior; it is no cause.
     """
 
@@ -170,6 +174,11 @@ class Effect:
     is_turn: bool = False
     is_bench_parameter: bool = False
     driver: str = ""
+    multiplies_output: bool = False
+    same_at_rest: str = ""
+    is_held_at_prior: bool = False
+    covered_by: str = ""
+    carried_with: str = ""
     may_hang_on_a_step: bool = False
     is_scatter: bool = False
     stated_share: float = 0.0

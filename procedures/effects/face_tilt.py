@@ -41,4 +41,7 @@ EFFECT = Effect(
     separate_by="a certificate of the faces, or the IMU re-mounted by 90 deg in the cube",
     separate_by_certified="the IMU re-mounted by 90 deg in the cube",
     is_turn=True,
+    is_held_at_prior=True,
+    covered_by="fixture.parallelism",
+    carried_with="cube",
 )

@@ -31,4 +31,5 @@ EFFECT = Effect(
     separate_by_certified="the IMU re-mounted by 90 deg in the cube",
     is_turn=True,
     is_bench_parameter=True,
+    is_held_at_prior=True,
 )

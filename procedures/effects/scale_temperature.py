@@ -42,6 +42,9 @@ ACCELEROMETER = Effect(
     columns=lambda seen: [accelerometer_at(seen, Columns((), orders=(n, n, n))) for n in FIRST_ORDERS],
     separate_by="the faces up and down again at a second temperature, in another order",
     at=accelerometer_at,
+    driver="temperature",
+    multiplies_output=True,
+    same_at_rest="accelerometer.bias_temperature",
 )
 GYROSCOPE = replace(
     ACCELEROMETER,
@@ -50,4 +53,5 @@ GYROSCOPE = replace(
     columns=lambda seen: [gyroscope_at(seen, Columns((), orders=(n, n, n))) for n in FIRST_ORDERS],
     separate_by="the same turns again at a second temperature, or a rate table in a chamber",
     at=gyroscope_at,
+    same_at_rest="gyroscope.bias_temperature",
 )

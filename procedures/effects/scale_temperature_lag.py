@@ -34,6 +34,8 @@ ACCELEROMETER = Effect(
     separate_by="faces up and down in turn while it warms and cools, and again at rest in temperature",
     at=accelerometer_at,
     driver="temperature",
+    multiplies_output=True,
+    same_at_rest="accelerometer.temperature_lag",
 )
 GYROSCOPE = replace(
     ACCELEROMETER,
@@ -42,4 +44,5 @@ GYROSCOPE = replace(
     columns=lambda seen: [gyroscope_at(seen, way) for way in first_ways(seen)],
     separate_by="turns or a rate table while it warms and cools, and again at rest in temperature",
     at=gyroscope_at,
+    same_at_rest="gyroscope.temperature_lag",
 )

@@ -31,4 +31,5 @@ EFFECT = Effect(
     plausible=1e-3,
     columns=columns,
     separate_by="a gravimetric survey of the site, or the same unit at a surveyed one",
+    is_held_at_prior=True,
 )

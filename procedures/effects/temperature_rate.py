@@ -17,6 +17,7 @@ GYROSCOPE = Effect(
     plausible=3.0,
     columns=of_gyroscopes(lambda seen: seen.temperature_rate / DEG_H_PER_DEG_S),
     separate_by="a heating run with ramps of different steepness, up and down, to the same temperature",
+    driver="temperature",
 )
 ACCELEROMETER = replace(
     GYROSCOPE,

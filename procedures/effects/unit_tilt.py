@@ -42,4 +42,5 @@ EFFECT = Effect(
     columns=columns,
     separate_by="the rest again, with nobody near the stand; at another attitude a bias is along gravity",
     may_hang_on_a_step=True,
+    driver="time",
 )

@@ -19,14 +19,11 @@ from procedures.errors import DoesNotFit, ProcedureError
 from procedures.evidence.linear_model import LinearFit, Term, fit_linear
 from procedures.evidence.rate_points import STD_PER_MAD
 from procedures.evidence.residual_rows import Evidence
-from procedures.frames import TRIADS
 from procedures.twelve_positions.bench_parameters import BenchParameters, tilt_names
 from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
 
 # g, deg/s: 1 sigma of a dwell of the grade the ranges are for
 NAVIGATION_GRADE_STD = (1 / UG_PER_G, 0.5 / DEG_H_PER_DEG_S)
-MEASURED = ("temperature", "auxiliary")  # in the names of effects that go with a channel of the recording
-BY_TIME = (".bias_drift", ".bias_settling", ".jump", "placement.tilt")
 ROUNDING = 1e-9  # of a column's largest
 TIMES_SPREAD = 2.0  # by which an effect may be larger than what makes the spread of soaks' levels
 
@@ -49,7 +46,7 @@ def as_it_wanders(evidence: Evidence, effect: Effect, H: FloatArray) -> FloatArr
     What goes by time or with a channel may make all of the spread of several rests.
     """
     of_triad, found = evidence.triad == _triad_of(effect), np.zeros(H.shape[1])
-    is_by_time = effect.name.endswith(BY_TIME)
+    is_by_time = effect.driver == "time"
     if (evidence.rows("mean", "norm", "rate") & of_triad).any() or not (is_by_time or _is_measured(effect)):
         return found
     least = ROUNDING * float(np.max(np.abs(H), initial=0.0))
@@ -76,7 +73,7 @@ def _triad_of(effect: Effect) -> int:
 
 
 def _is_measured(effect: Effect) -> bool:
-    return any(channel in effect.name for channel in MEASURED)
+    return effect.driver in {"temperature", "channel"}
 
 
 @lru_cache(maxsize=32)
@@ -95,11 +92,7 @@ def noise_in_navigation_grade(evidence: Evidence, triad: int, is_measured: bool)
     return max(max(float(np.median(evidence.sigma[rows])), wandering) / NAVIGATION_GRADE_STD[triad], 1.0)
 
 
-BEHIND = {f"{triad}.scale_temperature": f"{triad}.bias_temperature" for triad in TRIADS} | {
-    f"{triad}.scale_temperature_lag": f"{triad}.temperature_lag" for triad in TRIADS
-}
 SAME, TINY = 1e-9, 1e-300
-HELD_AT_PRIOR = ("fixture.face_tilt", "fixture.parallelism", "site.gravity")
 MAX_STD_IN_PLAUSIBLE = 0.1  # of a coefficient's plausible size that one sigma of it must at least come down to
 
 
@@ -180,7 +173,8 @@ class Candidates(Mapping[str, Sequence[Candidate]]):
         if name not in self._effects:
             return ()
         if name not in self._made:
-            ways, before = list(_ways(self._evidence, self._effects[name], self._of_model)), BEHIND.get(name, "")
+            effect = self._effects[name]
+            ways, before = list(_ways(self._evidence, effect, self._of_model)), effect.same_at_rest
             if ways and _are_the_same(ways, self._ways(before)):
                 self._same.setdefault(before, []).append(name)
                 # a calibration carries it to other attitudes, where the two differ; alone it is the output here
@@ -220,11 +214,11 @@ def _ways(
             continue
         told = MAX_STD_IN_PLAUSIBLE * term.plausible * np.linalg.norm(H / evidence.sigma[:, None], axis=0) > 1
         if told.any() or effect.is_scatter:
-            is_tried = effect.name != "fixture.face_tilt" or "fixture.parallelism" not in of_model
+            is_tried = not effect.covered_by or effect.covered_by not in of_model
             bare = replace(
                 columns, accel=None, gyro=None, rotation=None
             )  # H has it: made again where a refit needs it
-            yield Candidate(effect, bare, term, nothing, effect.name in HELD_AT_PRIOR, is_tried)
+            yield Candidate(effect, bare, term, nothing, effect.is_held_at_prior, is_tried)
 
 
 def term_of(evidence: Evidence, effect: Effect, columns: Columns) -> Term:

@@ -26,8 +26,7 @@ from procedures.effects import EFFECTS
 from procedures.evidence.linear_model import Term
 from procedures.evidence.residual_rows import Evidence
 from tests.benchmarks.diagnosing.coefficients import errors_of
-from tests.benchmarks.diagnosing.planted_worlds import HELD_BY_THE_MODEL, World, worlds
-from tests.benchmarks.diagnosis import APART
+from tests.benchmarks.diagnosing.planted_worlds import APART, HELD_BY_THE_MODEL, World, worlds
 from tests.benchmarks.discovering.judged import SAME, likeness
 from tests.proof.evidence import Figure, spread, zero
 

@@ -9,13 +9,10 @@ PROOFS = {proof.name: proof for proof in (
     Proof("budget", "budget", "The uncertainty budget is the scatter of whole campaigns that are drawn again.",
           "campaigns of each kind", 1000, 24),
     # what is named
-    Proof("diagnosis", "diagnosis", "Error terms of the catalogue are named, and nothing is made up.",
-          "campaigns of each kind", 50, 1),
+    Proof("diagnosis", "diagnosis_scoreboard",
+          "Causes have probabilities that are true, in the catalogue and outside it.", "planted worlds", 1000, 8),
     Proof("undeclared", "undeclared", "Error terms of no catalogue are reported as unexplained, and searched for.",
           "campaigns of each law and each good instrument", 20, 1),
-    Proof("inference", "diagnosis_scoreboard",
-          "Causes have probabilities that are true, in the catalogue and outside it (an engine in shadow mode).",
-          "planted worlds", 1000, 8),
     # what was accepted
     Proof("kills", "kills", "No kill of the program loses or doubles an accepted step.", "kills", 200, 12),
     Proof("power-cuts", "power_cuts.trial", "No power cut loses or doubles what was accepted.",

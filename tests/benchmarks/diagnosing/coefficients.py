@@ -33,16 +33,11 @@ class FittedEffect(Protocol):
     def shape(self) -> str: ...
 
 
-def error_of(finding: FittedEffect, sizes: Sizes, truth: Truth) -> float:
-    """Return the largest error of a coefficient over its sigma, infinite where it is about something else.
+def errors_of(finding: FittedEffect, sizes: Sizes, truth: Truth) -> np.ndarray:
+    """Return the error (k,) of every coefficient over its sigma, infinite where it is about something else.
 
     nan where planter and catalogue speak of two things: a cubic where ``u |u|`` was planted.
     """
-    return float(np.max(np.abs(errors_of(finding, sizes, truth))))
-
-
-def errors_of(finding: FittedEffect, sizes: Sizes, truth: Truth) -> np.ndarray:
-    """Return the error (k,) of every coefficient over its sigma, as `error_of`."""
     about_other = finding.effect in {"placement.label", "disturbance.dwell"} and (
         first_of(finding) != sizes["position"]
     )

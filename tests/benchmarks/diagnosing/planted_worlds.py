@@ -15,13 +15,18 @@ from tests.benchmarks.diagnosing.designs import DESIGNS, unit
 from tests.benchmarks.diagnosing.outside import outside
 from tests.benchmarks.diagnosing.plants import PLANTS, drawn_sizes
 from tests.benchmarks.diagnosing.sigmas import Sigmas, sigmas_of
-from tests.benchmarks.diagnosis import OUTSIDE, QUIET
 from tests.benchmarks.discovering.laws import LAWS
 from tests.benchmarks.discovering.planting import Drawn, bare_evidence, size_of
 from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, truth_of
 from tests.benchmarks.undeclared_kinds.innocent import INNOCENT, as_it_is
 from tests.benchmarks.undeclared_kinds.literature import LITERATURE, Kind
 
+OUTSIDE = ("heading, accelerometers", "heading, all", "dead zone", "temperature rate times temperature")
+QUIET = (
+    "plain", "certified", "free", "certified free", "warm", "two speeds", "auxiliary", "timed", "two temperatures",
+    "two sites", "moved", "moved and turned",
+)  # fmt: skip
+APART = 10_000  # seeds between kinds: no two share a draw of noise
 HELD_BY_THE_MODEL = {each.name for each in EFFECTS if each.is_bench_parameter}  # no causes
 NAMED_LAWS = {"counts lost": "gyroscope.counts_lost", "bias warms up": "gyroscope.bias_settling",
               "source warms up": "gyroscope.scale_settling"}  # fmt: skip
