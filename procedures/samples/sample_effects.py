@@ -44,6 +44,7 @@ from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
 MAX_LOG_P = np.log(1e-3)
 MIN_SHARE = 1e-5  # of a sensor's variance, held out
 BESIDE_A_LINE = 0.005  # of its frequency
+TIME = "time"  # in the place of a channel: the phase of a line
 MIN_LINE_SHARE = 0.02  # of a line in time, below which it is only told with the noise
 NEARLY_AS_MUCH = 0.95  # of the largest share
 ROUNDS = 5
@@ -67,6 +68,11 @@ class Candidate:
     phase: Phase | None = None
     lag: int = 0
     is_linear: bool = False
+
+    @property
+    def is_line(self) -> bool:
+        """Say whether it is a line in time, not in the phase of a channel."""
+        return self.phase is not None and self.phase.channel == TIME
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -156,7 +162,7 @@ def sample_effects(campaigns: Sequence[Campaign], scales: Scales) -> SampleEffec
 def _with_order(blocks: SampleBlocks, found: SampleFinding) -> SampleFinding:
     """Return a periodic error with as many harmonics as it has, and the linear term where it is likelier."""
     candidate, phase = found.candidate, found.candidate.phase
-    if phase is None or candidate.effect == "disturbance.line":
+    if phase is None or candidate.is_line:
         return found
     trials = len(found.fitted) * candidate.trials
     is_linear, fits = with_order(blocks, phase, list(found.fitted), trials)
@@ -212,7 +218,7 @@ def _best(blocks: SampleBlocks, is_usable: Sequence[bool], known: Sequence[Candi
             if is_usable[sensor]
             and (fit := fit_scores(scores, sensor, candidate.group, number * candidate.trials)) is not None
             and fit.log_p < MAX_LOG_P
-            and fit.share > (MIN_LINE_SHARE if candidate.effect == "disturbance.line" else MIN_SHARE)
+            and fit.share > (MIN_LINE_SHARE if candidate.is_line else MIN_SHARE)
         }
         if fits:
             found.append(SampleFinding(candidate, fits))
@@ -223,7 +229,7 @@ def _best(blocks: SampleBlocks, is_usable: Sequence[bool], known: Sequence[Candi
 
 def _is_stated(one: Candidate, known: Candidate) -> bool:
     """Say whether a candidate is known, or a line beside a known one: a line that comes and goes has such."""
-    if one.phase is None or known.phase is None or {one.effect, known.effect} != {"disturbance.line"}:
+    if one.phase is None or known.phase is None or not (one.is_line and known.is_line):
         return one.about == known.about
     return abs(one.phase.period / known.phase.period - 1) < BESIDE_A_LINE
 
@@ -258,7 +264,7 @@ def _lines(blocks: SampleBlocks) -> Iterator[Candidate]:
         if lines and lines[0].share > MIN_LINE_SHARE:
             samples = len(blocks.sensors[0].rate)
             turns: FloatArray = lines[0].hertz * blocks.period * np.arange(samples).astype(np.float64)
-            phase = Phase("time", 1 / lines[0].hertz, (turns,), samples // 2)
+            phase = Phase(TIME, 1 / lines[0].hertz, (turns,), samples // 2)
             yield replace(_periodic("disturbance.line", phase), about=f"{lines[0].hertz:.5g} Hz")
 
 
@@ -324,11 +330,11 @@ def _finding(blocks: SampleBlocks, candidate: Candidate, triad: str, fits: dict[
     where: dict[str, object] = {"file": recordings(blocks)}
     if candidate.phase is None:
         unit, where["channel"] = f"{unit}/unit", candidate.about.removesuffix(" itself")
-    elif effect != "disturbance.line":
+    elif not candidate.is_line:
         where["channel"] = candidate.phase.channel
     aliases: tuple[str, ...] = ()
     separate = SEPARATE
-    if effect == "disturbance.line" and candidate.phase is not None:
+    if candidate.is_line and candidate.phase is not None:
         hertz = candidate.phase.step / blocks.period
         if turning := steady_channels(blocks, hertz):
             aliases = ("auxiliary.periodic",)
@@ -352,7 +358,7 @@ def _shape(blocks: SampleBlocks, candidate: Candidate, fits: dict[int, Fitted]) 
         return f"{candidate.lag * blocks.period:.4g} s after the channel"
     order = max(fit.order for fit in fits.values())
     harmonics = "1 harmonic" if order == 1 else f"{order} harmonics"
-    if candidate.effect == "disturbance.line":
+    if candidate.is_line:
         folded = f"it may be any multiple of {1 / blocks.period:.5g} Hz away"
         return f"{1 / candidate.phase.period:.6g} Hz, {harmonics}; {folded}"
     folded = ", folded by the sample rate" if order * candidate.phase.step > 0.5 else ""
