@@ -11,8 +11,8 @@ from procedures.planning.campaign_design import HandTimes
 from procedures.planning.design_sigmas import NAMES
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import ProcedureTable, SiteTable
-from station.files.campaign_folder.notes import NAMES as NOTES
-from station.files.campaign_folder.notes import WantedRecord, read_note
+from station.files.campaign_folder.plan_file import NAMES as NOTES
+from station.files.campaign_folder.plan_file import WantedRecord, read_note
 from station.guide.options import AskedSigmas
 from station.guide.planned_bench import bench_of
 from station.guide.resumed_campaign import NO_ACCEPTED_STEPS, AcceptedSteps
@@ -20,7 +20,7 @@ from station.guide.sequential_campaign import SequentialCampaign
 from station.results.planning.hand_times import hand_times
 from station.results.planning.known_noise import noise_in_database, noise_of
 from station.results.planning.wanted_by_limits import last_values, limits_named, wanted_by, wanted_by_name
-from station.stream.recorder.connected_unit import Unit
+from station.stream.connected_unit import Unit
 
 
 def wanted_record(database: Database, unit: Unit, asked: AskedSigmas) -> tuple[WantedRecord, list[str]]:

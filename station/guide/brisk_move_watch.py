@@ -8,8 +8,7 @@ from procedures.twelve_positions.placement_transfers import MAX_CONING_RAD, coni
 from procedures.units import RAD_PER_ARCSEC
 from station.guide.face_and_stillness import BlockLook
 from station.guide.stage_context import StageContext
-from station.stream.live.accepted_blocks import series_of_runs
-from station.stream.live.stillness import Block
+from station.stream.live.stillness import Block, series_of_runs
 
 
 class BriskMoveWatch:
@@ -23,7 +22,7 @@ class BriskMoveWatch:
     def take(self, block: Block, look: BlockLook) -> None:
         """Take a second of the stream."""
         begin = self._context.chain.oldest
-        if begin is None or block.is_anew or block.is_broken:
+        if begin is None or block.is_restarted or block.is_broken:
             self._moved.clear()
         elif not look.is_still:
             self._moved.append(block)

@@ -9,7 +9,7 @@ from station.calibrated import InUse
 from station.calibrated.calibration_choice import AppliedCalibration, find_calibration
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_for_solve
-from station.stream.recorder.connected_unit import Unit
+from station.stream.connected_unit import Unit
 
 THIS_CAMPAIGN = "this campaign"
 

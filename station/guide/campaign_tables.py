@@ -20,7 +20,7 @@ from station.files.campaign_folder.campaign_schema import (
     axes_matrix,
     measured_table,
 )
-from station.files.setup import Setup
+from station.files.campaign_setup import Setup
 
 T = TypeVar("T", bound=BaseModel)
 

@@ -2,7 +2,7 @@
 
 from typing import Literal, Protocol
 
-from station.files.setup import Setup
+from station.files.campaign_setup import Setup
 from station.guide.setup_view import FrozenValue
 from station.guide.view import CalibrationView
 

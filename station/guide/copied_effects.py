@@ -6,9 +6,8 @@ from fixtures_db.database import Database
 from fixtures_db.user_effects import effects_in_force
 from station.files.atomic_file import replace_file
 from station.files.campaign_folder.campaign_schema import EffectsTable
-from station.files.effect_file import stored_effect
+from station.files.effect_file import check_stored, stored_effect
 from station.files.sha256sums import append_hash
-from station.files.stored_effects import check_stored
 
 
 def copy_effects(database: Database, model: str, serial: str, folder: Path) -> EffectsTable | None:

@@ -31,8 +31,7 @@ from procedures.earth.gyrocompass import (
 from procedures.frames import AXES
 from station.guide.face_and_stillness import BlockLook
 from station.guide.stage_context import StageContext
-from station.stream.live.rates_as_counts import as_counts
-from station.stream.live.stillness import Block
+from station.stream.live.stillness import Block, as_counts
 
 TURN_TICK_S = 0.05  # a hand turns a cube by some degrees in it
 GRAVITY_WINDOW_S = 0.25  # of the newest samples, whose specific force is taken for gravity
@@ -127,7 +126,7 @@ class CubeTracker:
     def _seen_since(self, base: CubeAttitude, block: Block) -> CubeAttitude:
         """Return how the cube stands as the block begins: less sure after a gap, unsure after a new beginning."""
         last = self._block
-        if block.is_anew or last is None:
+        if block.is_restarted or last is None:
             self._rest, self._outdated = None, self._context.position
             return without_heading(base)
         if block.first == last.last and not block.is_broken:

@@ -4,8 +4,8 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from fixtures_db.database import Database
-from station.files.campaign_folder.notes import WantedRecord, kept_plan, read_note
-from station.files.setup import Setup
+from station.files.campaign_folder.plan_file import WantedRecord, kept_plan, read_note
+from station.files.campaign_setup import Setup
 from station.guide.command import OperatorCommand
 from station.guide.disk_space import DiskSpace, disk_for
 from station.guide.folder_lock import folder_lock

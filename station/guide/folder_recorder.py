@@ -12,7 +12,7 @@ from procedures.campaign.plan_steps import Dwell, Step
 from procedures.earth.geodesy import normal_gravity
 from procedures.units import STANDARD_GRAVITY
 from station.calibrated.calibration_choice import AppliedCalibration
-from station.files.campaign_folder.notes import (
+from station.files.campaign_folder.plan_file import (
     UnitRecord,
     keep_left_out,
     keep_no_move,
@@ -22,8 +22,8 @@ from station.files.campaign_folder.notes import (
     write_tables,
 )
 from station.guide.calibration_so_far import calibration_so_far
+from station.stream.connected_unit import Unit
 from station.stream.recorder.accepted_step_writer import CampaignRecorder, MovedFrom
-from station.stream.recorder.connected_unit import Unit
 from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
 
 

@@ -15,8 +15,9 @@ from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Step, Turn, as_repeats, dwell_steps, turn_steps
 from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
+from station.files.atomic_file import new_folder
 from station.files.campaign_folder.campaign_schema import CampaignTable
-from station.files.campaign_folder.notes import (
+from station.files.campaign_folder.plan_file import (
     UnitRecord,
     keep_plan,
     kept_plan,
@@ -24,8 +25,7 @@ from station.files.campaign_folder.notes import (
     read_note,
     write_note,
 )
-from station.files.new_folder import new_folder
-from station.files.setup import Setup
+from station.files.campaign_setup import Setup
 from station.guide.asked_sigmas import limits_of, sequel_of, wanted_record
 from station.guide.campaign_tables import cube_fixture, procedure_table, site_table
 from station.guide.command import OperatorCommand
@@ -46,11 +46,10 @@ from station.guide.stage_context import POWER_CYCLED, BenchFacts, StageContext
 from station.guide.step_checklist import Checklist
 from station.guide.unfinished_beginning import clear_unfinished, has_row, is_unfinished
 from station.guide.view import CalibrationView
-from station.stream.gnss.gnss_feed import GnssFeed, open_gnss
-from station.stream.live.live_feed import LiveFeed, open_feed
-from station.stream.live.restartable_reader import RestartableReader
+from station.stream.connected_unit import Unit, UnitChanged
+from station.stream.gnss_feed import GnssFeed, open_gnss
+from station.stream.live.live_feed import LiveFeed, RestartableReader, open_feed
 from station.stream.recorder.accepted_step_writer import TOML, CampaignRecorder, open_campaign
-from station.stream.recorder.connected_unit import Unit, UnitChanged
 from station.stream.stream_events import Sound
 
 TURN_REST_S = 5.0
@@ -108,7 +107,7 @@ class LiveCampaign:
                 raise
             self.guide.stream_failed(error)
             if isinstance(error, UnitChanged):
-                self._feed.begin_anew()
+                self._feed.reset()
             else:
                 self._reader.restart()
             return

@@ -17,6 +17,10 @@ from procedures.attitude.kalman_state import KalmanSettings
 from procedures.campaign.plan_steps import Monitor
 from procedures.errors import ProcedureError
 from procedures.frames import nominal_C_lb
+from station.attitude.error_at_rest import ErrorAtRest
+from station.attitude.live_filters import LiveFilters, joint_filter_reading
+from station.attitude.live_kalman_filter import AttitudeEstimator
+from station.attitude.live_readings import FilterReading, difference
 from station.calibrated.calibration_choice import AppliedCalibration
 from station.calibrated.filter_settings import filter_settings
 from station.calibrated.rates_and_forces import Sensors
@@ -26,10 +30,6 @@ from station.guide.face_and_stillness import BlockLook
 from station.guide.stage import Stage
 from station.guide.stage_context import StageContext
 from station.guide.view import LawView, MonitoredView
-from station.live_attitude.error_at_rest import ErrorAtRest
-from station.live_attitude.joint_filter import AttitudeEstimator
-from station.live_attitude.readings import LawReading, difference
-from station.live_attitude.side_by_side import SideBySide, joint_as_law
 from station.stream.live.stillness import Block
 from station.stream.recorder.sample_buffer import SampleRun
 
@@ -54,9 +54,9 @@ class LawsOfRest:
         self._end: int | None = None  # of those that were read
         self._left_out_s = 0.0
         self._sensors: Sensors | None = None
-        self._laws: SideBySide | None = None
+        self._laws: LiveFilters | None = None
         self._rest = ErrorAtRest(context.recorder.gravity, context.bench.latitude, 0.0)
-        self._read: list[tuple[int, tuple[LawReading, ...]]] = []  # each with its tick's first sample
+        self._read: list[tuple[int, tuple[FilterReading, ...]]] = []  # each with its tick's first sample
         self.calibration, self.why = "", ""
 
     @property
@@ -65,7 +65,7 @@ class LawsOfRest:
         return self._waiting[0].first if self._waiting else None
 
     @property
-    def newest(self) -> tuple[LawReading, ...]:
+    def newest(self) -> tuple[FilterReading, ...]:
         """What the laws read last."""
         return self._read[-1][1] if self._read else ()
 
@@ -129,7 +129,7 @@ class LawsOfRest:
         period, size = self._context.feed.period, max(1, round(TICK_S / self._context.feed.period))
         for block in self._waiting:
             if block.is_broken:
-                self._laws.begin_anew()
+                self._laws.reset()
             elif self._end is not None:  # it stands as it stood: to a law the seconds left out did not pass
                 self._left_out_s += (block.first - self._end) * period
             self._end = block.last
@@ -139,7 +139,7 @@ class LawsOfRest:
                 if found is not None:
                     reading, laws = found
                     self._rest.take(tick, len(tick.t) * period, rests=reading.mode == "at rest")
-                    self._read.append((at, laws or (joint_as_law(reading, "none"),)))
+                    self._read.append((at, laws or (joint_filter_reading(reading, "none"),)))
         self._waiting.clear()
 
     def _begun(self) -> bool:
@@ -163,7 +163,7 @@ class LawsOfRest:
             return filter_settings(applied.document, "none", log, gravity, latitude, knows_heading, quantum)
 
         joint = AttitudeEstimator("none", settings, 0.0)
-        self._laws = SideBySide(self._step.laws, "none", joint, applied.document, context.recorder.gravity)
+        self._laws = LiveFilters(self._step.laws, "none", joint, applied.document, context.recorder.gravity)
         self.calibration = applied.in_use.text
         return True
 

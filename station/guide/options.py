@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from station.files.setup import Setup
+from station.files.campaign_setup import Setup
 
 if TYPE_CHECKING:
     from procedures.campaign.plan_steps import Step

@@ -16,7 +16,7 @@ from fixtures_db.fixtures import is_surveyed_at
 from fixtures_db.model_limits import UNITS, Limit
 from station.errors import megabytes
 from station.files.campaign_folder.campaign_schema import GRAVITY_STD
-from station.files.setup import Setup
+from station.files.campaign_setup import Setup
 from station.guide.prior_knowledge import PriorKnowledge
 from station.guide.setup_view import PortCheck, Readiness, ReadyLine, ReadyState
 from station.results.certificate.missing_statements import missing_before

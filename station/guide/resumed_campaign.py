@@ -19,8 +19,8 @@ from station.files.campaign_folder.campaign_schema import StepTable
 from station.guide.accepted_dwell import AcceptedDwell, accepted_dwell
 from station.guide.step_checklist import is_free
 from station.results.planning.continued import placements_in
-from station.stream.live.power_cycle import switched_on_again
-from station.stream.live.rates_as_counts import series_as_counts
+from station.stream.live.stillness import series_as_counts
+from station.stream.live.stream_trouble import switched_on_again
 from station.stream.recorder.accepted_step_writer import step_of
 
 SURE_REST_S = 2.0  # of rest before a turn that surely were

@@ -18,7 +18,7 @@ from procedures.planning.design_sigmas import DesignSigmas, wanted, with_all_sol
 from procedures.planning.least_time import NextPlacement, is_enough, next_placement
 from procedures.planning.step_information import StepInformation, UnitNoise
 from procedures.units import S_PER_MIN
-from station.files.campaign_folder.notes import WantedRecord
+from station.files.campaign_folder.plan_file import WantedRecord
 from station.guide.accepted_dwell import AcceptedDwell
 from station.guide.measured_noise import NOISE_S, measured_noise
 from station.guide.view import LimitView

@@ -25,9 +25,8 @@ from station.guide.move_chain import SWITCHED, MoveChain
 from station.guide.resumed_campaign import NO_ACCEPTED_STEPS, AcceptedSteps
 from station.guide.step_checklist import Checklist
 from station.guide.turn_pairs import TurnClosures, turns_again, what_now
-from station.stream.live.accepted_blocks import series_of_runs
 from station.stream.live.live_feed import LiveFeed
-from station.stream.live.stillness import MIN_VARIANCE, TICKS_PER_BLOCK
+from station.stream.live.stillness import MIN_VARIANCE, TICKS_PER_BLOCK, series_of_runs
 from station.stream.recorder.sample_buffer import SampleRun
 from station.stream.stream_events import EventLog
 

@@ -10,7 +10,7 @@ from fixtures_db.campaigns import in_state, is_expired
 from fixtures_db.database import Database
 from fixtures_db.fixtures import fixture_rows
 from fixtures_db.schema import CampaignRow, CubeRow, SlabRow
-from station.files.setup import Setup
+from station.files.campaign_setup import Setup
 from station.guide.folder_lock import is_locked
 from station.guide.setup_view import Choice, StartView, UnfinishedCampaign
 

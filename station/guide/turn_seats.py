@@ -9,8 +9,7 @@ from station.guide.accepted_dwell import rates_and_sigmas
 from station.guide.instruction_words import step_title
 from station.guide.seating_watch import ALIKE_RAD, compared
 from station.guide.stage_context import StageContext
-from station.stream.live.accepted_blocks import runs_of_blocks
-from station.stream.live.stillness import Block
+from station.stream.live.stillness import Block, runs_of_blocks
 
 
 def rest_rates(context: StageContext, position: int, blocks: list[Block]) -> PositionRates:

@@ -30,9 +30,8 @@ from station.guide.turn_pairs import (
 )  # fmt: skip
 from station.guide.turn_seats import keep_to_judge, lies_otherwise, rest_rates
 from station.guide.view import OperatorQuestion, TurnView
-from station.stream.live.accepted_blocks import runs_of_blocks
-from station.stream.live.stillness import Block
-from station.stream.live.turn_detection import TurnWatch
+from station.stream.live.rotation_detection import RotationDetector
+from station.stream.live.stillness import Block, runs_of_blocks
 
 if TYPE_CHECKING:
     from station.guide.dwell_stage import NextStage
@@ -48,7 +47,7 @@ class TurnStage(Stage):
     def __init__(self, context: StageContext, step: Turn, again: "NextStage") -> None:
         super().__init__(context)
         self._step, self._again = step, again
-        self._watch = TurnWatch(step, context.C_sb, context.feed.period, context.turn_counts)
+        self._watch = RotationDetector(step, context.C_sb, context.feed.period, context.turn_counts)
         self._position = context.position
         self._rested: list[Block] = []
         self._is_ready = False

@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from procedures.frames import AXES
-from station.files.campaign_folder.notes import UnitRecord
+from station.files.campaign_folder.plan_file import UnitRecord
 from station.stream.live.stillness import MIN_VARIANCE, TICKS_PER_BLOCK
 
 MAX_ACCELEROMETER_CHANGE = 1e-3  # of g: turn-on repeatability of bias and scale factor together

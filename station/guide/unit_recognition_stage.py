@@ -5,15 +5,15 @@ from typing import Any
 
 import numpy as np
 
-from station.files.campaign_folder.notes import UnitRecord
+from station.files.campaign_folder.plan_file import UnitRecord
 from station.guide.face_and_stillness import BlockLook
 from station.guide.setup_view import Choice
 from station.guide.stage import Stage
 from station.guide.stage_context import StageContext
 from station.guide.unit_identity import same_unit
 from station.guide.view import OperatorQuestion
+from station.stream.connected_unit import UnitChanged
 from station.stream.live.stillness import Block
-from station.stream.recorder.connected_unit import UnitChanged
 
 RECOGNITION_BLOCKS = 10
 

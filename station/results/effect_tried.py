@@ -7,13 +7,12 @@ from procedures.diagnosis.diagnose import diagnose
 from procedures.diagnosis.effect_selection import MAX_LOG_P
 from procedures.diagnosis.result import Diagnosis
 from procedures.effects import EFFECTS
-from station.files.campaign_folder.campaign_effects import effects_of
-from station.files.campaign_folder.loaded_campaign import LoadedCampaign
+from station.files.campaign_folder.loaded_campaign import LoadedCampaign, effects_of
 from station.files.effect_file import EffectFile
 from station.results.diagnosis.diagnosis_json import finding_document
 from station.results.diagnosis.magnetic_field import with_magnetic_field
 from station.results.solution_text import measured
-from station.text.rounding import significant
+from station.text import significant
 
 
 def tried_text(file: EffectFile, campaigns: Sequence[LoadedCampaign]) -> str:

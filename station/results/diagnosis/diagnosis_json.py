@@ -12,8 +12,7 @@ from procedures.diagnosis.left_pattern import LeftPattern
 from procedures.diagnosis.result import Because, Diagnosis, EffectTest, Finding, Reason, ResidualRms, TableSensor
 from procedures.effects.effect import REFERENCE_C
 from procedures.frames import TRIADS
-from station.files.campaign_folder.campaign_effects import effects_of
-from station.files.campaign_folder.loaded_campaign import LoadedCampaign
+from station.files.campaign_folder.loaded_campaign import LoadedCampaign, effects_of
 from station.results.declared_effects import effect_entries, own_definition
 from station.results.diagnosis.single_channels import channels_of
 from station.results.diagnosis.uncalibrated import in_told_unit, without_solution

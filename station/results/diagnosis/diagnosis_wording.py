@@ -5,7 +5,7 @@ from math import degrees
 from typing import TYPE_CHECKING, Any
 
 from procedures.diagnosis.result import Because
-from station.text.rounding import significant
+from station.text import significant
 
 if TYPE_CHECKING:
     from procedures.uncertainty.budget import ParameterBudget

@@ -6,7 +6,7 @@ from textual.content import Content
 
 from station.locate.location import Location
 from station.monitor.view import LATE_S, MonitorView
-from station.text.plural import plural
+from station.text import plural
 from station.tui.monitor.map_picture import map_picture
 from station.tui.widgets.redrawn_on_change import ValueWidget
 

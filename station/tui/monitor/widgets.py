@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from textual.content import Content
 
 from procedures.attitude.laws import JOINT
+from station.attitude.live_readings import FilterReading, MotionState, RestErrorComparison, difference
 from station.calibrated import InUse
-from station.live_attitude.readings import LawReading, MotionState, RestErrorComparison, difference
 from station.monitor.view import ChartPoint, MonitorView
 from station.stream.stream_events import StreamState
 from station.tui.canvas import Canvas
@@ -104,12 +104,12 @@ class RestComparison(ValueWidget[RestErrorComparison]):
         return Content("\n").join((Content.styled(head, "bold"), *rows, Content.styled(errors.earth, "$muted")))
 
 
-class LawTable(ValueWidget[tuple[LawReading, ...]]):
+class LawTable(ValueWidget[tuple[FilterReading, ...]]):
     """Two laws side by side and how they differ, and where a mixing law will settle."""
 
     DEFAULT_CSS = "LawTable { height: 5; padding-left: 1; }"
 
-    def _drawn(self, laws: tuple[LawReading, ...]) -> Content:
+    def _drawn(self, laws: tuple[FilterReading, ...]) -> Content:
         apart = difference(laws)
         head = "LAW   " + "".join(f"{law.law:>13}" for law in laws) + ("" if apart is None else "  difference")
         lines = [Content.styled(head, "bold")]
@@ -122,7 +122,7 @@ class LawTable(ValueWidget[tuple[LawReading, ...]]):
         return Content("\n").join(lines)
 
 
-def _settles(law: LawReading, lines: int) -> list[Content]:
+def _settles(law: FilterReading, lines: int) -> list[Content]:
     """Return the bias of a law at this bank, or what is against the law, in one line or two."""
     if law.note:
         return [Content.styled(line, "$warning") for line in textwrap.wrap(law.note, LAW_COLUMNS)[:lines]]

@@ -9,7 +9,7 @@ from textual.content import Content
 
 from station.guide.command import OperatorCommand
 from station.guide.view import CalibrationView, LinkView
-from station.text.plural import plural
+from station.text import plural
 from station.tui.screens.stage import StageScreen
 from station.tui.widgets.banner import Banner, BannerText
 from station.tui.widgets.event_lines import EventLines

@@ -5,7 +5,7 @@ from textual.containers import Horizontal, VerticalScroll
 from textual.events import DescendantBlur
 from textual.widgets import Static
 
-from station.files.setup import Setup
+from station.files.campaign_setup import Setup
 from station.guide.setup_view import PortCheck, StartView
 from station.tui.setup_entries import ENTRIES, problems, setup_of, texts_of
 from station.tui.widgets.probe_lines import AddressLook, LookLine

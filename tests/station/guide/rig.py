@@ -10,7 +10,7 @@ from drivers.simulated.truth import Truth
 from drivers.wire import ALL_CHANNELS
 from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Dwell, Step
-from station.files.campaign_folder.notes import WantedRecord, read_no_moves, write_note
+from station.files.campaign_folder.plan_file import WantedRecord, read_no_moves, write_note
 from station.guide.asked_sigmas import sequel_of
 from station.guide.command import OperatorCommand
 from station.guide.folder_recorder import FolderRecorder

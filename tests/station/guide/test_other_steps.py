@@ -27,7 +27,7 @@ from station.guide.interrupted_campaigns import reopen
 from station.guide.monitored_words import laws_in_words
 from station.guide.resumed_campaign import read_accepted_steps
 from station.guide.view import CalibrationView
-from station.stream.recorder.connected_unit import Unit
+from station.stream.connected_unit import Unit
 from tests.refusals import refused
 from tests.station.campaign_writing import write_campaign
 from tests.station.guide.rig import GuideRig
