@@ -32,7 +32,7 @@ EXIT_CODES = {
     "station.results.cluster.work_item.NoCluster": 2,
     "station.results.cluster.work_item.ClusterLost": 4,
     "station.sending.outputs.BadAddress": 2,
-    "station.tui.web.errors.CannotServe": 2,
+    "station.tui.web.CannotServe": 2,
     "procedures.optional_libraries.ExtraMissing": 2,
     "procedures.errors.NotObservable": 5,
     "procedures.errors.WrongFace": 3,

@@ -15,9 +15,9 @@ from matplotlib.figure import Figure
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.linear_model import fit_linear
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Excitation
+from procedures.evidence.linear_model import fit_linear
 from station.files.campaign_folder.campaign_reading import read_campaign
 from tests.paths import DATA
 

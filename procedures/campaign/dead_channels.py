@@ -9,7 +9,7 @@ else says so:
 - by the channel's other dwells and their attitudes it should have moved by more than `MIN_MISSED_COUNTS` counts;
 - or it stopped within the step itself (`procedures.campaign.dead_channels`).
 
-The whole triad is left out of such a step; of a soak the channel alone (`procedures.diagnosis.thermal_soaks`).
+The whole triad is left out of such a step; of a soak the channel alone (`procedures.evidence.thermal_soaks`).
 
 Did a channel stop within a step? One that ends constant has, if it cannot have gone on so as it was before.
 At rest it would have changed `MIN_EXPECTED_CHANGES` times, as often as it did before, and moved by more than

@@ -14,18 +14,17 @@ from procedures.calibration.joint_calibration import CampaignFits, fit_reduced
 from procedures.calibration.reduced_steps import reduce_steps
 from procedures.calibration.solution_values import Solution
 from procedures.campaign.campaign import Campaign
-from procedures.diagnosis.candidates import Candidate
-from procedures.diagnosis.effect_selection import AdoptedEffect, rank_effects
-from procedures.diagnosis.evidence_cache import let_go_at_the_end
-from procedures.diagnosis.linear_model import fit_linear
-from procedures.diagnosis.model_with_effects import BenchModel, LoopState, solve_with
-from procedures.diagnosis.refit import Refit
-from procedures.diagnosis.residual_rows import KINDS, Evidence
-from procedures.diagnosis.result import DeclaredEffect, TableSensor
+from procedures.diagnosis.caches import let_go_at_the_end
 from procedures.effects.effect import REFERENCE_C
 from procedures.effects.term.effect_of_term import TermEffect
 from procedures.errors import DoesNotFit
+from procedures.evidence.candidates import Candidate, Candidates, raising_does_not_fit
+from procedures.evidence.linear_model import fit_linear, significance
+from procedures.evidence.refit import Refit
+from procedures.evidence.residual_rows import KINDS, Evidence
 from procedures.frames import TRIADS
+from procedures.inference.base_model import BenchModel
+from procedures.inference.result import DeclaredEffect, TableSensor
 from procedures.statistics.least_squares import left_singular
 
 SAME = 0.98  # correlation, beside the model, from which on two effects are one in a design
@@ -97,39 +96,47 @@ def _with_parameters(evidence: Evidence, declared: Sequence[Candidate]) -> Evide
 
 def declare(bench: BenchModel, terms: Sequence[TermEffect]) -> DeclaredModel:
     """Return the model with effects in it, in their order; those that cannot be told are left out."""
-    effects = {id(term): term.effect() for term in terms}
-    state = solve_with(bench, (), tuple(effects.values()))
-    kept, left_out = list[TermEffect](), list[str]()
+    kept, left_out, now = list[TermEffect](), list[str](), bench.refit(())
     for term in terms:
-        found = _declared(state, term, effects[id(term)].name)
+        found = _declared(bench, now, term)
         if isinstance(found, str):
-            left_out.append(f"{effects[id(term)].name} is not used: {found}")
+            left_out.append(f"{term.effect().name} is not used: {found}")
         else:
-            state = found
+            now = found
             kept.append(term)
-    return DeclaredModel(bench, tuple(kept), tuple(each.candidate for each in state.adopted), tuple(left_out))
+    return DeclaredModel(bench, tuple(kept), now.added, tuple(left_out))
 
 
-def _declared(state: LoopState, term: TermEffect, name: str) -> LoopState | str:
-    """Return the loop with an effect in the model, or why it cannot be."""
-    seen = state.now.evidence.excitation
-    if missing := term.missing(seen):
+def _declared(bench: BenchModel, now: Refit, term: TermEffect) -> Refit | str:
+    """Return the model with an effect in it, or why it cannot be."""
+    evidence, effect = now.evidence, term.effect()
+    if missing := term.missing(evidence.excitation):
         return f"{', '.join(missing)} not recorded; its term is {', '.join(term.terms)}"
-    if not term.columns(seen):
+    if not term.columns(evidence.excitation):
         return f"{', '.join(term.terms)} is no finite number in this campaign"
-    if not state.pool.get(name):
+    if not (ways := Candidates(evidence, now.fits, [effect]).get(effect.name, ())):
         return "nothing in this campaign excites it enough"
-    evidence, ways = state.now.evidence, {name: state.pool[name]}
-    alone = rank_effects(evidence, ways)
-    alike = (a.candidate for a in state.adopted if alone and are_one(evidence, alone[0].candidate, a.candidate))
-    if (one := next(alike, None)) is not None:
+    if (one := next((each for each in now.added if are_one(evidence, ways[0], each)), None)) is not None:
         return f"in this campaign it is indistinguishable from {one.effect.name}"
-    if not (tried := rank_effects(evidence, ways, state.adopted)):
+    if not (told := [found for way in ways if (found := _log_p(evidence, way, now)) is not None]):
         return "the model's own parameters absorb it in this campaign"
+    way = min(told, key=lambda each: each[0])[1]
     try:
-        return state.solved_with((*state.adopted, AdoptedEffect(tried[0].candidate, tried[0], 0.0)))
+        return bench.refit([*now.added, way])
     except DoesNotFit as error:
         return str(error)
+
+
+def _log_p(evidence: Evidence, way: Candidate, now: Refit) -> tuple[float, Candidate] | None:
+    """Return ln p of a way in which an effect may act, beside those in the model; None where these take it."""
+    white = evidence.A / evidence.sigma[:, None]
+    if not _beside(np.linalg.qr(white)[0], way.term.H / evidence.sigma[:, None]).shape[1]:
+        return None
+    try:
+        with raising_does_not_fit():
+            return significance(evidence, way.fit(evidence, [each.term for each in now.added])).log_p, way
+    except DoesNotFit:
+        return None
 
 
 def are_one(evidence: Evidence, one: Candidate, other: Candidate) -> bool:

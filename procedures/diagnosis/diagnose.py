@@ -1,9 +1,9 @@
 """The closed loop: residual, effect, model, residual again.
 
-    evidence -> candidates -> one effect at a time -> parameters solved again -> what is left
+    put right -> evidence -> causes with their probabilities -> parameters solved again with them -> what is left
 
-until nothing significant, plausible and foretelling is left; then every finding is held against what could take
-its place, and the whole against noise.
+What is no column of a linear model (a wrong label, a knock, a clock) is put right first; `procedures.inference`
+says what else acts; samples at rest are looked at last.
 """
 
 from collections.abc import Sequence
@@ -12,89 +12,53 @@ from dataclasses import replace
 
 import numpy as np
 
+from procedures.anomalies.checks import CheckedCampaigns, check_campaigns
+from procedures.anomalies.clock_rate_check import find_clock
+from procedures.anomalies.disturbances import find_disturbances, without_disturbances
+from procedures.anomalies.disturbed_soaks import without_knocks
 from procedures.calibration.joint_calibration import CampaignFits, fit_reduced
 from procedures.calibration.reduced_steps import ReducedSteps, reduce_steps
-from procedures.calibration.solution_values import Solution
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.dead_channels import without_dead
-from procedures.diagnosis.ambiguous_solution import widened_by_alternative
-from procedures.diagnosis.bench_alone import bench_alone
-from procedures.diagnosis.bias_walk import with_bias_walks
-from procedures.diagnosis.candidates import Candidate
-from procedures.diagnosis.checks_before_effects import CheckedCampaigns, check_campaigns
-from procedures.diagnosis.clock_rate_check import find_clock
+from procedures.diagnosis.caches import let_go_at_the_end
 from procedures.diagnosis.declared_effects import declare, declared_effects
-from procedures.diagnosis.disturbances import find_disturbances, without_disturbances
-from procedures.diagnosis.disturbed_soaks import without_knocks
-from procedures.diagnosis.effect_naming import (
-    name_findings,
-    other_seatings,
-    settle_nonlinear,
-    with_fixture_channels,
-)
-from procedures.diagnosis.effect_selection import (
-    MAX_EFFECTS,
-    MAX_LOG_P,
-    TestedEffect,
-    has_its_sign,
-    log_weight,
-    next_effect,
-    rank_effects,
-    times_plausible,
-    too_large_effects,
-)
-from procedures.diagnosis.enough_explained import (
-    DROP_BELOW_LOG_P,
-    drop_unexplaining,
-    drop_unforetelling,
-    in_doubt_where_left,
-    left_log_p,
-    unwidened_fit,
-    without_effect,
-)
-from procedures.diagnosis.evidence_cache import let_go_at_the_end
-from procedures.diagnosis.held_out_errors import left_out_groups, residual_rms
-from procedures.diagnosis.held_samples import known_scales
-from procedures.diagnosis.left_pattern import LeftPattern, left_patterns
-from procedures.diagnosis.model_with_effects import BaseModel, BenchModel, LoopState, solve_with
-from procedures.diagnosis.moved_by_curves import with_moved_values
-from procedures.diagnosis.outdone import (
-    held_against_curves,
-    of_one_step_in_doubt,
-    steps_beside_steps_in_doubt,
-)
-from procedures.diagnosis.polynomial_orders import settle_orders
+from procedures.diagnosis.findings import findings_of
 from procedures.diagnosis.rate_tables import RateTables
-from procedures.diagnosis.result import (
-    UNEXPLAINED_LOG_P,
-    Because,
-    Diagnosis,
-    EffectTest,
-    Finding,
-    Reason,
-    TooLarge,
-    combine_diagnoses,
-    with_file_names,
-)
-from procedures.diagnosis.sample_effects import with_sample_effects
-from procedures.diagnosis.scatter import tested
 from procedures.diagnosis.soaks_alone import SoaksAlone
-from procedures.diagnosis.thermal_alternatives import in_doubt_together
-from procedures.diagnosis.unexplained_residual import within_dwells
-from procedures.diagnosis.verdict import (
-    REPEAT_CAMPAIGN,
-    REPEAT_SOAK,
-    effect_test,
-    next_measurement_of,
-    verdict_of,
-)
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
 from procedures.effects.term.effect_of_term import TermEffect
 from procedures.errors import DoesNotFit, MoveContradicts, NotObservable, ProcedureError
+from procedures.evidence.linear_model import LinearFit, fit_linear
+from procedures.evidence.refit import Refit
+from procedures.evidence.residual_patterns import global_log_p, left_patterns, within_dwells
 from procedures.free_positions.rest_detection import motion_within
+from procedures.inference.base_model import BaseModel, BenchModel
+from procedures.inference.held_out_errors import left_out_groups, residual_rms
+from procedures.inference.infer import Inferred, infer
+from procedures.inference.priors import PRESENT
+from procedures.inference.result import (
+    UNEXPLAINED_LOG_P,
+    Because,
+    BenchAlone,
+    Diagnosis,
+    EffectTest,
+    Finding,
+    Reason,
+    combine_diagnoses,
+    verdict_of,
+    with_file_names,
+)
+from procedures.samples.held_samples import known_scales
+from procedures.samples.sample_effects import with_sample_effects
 from procedures.uncertainty.budget import with_clock
-from procedures.uncertainty.sources import ByTriad
+
+REPEAT_CAMPAIGN = (
+    "the same campaign in another order, on another day: an error that does not repeat is no error term"
+)
+REPEAT_SOAK = (
+    "the same again, with temperature up and down, on another day: an error that does not repeat is no error term"
+)
 
 
 @let_go_at_the_end()
@@ -122,8 +86,12 @@ def _with_found_before(found: Diagnosis, findings: Sequence[Finding], tests: Seq
     """Return a diagnosis with what was found before it, which was put right in what it looked at."""
     every = (*findings, *found.findings)
     return replace(
-        found, verdict=verdict_of(every, found.log_p, found.unnamed), findings=every, tried=(*tests, *found.tried)
+        found, verdict=verdict_of(every, is_left=_is_left(found)), findings=every, tried=(*tests, *found.tried)
     )
+
+
+def _is_left(found: Diagnosis) -> bool:
+    return found.verdict in {"partly", "unexplained"}
 
 
 def _of_recordings(
@@ -155,12 +123,11 @@ def _of_steps(
     found_before, bench = put_right(campaigns)
     effects = [effect for effect in effects if effect.name not in found_before.settled]
     found = _with_clock(_closed(declare(bench, declared) if declared else bench, effects), found_before.clock)
-    findings = with_fixture_channels((*found_before.findings, *found.findings), found.solution_before)
-    unnamed = (*found.unnamed, *_moving_rests(found.before))
-    verdict = verdict_of(findings, found.log_p, unnamed)
+    findings, beside = (*found_before.findings, *found.findings), (*found.beside, *_moving_rests(found.before))
+    is_left = _is_left(found) or bool(beside)
     return replace(
-        found, verdict=verdict, findings=findings, unnamed=unnamed,
-        tried=(*found_before.tests, *found.tried), next_measurement=next_measurement_of(findings, verdict),
+        found, verdict=verdict_of(findings, is_left=is_left), findings=findings, beside=beside,
+        tried=(*found_before.tests, *found.tried), next_measurement=_measure_next(findings, is_left=is_left),
     )  # fmt: skip
 
 
@@ -207,97 +174,61 @@ def _bench_model(steps: ReducedSteps) -> BenchModel:
 
 
 def _closed(subject: BaseModel, effects: Sequence[Effect]) -> Diagnosis:
-    """Add effects to a base model, one at a time, until nothing is left that any of them would explain."""
-    state = first = solve_with(subject, (), effects)
-    tried = list[TestedEffect]()
-    for _ in range(MAX_EFFECTS):
-        found = rank_effects(state.now.evidence, state.pool, state.adopted)
-        tried = tried or found
-        if (grown := _grown(state, found)) is None:
-            break
-        state = _dropped(settle_orders(settle_nonlinear(grown)))
-    state, findings = name_findings(drop_unforetelling(_lasting(drop_unexplaining(state))), len(first.pool))
-    findings, unnamed = held_against_curves(state, state.adopted, findings)
-    findings = in_doubt_together(state.adopted, findings)
-    findings = steps_beside_steps_in_doubt(state, state.adopted, findings)
-    left = left_log_p(state)
-    if left < DROP_BELOW_LOG_P:
-        findings = tuple(in_doubt_where_left(state, *each) for each in zip(state.adopted, findings, strict=True))
-    is_left = left < UNEXPLAINED_LOG_P or bool(unnamed)
-    findings = of_one_step_in_doubt(state.adopted, findings) if is_left else findings
-    unexplained, before, pattern = _unexplained(first, state, findings) if is_left else (None, None, ())
-    foretelling, findings = with_bias_walks(state, findings) if is_left else (state.now, findings)
-    verdict = verdict_of(findings, left, unnamed)
+    """Infer what a base model lacks, and solve it with that in it."""
+    found = infer(subject, effects)
+    first, now = found.first, found.refit
+    findings, unnamed = findings_of(found)
+    fits = [_as_is(each) for each in (first, now)]
+    left = global_log_p(now.evidence, fits[1])
+    is_left = left < UNEXPLAINED_LOG_P or any(each.joint >= PRESENT for each in unnamed)
+    stays = [
+        within_dwells(each.evidence, fit) if is_left else None
+        for each, fit in zip((first, now), fits, strict=True)
+    ]
     return Diagnosis(
-        verdict, findings, tuple(effect_test(each) for each in tried),
-        residual_rms(first.now.evidence, foretelling, left_out_groups(first.now.evidence)), first.now.fits,
-        state.now.fits, state.now.evidence, subject.report(first.now), _reported(state), left,
-        next_measurement_of(findings, verdict),
-        (*state.now.declared, *(each.candidate for each in state.adopted if not each.candidate.is_of_model)),
-        (*state.now.declared_values, *state.now.values),
-        unexplained, before, pattern, on_table=subject.on_table(state.now),
-        too_large=_too_large(state) if is_left else (), declared=declared_effects(state.now),
-        declared_before=declared_effects(first.now),
-        bench_alone=bench_alone(state, findings, is_left=is_left), unnamed=unnamed,
+        verdict_of(findings, is_left=is_left), findings, (),
+        residual_rms(first.evidence, now, left_out_groups(first.evidence)), first.fits, now.fits, now.evidence,
+        subject.report(first), subject.report(now), left, _measure_next(findings, is_left=is_left),
+        unnamed=unnamed, probabilities=found.posterior.probabilities, not_separable=_not_separable(found),
+        added=(*now.declared, *now.added), values=(*now.declared_values, *now.values),
+        unexplained=stays[1], unexplained_before=stays[0],
+        left=left_patterns(now.evidence, fits[1]) if is_left else (), on_table=subject.on_table(now),
+        declared=declared_effects(now), declared_before=declared_effects(first),
+        bench_alone=_bench_alone(found, findings, is_left=is_left),
     )  # fmt: skip
 
 
-def _unexplained(
-    first: LoopState, state: LoopState, findings: Sequence[Finding]
-) -> tuple[ByTriad, ByTriad, tuple[LeftPattern, ...]]:
-    """Return what stays of each triad with and without the effects, and where what stays shows."""
-    fit, before = unwidened_fit(state), within_dwells(first.now.evidence, unwidened_fit(first))
-    return with_moved_values(state, findings, fit), before, left_patterns(state.now.evidence, fit)
+def _as_is(now: Refit) -> LinearFit:
+    """Return the fit of a refit's effects with the rows' own sigma."""
+    evidence = now.evidence
+    return fit_linear(evidence, [each.term for each in now.added], factor=np.ones(len(evidence.residual)))
 
 
-def _too_large(state: LoopState) -> tuple[TooLarge, ...]:
-    """Return what only its size keeps out of the model where the loop stands, the best first."""
-    tried = rank_effects(state.now.evidence, state.pool, state.adopted)
-    left_out = left_out_groups(state.now.evidence)
-    found = too_large_effects(state.now.evidence, tried, state.adopted, left_out)
-    return tuple(TooLarge(each.candidate.effect.name, times_plausible(each)) for each in found)
+def _not_separable(found: Inferred) -> dict[str, str]:
+    """Return the names that the model's own parameters take wholly, with the measurement that separates each."""
+    ways = {name: next(iter(found.pool.get(name, ())), None) for name in found.not_separable}
+    return {name: way.effect.separate_by for name, way in ways.items() if way is not None}
 
 
-def _grown(state: LoopState, found: Sequence[TestedEffect]) -> LoopState | None:
-    """Adopt the best effect with which the model can be solved; None where none is left."""
-    left = list(found)
-    while new := next_effect(state.now.evidence, left, state.adopted, left_out_groups(state.now.evidence)):
-        both = (*state.adopted, new)
-        if new.candidate.is_of_model:
-            return replace(state, adopted=both)
-        try:
-            return state.solved_with(both)
-        except DoesNotFit:
-            left.remove(new.tried)
+def _measure_next(findings: Sequence[Finding], *, is_left: bool) -> str:
+    """Return what separates the findings' names, or whether what is left comes back; nothing if all is named."""
+    told = "; ".join(dict.fromkeys(each.separate_by for each in findings if each.confidence == "possible"))
+    return REPEAT_CAMPAIGN if is_left and not told else told
+
+
+def _bench_alone(found: Inferred, findings: Sequence[Finding], *, is_left: bool) -> BenchAlone | None:
+    """Solve with the findings of bench and procedure alone, where one of the instrument is in doubt.
+
+    A calibration claims no effect of the instrument that is in doubt. What was found of the bench stays in it all
+    the same: turns that closed worse than stated leave the scale factor as open as they are, whatever else is in
+    doubt. None where nothing of the bench was found: then it is the solution without any effect.
+    """
+    kept = [each for each in found.refit.added if each.effect.kind != "instrument"]
+    in_doubt = any(each.kind == "instrument" and each.confidence == "possible" for each in findings)
+    if not in_doubt or not kept:
+        return None
+    with suppress(DoesNotFit):
+        now = found.subject.refit(kept)
+        left = within_dwells(now.evidence, _as_is(now)) if is_left else None
+        return BenchAlone(now.fits, found.subject.report(now), left, declared_effects(now))
     return None
-
-
-def _reported(state: LoopState) -> Solution:
-    """Return what was solved, its sigmas holding the seatings that could be in the place of one."""
-    found = state.subject.report(state.now)
-    for each in state.adopted:
-        for way in other_seatings(state, each.candidate):
-            instead = [replace(a, candidate=way) if a is each else a for a in state.adopted]
-            with suppress(DoesNotFit):
-                found = widened_by_alternative(found, state.subject.report(state.solved_with(instead).now))
-    return found
-
-
-def _dropped(state: LoopState) -> LoopState:
-    """Drop an effect that those adopted after it explain."""
-    gone = next((each for each in state.adopted[:-1] if _has_gone(state, each.candidate)), None)
-    return state if gone is None else without_effect(state, gone)
-
-
-def _lasting(state: LoopState) -> LoopState:
-    """Drop what is no longer seen in the model that it brought about itself, the last adopted first."""
-    while gone := next((each for each in reversed(state.adopted) if _has_gone(state, each.candidate)), None):
-        state = without_effect(state, gone)
-    return state
-
-
-def _has_gone(state: LoopState, candidate: Candidate) -> bool:
-    """Say whether an adopted effect is no longer significant over all that was tried, or a loss that gains."""
-    test = tested(state.now.evidence, candidate, state.beside(candidate))
-    ways = np.log(len(state.pool)) - log_weight(candidate.effect, state.pool)
-    return bool(test.log_p + ways > MAX_LOG_P) or not has_its_sign(candidate, test)

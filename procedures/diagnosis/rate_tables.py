@@ -17,15 +17,15 @@ from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import CampaignFits
 from procedures.calibration.solution_values import FitQuality, Solution
 from procedures.campaign.campaign import Campaign
-from procedures.diagnosis.candidates import Candidate, raising_does_not_fit
-from procedures.diagnosis.linear_model import LinearFit
-from procedures.diagnosis.rate_points import RatePoints, noise_of, read_points
-from procedures.diagnosis.refit import Refit, added_at_nodes, iterate
-from procedures.diagnosis.residual_rows import KINDS, Evidence
-from procedures.diagnosis.result import TableSensor
-from procedures.diagnosis.row_sums import NodeWeights
 from procedures.effects.effect import Excitation, ExcitationStep
+from procedures.evidence.candidates import Candidate, raising_does_not_fit
+from procedures.evidence.linear_model import LinearFit
+from procedures.evidence.rate_points import RatePoints, noise_of, read_points
+from procedures.evidence.refit import Refit, added_at_nodes, iterate
+from procedures.evidence.residual_rows import KINDS, Evidence
+from procedures.evidence.row_sums import NodeWeights
 from procedures.frames import AXES, TRIADS
+from procedures.inference.result import TableSensor
 from procedures.statistics.significance import log_chi2_sf
 from procedures.units import DEG_H_PER_DEG_S
 

@@ -1,6 +1,6 @@
 """What a live channel of a triad that is not solved shows by itself: noise, drift, temperature.
 
-The longest recording at rest is taken. Noise is that of `procedures.diagnosis.channel_noise`; drift and
+The longest recording at rest is taken. Noise is that of `procedures.samples.channel_noise`; drift and
 temperature coefficient are lines through means of blocks, with a sigma for errors that hang together
 (`procedures.statistics.line_fits`). Both are fitted alone: where the temperature went with
 time, one may be the other. A gyroscope's scale factor along its own axis comes from its turns, ``total = s angle
@@ -18,9 +18,9 @@ from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord, Soak
 from procedures.campaign.dead_channels import constant_end, stopped_in_turn
 from procedures.campaign.observations import channel, turn_totals
 from procedures.counts.sample_records import CountSeries, Series
-from procedures.diagnosis.channel_noise import noise_of
-from procedures.diagnosis.held_samples import held_channels
 from procedures.frames import AXES, TRIADS, face_normal, face_of
+from procedures.samples.channel_noise import noise_of
+from procedures.samples.held_samples import held_channels
 from procedures.statistics.allan_deviation import NoiseTerm
 from procedures.statistics.line_fits import CorrelatedLine, fit_correlated_line
 from procedures.statistics.spectrum import MIN_SAMPLES
@@ -121,7 +121,7 @@ def _blocks(series: Series, rate: FloatArray, quantum: float) -> tuple[FloatArra
 
 
 def _noise(record: Held, triad: str, axis: int) -> tuple[NoiseTerm, NoiseTerm]:
-    """Return random walk and bias instability as `procedures.diagnosis.channel_noise` has them."""
+    """Return random walk and bias instability as `procedures.samples.channel_noise` has them."""
     held = next(each for each in held_channels(record, {}) if (each.triad, each.axis) == (triad, axis))
     if held.longest.stop - held.longest.start < MIN_SAMPLES:
         return NoiseTerm(None, 0.0, float("inf")), NoiseTerm(None, 0.0, float("inf"))

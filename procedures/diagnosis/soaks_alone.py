@@ -12,12 +12,12 @@ import numpy as np
 from procedures.calibration.joint_calibration import CampaignFits
 from procedures.calibration.solution_values import FitQuality, Solution
 from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord, SoakRecord
-from procedures.diagnosis.candidates import Candidate, raising_does_not_fit
-from procedures.diagnosis.excitation import NodeBuilder
-from procedures.diagnosis.refit import Refit, iterate
-from procedures.diagnosis.residual_rows import evidence_of
-from procedures.diagnosis.result import TableSensor
-from procedures.diagnosis.thermal_soaks import BLOCK_S, MIN_BLOCKS, soaks_seen
+from procedures.evidence.candidates import Candidate, raising_does_not_fit
+from procedures.evidence.excitation import NodeBuilder
+from procedures.evidence.refit import Refit, iterate
+from procedures.evidence.residual_rows import evidence_of
+from procedures.evidence.thermal_soaks import BLOCK_S, MIN_BLOCKS, soaks_seen
+from procedures.inference.result import TableSensor
 from procedures.statistics.significance import log_chi2_sf
 
 LONG_REST_S = 2 * MIN_BLOCKS * BLOCK_S  # of a dwell that is a soak too

@@ -10,21 +10,21 @@ from dataclasses import replace
 
 import numpy as np
 
+from procedures.anomalies.checks import check_campaigns
 from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import fit_reduced
 from procedures.calibration.reduced_steps import reduce_steps
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.dead_channels import without_dead
-from procedures.diagnosis.candidates import Candidate
-from procedures.diagnosis.checks_before_effects import check_campaigns
-from procedures.diagnosis.evidence_cache import let_go_at_the_end
-from procedures.diagnosis.held_out_errors import left_out_groups, residual_rms
-from procedures.diagnosis.linear_model import fit_linear
-from procedures.diagnosis.refit import Refit, columns_at, refit_with
-from procedures.diagnosis.residual_rows import Evidence, evidence_of
-from procedures.diagnosis.result import Diagnosis, ResidualRms
+from procedures.diagnosis.caches import let_go_at_the_end
 from procedures.diagnosis.soaks_alone import SoaksAlone
 from procedures.errors import DoesNotFit, NotObservable
+from procedures.evidence.candidates import Candidate
+from procedures.evidence.linear_model import fit_linear
+from procedures.evidence.refit import Refit, columns_at, refit_with
+from procedures.evidence.residual_rows import Evidence, evidence_of
+from procedures.inference.held_out_errors import left_out_groups, residual_rms
+from procedures.inference.result import Diagnosis, ResidualRms
 
 OF_THE_CUBE = "fixture.face_tilt"
 OF_THE_UNIT = "auxiliary.channel"  # beside all that is of the instrument: it is the sensor that feels the channel

@@ -11,8 +11,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.diagnosis.residual_rows import Evidence
-from procedures.diagnosis.row_sums import NodeWeights
 from procedures.discovery.factors import (
     Factor,
     Shape,
@@ -24,6 +22,8 @@ from procedures.discovery.factors import (
 )
 from procedures.effects.effect import Excitation
 from procedures.effects.term.effect_of_term import Parameter, TermEffect
+from procedures.evidence.residual_rows import Evidence
+from procedures.evidence.row_sums import NodeWeights
 from procedures.frames import AXES, TRIADS
 
 COEFFICIENT = {"accelerometer": "ug", "gyroscope": "deg/h"}

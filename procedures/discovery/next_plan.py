@@ -15,12 +15,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
-from procedures.diagnosis.linear_model import Term
-from procedures.diagnosis.residual_rows import Evidence
 from procedures.discovery.discover import Discovery, Proposal, fit_as_is
 from procedures.discovery.library import Rows
-from procedures.discovery.search import beside
 from procedures.effects.effect import Columns, Excitation, per_axis
+from procedures.evidence.linear_model import Term
+from procedures.evidence.residual_rows import Evidence
 
 PARTED = 16.0  # expected chi-square by which two readings are told apart
 WARMER_K, HEATED_K = 5.0, 15.0
@@ -89,9 +88,9 @@ def _measured(found: Discovery, one: Proposal, name: str, option: Option) -> Nex
 
 def _coefficients(evidence: Evidence, others: Sequence[Term], W: FloatArray) -> FloatArray:
     fit = fit_as_is(evidence, others)
-    U = beside(fit, W[:, None])[:, 0]
     wide = np.concatenate((W, np.zeros((len(fit.Q) - len(W), W.shape[1]))))
-    return np.linalg.lstsq(U.T @ wide, U.T @ fit.whole, rcond=1e-9)[0].astype(np.float64)
+    found = np.linalg.lstsq(wide - fit.Q @ (fit.Q.T @ wide), fit.whole, rcond=1e-6)[0]
+    return np.asarray(found, np.float64)
 
 
 def _left(M: FloatArray, v: FloatArray) -> float:

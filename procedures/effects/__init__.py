@@ -1,5 +1,9 @@
 """The catalogue of effects: a file for each physical cause, a line for each effect. Its order decides ties."""
 
+from collections.abc import Iterator, Mapping
+from importlib import import_module
+from types import ModuleType
+
 from procedures.effects import (
     auxiliary_channel,
     bias_drift,
@@ -40,6 +44,7 @@ from procedures.effects import (
     vibration_rectification,
 )
 from procedures.effects.effect import Effect
+from procedures.frames import TRIADS
 
 EFFECTS: tuple[Effect, ...] = (
     quadratic.EFFECT,
@@ -93,3 +98,20 @@ EFFECTS: tuple[Effect, ...] = (
     disturbance_dwell.EFFECT,
     auxiliary_channel.EFFECT,
 )
+
+
+def _meanings() -> Iterator[tuple[str, str]]:
+    """Yield by name what an effect is in words: the first phrase of its file."""
+    package = import_module(__name__)
+    for module in vars(package).values():
+        if isinstance(module, ModuleType) and module.__name__.startswith(f"{__name__}."):
+            phrase = (module.__doc__ or "").partition("\n")[0].partition(":")[0].rstrip(".")
+            for effect in vars(module).values():
+                if isinstance(effect, Effect):
+                    triad = effect.name.partition(".")[0]
+                    is_told = triad not in TRIADS or triad in phrase
+                    yield effect.name, phrase if is_told else f"{phrase}, {triad}"
+
+
+MEANINGS: Mapping[str, str] = dict(_meanings())
+"""What each effect of the catalogue is, in words."""

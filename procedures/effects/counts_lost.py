@@ -47,4 +47,5 @@ EFFECT = Effect(
     at=at,
     is_loss=True,
     ranges={KNEE: (MIN_FASTEST, 1e4)},
+    driver="input",
 )

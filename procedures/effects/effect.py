@@ -151,6 +151,7 @@ class Effect:
     these are fitted; ``ranges`` bound what is not linear. ``separate_by_certified`` stands for ``separate_by``
     where the cube has a certificate already. ``is_loss``: its coefficients are above nought, or it is another.
     ``is_turn``: it turns all that is seen, by as much as its columns say, which are for small angles alone.
+    ``driver`` is what a curve of free shape, as with a knee or a time constant, follows: input, temperature, time.
     ``is_bench_parameter``: every model of a bench holds it, as a parameter with its prior; it is no cause.
     """
 
@@ -168,6 +169,7 @@ class Effect:
     is_loss: bool = False
     is_turn: bool = False
     is_bench_parameter: bool = False
+    driver: str = ""
     may_hang_on_a_step: bool = False
     is_scatter: bool = False
     stated_share: float = 0.0

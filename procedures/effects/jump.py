@@ -199,6 +199,7 @@ ACCELEROMETER = Effect(
     columns=accelerometer_columns,
     separate_by="the first position again at the end, and the campaign once more without switching off",
     may_hang_on_a_step=True,
+    driver="time",
 )
 GYROSCOPE = replace(
     ACCELEROMETER,

@@ -56,4 +56,5 @@ EFFECT = Effect(
     columns=columns,
     separate_by="a long dwell after a flip, and one without a flip before it",
     at=at,
+    driver="time at rest",
 )

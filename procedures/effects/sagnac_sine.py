@@ -68,4 +68,6 @@ EFFECT = Effect(
     added=added,
     shown=shown,
     fitted=fitted,
+    is_loss=True,
+    driver="input",
 )

@@ -51,6 +51,7 @@ ACCELEROMETER = Effect(
     columns=lambda seen: ways_to_settle(accelerometer_at, seen),
     separate_by="the campaign once more, in another order, when the unit has been on for an hour",
     at=accelerometer_at,
+    driver="time",
 )
 GYROSCOPE = replace(
     ACCELEROMETER,

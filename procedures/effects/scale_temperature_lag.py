@@ -33,6 +33,7 @@ ACCELEROMETER = Effect(
     columns=lambda seen: [accelerometer_at(seen, way) for way in first_ways(seen)],
     separate_by="faces up and down in turn while it warms and cools, and again at rest in temperature",
     at=accelerometer_at,
+    driver="temperature",
 )
 GYROSCOPE = replace(
     ACCELEROMETER,

@@ -63,6 +63,7 @@ ACCELEROMETER = Effect(
     separate_by="a heating run up and down with ramps of different steepness and long plateaus",
     at=accelerometer_at,
     ranges={PLAY: RANGE_K},
+    driver="temperature",
 )
 GYROSCOPE = replace(
     ACCELEROMETER,

@@ -18,7 +18,7 @@ from procedures.effects.time_constant import search, with_nonlinear
 from procedures.units import DEG_H_PER_DEG_S
 
 SHORTEST_S = 20.0  # s, to begin with: shorter ones show in the temperature's rate
-FIRST = Columns((), orders=(1, 1, 1))
+FIRST_LAGGED_ORDERS = (1, 2)  # with which a search begins
 
 
 def lagging(
@@ -48,10 +48,14 @@ def gyroscope_at(seen: Excitation, way: Columns) -> Columns:
 
 
 def first_ways(seen: Excitation) -> list[Columns]:
-    """Return straight lines with the time constants that a search begins with; none of an unknown temperature."""
+    """Return lines and parabolas with the time constants of a first search; none of an unknown temperature."""
     if not np.isfinite(seen.temperature).all():
         return []
-    return [replace(FIRST, nonlinear={TAU: tau}) for tau in search(SHORTEST_S, recorded_s(seen))]
+    return [
+        Columns((), orders=(order,) * 3, nonlinear={TAU: tau})
+        for order in FIRST_LAGGED_ORDERS
+        for tau in search(SHORTEST_S, recorded_s(seen))
+    ]
 
 
 ACCELEROMETER = Effect(
@@ -63,6 +67,7 @@ ACCELEROMETER = Effect(
     columns=lambda seen: [accelerometer_at(seen, way) for way in first_ways(seen)],
     separate_by="a heating run with ramps and long plateaus, up and down",
     at=accelerometer_at,
+    driver="temperature",
 )
 GYROSCOPE = replace(
     ACCELEROMETER,

@@ -1,7 +1,7 @@
 """Biases differ from one recording at rest to the next by draws of one variance: turn-on to turn-on repeatability.
 
 A column for every soak and sensor. It shows in the means of soaks that determine no calibration
-(`procedures.diagnosis.levels_of_soaks`), of which two or more lie side by side. Plausible: 30 deg/h and 1 mg, of
+(`procedures.evidence.thermal_soaks`), of which two or more lie side by side. Plausible: 30 deg/h and 1 mg, of
 which ten times as much is believed.
 """
 

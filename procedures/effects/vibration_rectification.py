@@ -3,7 +3,7 @@
 An accelerometer's own along its axis; a gyroscope's that of all accelerometers together, since a coil or a proof
 mass may be shaken along any axis. The variance is that of the samples in each dwell and rest: where a sample is a
 mean it is less than that of the motion, the faster that is the less. Within a recording, stretch by stretch:
-`procedures.diagnosis.sample_rectification`. Plausible: 3 mg/g^2 and 20 deg/h/g^2, as of consumer devices.
+`procedures.samples.sample_rectification`. Plausible: 3 mg/g^2 and 20 deg/h/g^2, as of consumer devices.
 """
 
 import numpy as np

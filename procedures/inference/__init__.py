@@ -1,1 +1,6 @@
-"""Which causes a residual shows: the posterior probability of hypotheses that are columns with a prior."""
+"""Which causes the rows of evidence show: the posterior probability of hypotheses that are columns with a prior.
+
+`hypotheses` makes columns of named effects, `smooth_functions` of what no catalogue holds, `priors` states every
+chosen number; `board` lays them beside the evidence, `marginal` weighs them, `search` keeps the likely models,
+`posterior` says what these say together, and `infer` runs it all, linearised again where the best model stands.
+"""

@@ -1,15 +1,17 @@
 """Hypotheses beside the evidence: columns in the complement of the model's own, and the prior of each."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from procedures.arrays import FloatArray, IntArray
-from procedures.diagnosis.candidates import Candidate
-from procedures.diagnosis.residual_rows import Evidence
+from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.effects.effect import Effect
+from procedures.evidence.candidates import Candidate
+from procedures.evidence.residual_rows import Evidence
+from procedures.inference import priors
+from procedures.statistics.least_squares import left_singular
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -18,7 +20,7 @@ class Hypothesis:
 
     ``kind`` is that of its effect, ``nameless`` for a function that no catalogue holds, ``noise`` for a class of
     rows. ``log_again`` is ln of the odds that it acts once more, in another place or by another coefficient; None
-    where it acts once.
+    where it acts once. ``driver`` is what drives a curve of free shape, "" of all else.
     """
 
     name: str
@@ -27,6 +29,12 @@ class Hypothesis:
     amplitudes: FloatArray
     effect: Effect | None = None
     log_again: float | None = None
+    driver: str = ""
+
+    @property
+    def curve(self) -> str:
+        """What it is where its own law does not hold: a function of what drives it."""
+        return f"a function of {self.driver}" if self.is_named and self.driver else self.name
 
     @property
     def is_named(self) -> bool:
@@ -39,7 +47,8 @@ class Option:
     """One way in which a hypothesis may hold: ln of its share, its columns of `Board.W`, what it is made of.
 
     ``scale`` (k,) is 1 sigma of the coefficients at amplitude 1, in the effect's unit; ``mask`` which of the
-    candidate's coefficients they are.
+    candidate's coefficients they are. ``taken`` (k, p) are the rows of an orthonormal basis of the model's columns
+    where each column of the option is one row alone, as of wider noise: then ``W'W = I - taken taken'``.
     """
 
     hypothesis: int
@@ -49,6 +58,12 @@ class Option:
     mask: IntArray | None = None
     scale: FloatArray | None = None
     note: str = ""
+    taken: FloatArray | None = None
+
+    @property
+    def place(self) -> str:
+        """Where it acts, as text."""
+        return "" if self.candidate is None else str(self.candidate.columns.where)
 
     @property
     def is_bent(self) -> bool:
@@ -82,7 +97,7 @@ class Board:
     """The evidence with the model's own parameters integrated out, and every hypothesis beside it.
 
     ``y`` (m,) is the whitened residual in the complement of the model's columns, ``W`` (m, N) all columns there,
-    the last of which is zero, ``H`` (n, N) the same on all rows.
+    the last of which is zero, ``H`` (n, N) the same on all rows. ``basis`` (n, m) spans the complement.
     """
 
     evidence: Evidence
@@ -91,16 +106,29 @@ class Board:
     W: FloatArray
     hypotheses: tuple[Hypothesis, ...]
     options: tuple[Option, ...]
+    basis: FloatArray
 
     @cached_property
-    def separable(self) -> Mapping[str, bool]:
-        """Say of every name whether any of its options leaves something beside the model's own parameters."""
-        seen = np.linalg.norm(self.W, axis=0)
-        found = dict.fromkeys((each.name for each in self.hypotheses), False)
-        for option in self.options:
-            at = self.hypotheses[option.hypothesis]
-            found[at.name] |= bool(at.amplitudes[-1] * np.max(seen[option.columns], initial=0.0) > 1.0)
-        return found
+    def not_separable(self) -> tuple[str, ...]:
+        """The names that would show if the bench's parameters were known, and do not while these are free.
+
+        A quadratic term beside faces without a certificate is one. What the campaign does not excite is none.
+        """
+        data = ~self.evidence.is_range
+        A = (self.evidence.A / self.evidence.sigma[:, None])[data]
+        of_bench = np.any(self.evidence.A[~data] != 0, axis=0)
+        known, free = self._shown(data, A[:, ~of_bench]), self._shown(data, A)
+        return tuple(each.name for each in self.hypotheses if each.name in known and each.name not in free)
+
+    def _shown(self, data: BoolArray, A: FloatArray) -> set[str]:
+        """Return the names of which an option shows by a sigma in data beside parameters of columns A."""
+        U, size = left_singular(A)
+        Q = U[:, size > np.finfo(float).eps * len(A) * np.max(size, initial=0.0)]
+        whole = np.linalg.norm(self.H[data], axis=0)
+        seen = np.linalg.norm(self.H[data] - Q @ (Q.T @ self.H[data]), axis=0)
+        seen = np.where(seen > priors.NEGLIGIBLE * whole, seen, 0.0)
+        most = [(self.hypotheses[each.hypothesis], seen[each.columns]) for each in self.options]
+        return {one.name for one, by in most if one.amplitudes[-1] * np.max(by, initial=0.0) > 1.0}
 
     @cached_property
     def options_of(self) -> Sequence[IntArray]:
@@ -110,21 +138,28 @@ class Board:
 
     @cached_property
     def blocks(self) -> Sequence[Block]:
-        """All options, those of about as many columns together."""
-        return list(_blocks(self))
+        """All options, those of about as many columns together; but those of single rows."""
+        return list(_blocks(self, range(len(self.options))))
+
+    @cached_property
+    def blocks_of(self) -> Sequence[Sequence[Block]]:
+        """Every hypothesis' own options as `blocks`."""
+        return [list(_blocks(self, own.tolist())) for own in self.options_of]
 
 
-def _blocks(board: Board) -> Iterator[Block]:
+def _blocks(board: Board, options: Iterable[int]) -> Iterator[Block]:
     kinds = dict[tuple[int, bool], list[int]]()
-    for i, option in enumerate(board.options):
+    for i in options:
+        option = board.options[i]
+        if option.taken is not None:
+            continue
         effect = board.hypotheses[option.hypothesis].effect
         k = 1 << max(len(option.columns) - 1, 0).bit_length()
         kinds.setdefault((k, effect is not None and effect.is_loss), []).append(i)
-    along = board.W.T @ board.y
     for (k, is_loss), which in kinds.items():
         columns = np.full((len(which), k), board.W.shape[1] - 1)
         for row, i in zip(columns, which, strict=True):
             row[: len(board.options[i].columns)] = board.options[i].columns
         W = np.moveaxis(board.W[:, columns], 0, 2)  # (b, k, m)
         amplitudes = np.array([board.hypotheses[board.options[i].hypothesis].amplitudes for i in which])
-        yield Block(np.array(which), columns, W @ np.swapaxes(W, 1, 2), along[columns], amplitudes, is_loss)
+        yield Block(np.array(which), columns, W @ np.swapaxes(W, 1, 2), W @ board.y, amplitudes, is_loss)

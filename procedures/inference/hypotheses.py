@@ -5,22 +5,29 @@ of this one kind. A hypothesis has options, each with its share of the prior: wh
 constant, in all sensors or in one.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import csr_array
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.diagnosis.candidates import Candidate
-from procedures.diagnosis.linear_model import Term, variance_classes
-from procedures.diagnosis.residual_rows import KINDS, Evidence
+from procedures.effects.effect import Columns
+from procedures.evidence.candidates import Candidate
+from procedures.evidence.linear_model import Term, variance_classes
+from procedures.evidence.residual_rows import KINDS, Evidence
 from procedures.frames import AXES, TRIADS
 from procedures.inference import priors
 from procedures.inference.board import Board, Hypothesis, Option
-from procedures.inference.smooth_functions import functions, walk
+from procedures.inference.smooth_functions import Function, driver_in, functions, unrecorded, walk
+from procedures.statistics.least_squares import left_singular
 
 CUBIC = 4  # neighbours that a cubic goes through
+OF_ROWS = {
+    "mean": "positions", "slope": "drifts within positions", "curvature": "drifts within positions",
+    "turn": "rotations", "move": "transfers", "norm": "rests", "soak": "soaks", "level": "soaks",
+    "rate": "rate points", "prior": "stated values",
+}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,7 +35,7 @@ class Way:
     """Columns H (n, k) of a hypothesis, in sigmas of the rows, each times 1 sigma of its coefficient.
 
     That is ``scale`` (k,). ``masks`` are which of them act together, with ln of the share; where there is no
-    ``candidate``, only all do.
+    ``candidate``, only all do. ``rows`` (k,) are those that the columns are, each one alone.
     """
 
     hypothesis: int
@@ -37,6 +44,7 @@ class Way:
     candidate: Candidate | None = None
     scale: FloatArray | None = None
     note: str = ""
+    rows: IntArray | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,6 +53,11 @@ class Library:
 
     hypotheses: tuple[Hypothesis, ...]
     ways: tuple[Way, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The hypotheses' names, in their order."""
+        return tuple(each.name for each in self.hypotheses)
 
     def with_adopted(self, evidence: Evidence, adopted: Sequence[Candidate]) -> "Library":
         """Return the library with the columns of some candidates where the model stands with them in it."""
@@ -59,6 +72,37 @@ class Library:
                 ways[i] = replace(exact, masks=ways[i].masks)
         return Library(self.hypotheses, tuple(ways))
 
+    def with_functions(
+        self, nameless: Mapping[str, Function], odds: float = priors.ODDS_NAMELESS, kind: str = "nameless"
+    ) -> "Library":
+        """Return the library with functions without a name: their shares, whitened columns (n, k) and notes."""
+        hypotheses, ways = list(self.hypotheses), list(self.ways)
+        for name, (options, driver) in nameless.items():
+            total = sum(share for share, _, _ in options)
+            ways += [
+                Way(len(hypotheses), H, [(float(np.log(share / total)), np.arange(H.shape[1]))], note=note)
+                for share, H, note in options
+            ]
+            if options:
+                hypotheses.append(_without_name(name, kind, odds, priors.OF_NAMELESS, driver))
+        return Library(tuple(hypotheses), tuple(ways))
+
+    def with_terms(self, evidence: Evidence, terms: Iterable[tuple[str, Candidate, float]]) -> "Library":
+        """Return the library with terms by name, each one way in which it acts, with ln of its prior odds."""
+        hypotheses, ways = list(self.hypotheses), list(self.ways)
+        for name, candidate, log_odds in terms:
+            ways.append(_way(evidence, len(hypotheses), candidate, 0.0))
+            hypotheses.append(Hypothesis(name, "term", log_odds, priors.OF_NAMELESS, candidate.effect))
+        return Library(tuple(hypotheses), tuple(ways))
+
+    def with_noise(self, classes: Iterable[tuple[str, FloatArray]]) -> "Library":
+        """Return the library with classes of rows that may be noisier than stated, columns (n, k) [1]."""
+        hypotheses, ways = list(self.hypotheses), list(self.ways)
+        for name, E in classes:
+            ways.append(Way(len(hypotheses), E, [(0.0, np.arange(E.shape[1]))], rows=np.argmax(E, axis=0)))
+            hypotheses.append(_without_name(name, "noise", priors.ODDS_NAMED, priors.OF_SPREAD))
+        return Library(tuple(hypotheses), tuple(ways))
+
     def on(self, evidence: Evidence) -> Board:
         """Return every hypothesis beside an evidence of the same rows."""
         white = evidence.A / evidence.sigma[:, None]
@@ -69,42 +113,64 @@ class Library:
         rows, parts, options, width = list[FloatArray](), list[FloatArray](), list[Option](), 0
         for way, first, end in zip(self.ways, sizes, sizes[1:], strict=False):
             H, W, masks = way.H, every[:, first:end], way.masks
-            if way.candidate is None:
+            if way.candidate is None and way.rows is None:
                 V = principal(W)
                 H, W, masks = H @ V, W @ V, [(way.masks[0][0], np.arange(V.shape[1]))]
             rows.append(H)
             parts.append(W)
             for share, mask in masks:
                 scale = None if way.scale is None else way.scale[mask]
-                options.append(Option(way.hypothesis, share, width + mask, way.candidate, mask, scale, way.note))
+                taken = None if way.rows is None else Q[way.rows, : white.shape[1]]
+                own = Option(way.hypothesis, share, width + mask, way.candidate, mask, scale, way.note, taken)
+                options.append(own)
             width += W.shape[1]
         W = np.hstack([*parts, np.zeros((basis.shape[1], 1))])
         H = np.hstack([*rows, np.zeros((len(white), 1))])
         y = basis.T @ (evidence.residual / evidence.sigma)
-        return Board(evidence, H, y, W, self.hypotheses, _plainest(W, options))
+        return Board(evidence, H, y, W, self.hypotheses, _plainest(W, y, options, self.hypotheses), basis)
 
 
-def _plainest(W: FloatArray, options: Sequence[Option]) -> tuple[Option, ...]:
-    """Return the options without those that do what a plainer effect does.
+def _plainest(
+    W: FloatArray, y: FloatArray, options: Sequence[Option], hypotheses: Sequence[Hypothesis]
+) -> tuple[Option, ...]:
+    """Return the options without those that do what a plainer effect does, as far as the data y (m,) show.
 
     A lag of a second, a settling of a week and a function of two temperatures do what a coefficient of temperature
     or a drift does: that is the name they then have.
     """
     spans = {
-        id(each.candidate): each.columns for each in sorted(options, key=lambda o: len(o.columns)) if each.is_plain
+        id(each.candidate): each.columns
+        for each in sorted(options, key=lambda o: len(o.columns))
+        if each.is_plain and hypotheses[each.hypothesis].kind != "term"
     }
     owner = np.repeat(np.arange(len(options)), [len(each.columns) for each in options])
     every = np.concatenate([np.zeros(0, dtype=np.int64), *(each.columns for each in options)])
     sums = csr_array((np.ones(len(every)), (owner, every)), shape=(len(options), W.shape[1]))
     whole, most = np.maximum(sums @ np.sum(W**2, axis=0), 1e-300), np.zeros(len(options))
+    explained = np.zeros(len(options))  # squares of y, by the plain effect that does most of what an option does
     for columns in spans.values():
-        Q, r = np.linalg.qr(W[:, columns])
-        taken = np.sum((Q[:, np.abs(np.diag(r)) > 0].T @ W) ** 2, axis=0)
-        most = np.maximum(most, sums @ taken / whole)
+        U, size = left_singular(W[:, columns])
+        Q = U[:, size > np.finfo(float).eps * len(W) * np.max(size, initial=0.0)]
+        share = sums @ np.sum((Q.T @ W) ** 2, axis=0) / whole
+        explained = np.where(share > most, np.sum((Q.T @ y) ** 2), explained)
+        most = np.maximum(most, share)
+
+    def is_kept(option: Option, share: float, plain: float) -> bool:
+        is_free = option.is_bent or hypotheses[option.hypothesis].kind == "nameless"
+        if option.is_plain or not is_free or share < 1 - priors.UNRESOLVED:
+            return True
+        return bool(_explained(W[:, option.columns], y) - plain > priors.WINDOW)
+
     return tuple(
-        each for each, share in zip(options, most, strict=True)
-        if share < 1 - priors.NEGLIGIBLE or each.is_plain or not (each.is_bent or each.candidate is None)
+        each for each, share, plain in zip(options, most.tolist(), explained.tolist(), strict=True)
+        if is_kept(each, share, plain)
     )  # fmt: skip
+
+
+def _explained(W: FloatArray, y: FloatArray) -> float:
+    """Return the squares of y (m,) that columns W (m, k) explain."""
+    found: FloatArray = W @ np.linalg.lstsq(W, y)[0]
+    return float(found @ found)
 
 
 def _is_same(one: Candidate, other: Candidate) -> bool:
@@ -114,30 +180,31 @@ def _is_same(one: Candidate, other: Candidate) -> bool:
 
 def library_of(evidence: Evidence, pool: Mapping[str, Sequence[Candidate]]) -> Library:
     """Return every hypothesis beside an evidence; ``pool`` are by name the ways in which effects may act."""
+    walks = {f"a random walk of the bias, {triad}": walk(evidence, triad) for triad in TRIADS}
+    found = named(evidence, pool).with_functions(functions(evidence) | walks)
+    # what is known to act and was not recorded is as likely as what has a name
+    found = found.with_functions(unrecorded(evidence), priors.ODDS_NAMED, "unrecorded")
+    return found.with_noise(_noise(evidence))
+
+
+def named(evidence: Evidence, pool: Mapping[str, Sequence[Candidate]]) -> Library:
+    """Return the hypotheses that have a name; ``pool`` are by name the ways in which effects may act."""
     hypotheses, ways = list[Hypothesis](), list[Way]()
     for name, candidates in pool.items():
-        tried = [each for each in candidates if each.is_tried and not each.effect.is_bench_parameter]
+        if candidates and candidates[0].effect.is_bench_parameter:
+            tried = [
+                each for each in (beyond_its_prior(evidence, each) for each in candidates) if each is not None
+            ]
+        else:
+            tried = [each for each in candidates if each.is_tried]
         if tried:
             hypotheses.append(_named(name, tried))
             ways += _named_ways(evidence, len(hypotheses) - 1, tried)
-    nameless = functions(evidence)
-    nameless |= {f"a random walk of the bias, {triad}": walk(evidence, triad) for triad in TRIADS}
-    for name, options in nameless.items():
-        total = sum(share for share, _, _ in options)
-        ways += [
-            Way(len(hypotheses), H, [(float(np.log(share / total)), np.arange(H.shape[1]))], note=note)
-            for share, H, note in options
-        ]
-        if options:
-            hypotheses.append(_without_name(name, "nameless", priors.ODDS_NAMELESS, priors.OF_NAMELESS))
-    for name, E in _noise(evidence):
-        ways.append(Way(len(hypotheses), E, [(0.0, np.arange(E.shape[1]))]))
-        hypotheses.append(_without_name(name, "noise", priors.ODDS_NAMED, priors.OF_SPREAD))
     return Library(tuple(hypotheses), tuple(ways))
 
 
-def _without_name(name: str, kind: str, odds: float, amplitudes: FloatArray) -> Hypothesis:
-    return Hypothesis(name, kind, float(np.log(odds)), amplitudes)
+def _without_name(name: str, kind: str, odds: float, amplitudes: FloatArray, driver: str = "") -> Hypothesis:
+    return Hypothesis(name, kind, float(np.log(odds)), amplitudes, driver=driver)
 
 
 def _named(name: str, ways: Sequence[Candidate]) -> Hypothesis:
@@ -145,8 +212,10 @@ def _named(name: str, ways: Sequence[Candidate]) -> Hypothesis:
     amplitudes = priors.OF_SPREAD if effect.is_scatter else priors.OF_NAMED
     log_odds, has_places = float(np.log(priors.ODDS_NAMED)), any(way.columns.where for way in ways)
     again = log_odds if has_places else float(np.log(priors.ODDS_ANOTHER))
-    is_single = effect.is_scatter or len(ways[0].columns.coefficients) == 1
-    return Hypothesis(name, effect.kind, log_odds, amplitudes, effect, None if is_single else again)
+    is_bent = any(way.columns.nonlinear for way in ways)  # with two knees it would be any curve
+    is_single = effect.is_scatter or len(ways[0].columns.coefficients) == 1 or is_bent
+    driver = driver_in(name.split(".")[0], effect.driver)
+    return Hypothesis(name, effect.kind, log_odds, amplitudes, effect, None if is_single else again, driver)
 
 
 def _named_ways(evidence: Evidence, number: int, candidates: Sequence[Candidate]) -> list[Way]:
@@ -191,8 +260,28 @@ def _between(candidates: Sequence[Candidate]) -> Iterator[Candidate]:
                 yield replace(line[i], columns=columns, term=Term(H, line[i].term.plausible))
 
 
+def beyond_its_prior(evidence: Evidence, parameter: Candidate) -> Candidate | None:
+    """Return that a bench parameter varies more than its prior says: a scatter of its prior rows, as stated there.
+
+    None of one that has no prior rows.
+    """
+    stated = evidence.is_range & np.any(evidence.A[:, parameter.taken] != 0, axis=1)
+    rows = np.flatnonzero(stated & (np.count_nonzero(evidence.A, axis=1) == 1))
+    if not len(rows):
+        return None
+    per_unit = np.max(np.abs(evidence.A[rows]), axis=1)
+    one = float(np.median(evidence.sigma[rows] / per_unit))
+    effect = replace(parameter.effect, is_scatter=True, plausible=one)
+    H = np.eye(len(evidence.sigma))[:, rows] * (evidence.sigma[rows] / one)
+    columns = Columns(tuple(str(i) for i in range(len(rows))))
+    return Candidate(effect, columns, Term(H, np.full(len(rows), one)), np.zeros_like(parameter.taken))
+
+
 def masks(way: Candidate) -> Iterator[tuple[float, IntArray]]:
-    """Yield ln of a share, and the indices (k,) of coefficients that act: all, one sensor's, or one alone."""
+    """Yield ln of a share, and the indices (k,) of coefficients that act.
+
+    These are all, those of one sensor, those of each sensor's own axis (of a matrix), or one alone.
+    """
     names = way.columns.coefficients[: len(way.columns.coefficients) - len(way.columns.nonlinear)]
     every = np.arange(len(names))
     if way.effect.is_scatter or len(names) == 1:
@@ -203,6 +292,8 @@ def masks(way: Candidate) -> Iterator[tuple[float, IntArray]]:
     levels = [[every]]
     if 1 < len(own) < len(names):
         levels.append(own)
+        along = np.array([i for i in every if names[i] == 2 * names[i][0]], dtype=np.int64)
+        levels += [[along]] if len(along) > 1 else []
     levels.append([every[i : i + 1] for i in every])
     for level in levels:
         for mask in level:
@@ -225,4 +316,7 @@ def _noise(evidence: Evidence) -> Iterator[tuple[str, FloatArray]]:
         rows = np.flatnonzero(shared == number)
         triad, kind = divmod(number - 1, len(KINDS))
         if len(rows) > len(AXES):
-            yield f"wider noise of {KINDS[kind]} rows, {TRIADS[triad]}", np.eye(len(shared))[:, rows]
+            yield (
+                f"a scatter of {OF_ROWS[KINDS[kind]]} beyond noise, {TRIADS[triad]}",
+                np.eye(len(shared))[:, rows],
+            )

@@ -1,55 +1,52 @@
 """From campaigns to causes: rows, hypotheses, search, and the model linearised again where it stands."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from procedures.campaign.campaign import Campaign
-from procedures.diagnosis.candidates import Candidate, Candidates
-from procedures.diagnosis.checks_before_effects import CheckedCampaigns
-from procedures.diagnosis.diagnose import put_right
-from procedures.diagnosis.disturbed_soaks import without_knocks
-from procedures.diagnosis.linear_model import Term
-from procedures.diagnosis.model_with_effects import BaseModel
-from procedures.diagnosis.refit import Refit, terms_at
-from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
 from procedures.errors import DoesNotFit
+from procedures.evidence.candidates import Candidate, Candidates
+from procedures.evidence.linear_model import Term
+from procedures.evidence.refit import Refit, terms_at
+from procedures.inference import priors
+from procedures.inference.base_model import BaseModel
 from procedures.inference.board import Board
-from procedures.inference.hypotheses import library_of
-from procedures.inference.marginal import Member
+from procedures.inference.hypotheses import Library, library_of
+from procedures.inference.marginal import Member, log_sum, tail
 from procedures.inference.posterior import Posterior, averaged_fits, posterior
 from procedures.inference.search import Model, Search
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Inferred:
-    """What was inferred: the posterior, the board it is of, the refit with the best model's effects in."""
+    """What was inferred: the posterior, the board it is of, the base model and the refit with the best effects in.
+
+    ``refit`` has fits averaged over the models, ``first`` is the base model without any effect, ``pool`` holds the
+    ways in which effects may act.
+    """
 
     posterior: Posterior
     board: Board
+    first: Refit
     refit: Refit
     subject: BaseModel
-    checked: CheckedCampaigns
+    pool: Candidates
 
     @property
     def not_separable(self) -> tuple[str, ...]:
-        """The names whose columns the model's own parameters take wholly: this bench cannot show them."""
-        return tuple(name for name, is_seen in self.board.separable.items() if not is_seen)
+        """The names that this bench cannot tell from its own parameters."""
+        return self.board.not_separable
 
 
-def infer(campaigns: Sequence[Campaign], effects: Sequence[Effect] = EFFECTS) -> Inferred:
-    """Return the causes that the residual of one unit's campaigns shows, each with its probability."""
-    checked, bench = put_right(without_knocks(campaigns).campaigns)
-    return inferred(bench, [each for each in effects if each.name not in checked.settled], checked)
-
-
-def inferred(subject: BaseModel, effects: Sequence[Effect], checked: CheckedCampaigns) -> Inferred:
+def infer(subject: BaseModel, effects: Sequence[Effect]) -> Inferred:
     """Search, linearise where the best model stands, and search again until its names stay."""
-    now = subject.refit(())
-    library = library_of(now.evidence, Candidates(now.evidence, now.fits, effects))
-    search = Search(library.on(now.evidence))
+    now = first = subject.refit(())
+    pool = Candidates(now.evidence, now.fits, effects)
+    library = library_of(now.evidence, pool)
+    search = begin = Search(library.on(now.evidence))
     best, tried = search.run(), set[tuple[str, ...]]()
     while (names := _names(search.board, best)) not in tried and (wanted := _candidates(search.board, best)):
         tried.add(names)
@@ -57,33 +54,104 @@ def inferred(subject: BaseModel, effects: Sequence[Effect], checked: CheckedCamp
             now = subject.refit(wanted)
         except DoesNotFit:
             break
-        search = Search(library.with_adopted(now.evidence, _bent(now)).on(now.evidence))
+        search = Search(library.with_adopted(now.evidence, _bent(now, pool)).on(now.evidence))
         best = search.run()
     found = posterior(search)
+    for curved in [each for each in now.added if each.effect.added is not None]:
+        search, now, found = _beside_rivals(subject, pool, library, begin, (search, now, found), curved)
+    best = search.best
     fits = now.fits if now.bare is None else averaged_fits(search, now.bare, found.causes)
-    return Inferred(found, search.board, replace(now, fits=fits), subject, checked)
+    wanted = _candidates(search.board, best)
+    if {each.effect.name for each in now.added} != {each.effect.name for each in wanted}:
+        with suppress(DoesNotFit):  # two linearisations that lead to each other: the model of the last one
+            now = subject.refit(wanted)
+    return Inferred(found, search.board, first, replace(now, fits=fits), subject, pool)
 
 
-def _bent(now: Refit) -> list[Candidate]:
-    """Return the effects in a refit, with their columns at the coefficients found where these are not linear."""
+def _beside_rivals(
+    subject: BaseModel,
+    pool: Candidates,
+    library: Library,
+    begin: Search,
+    held: tuple[Search, Refit, Posterior],
+    curved: Candidate,
+) -> tuple[Search, Refit, Posterior]:
+    """Hold an effect that is not linear in its coefficients against what else the cause may be.
+
+    Where the model stands with it in, the data are those that it leaves: others are judged fairly only where the
+    model stands with them in its place. The likelier one's model is returned, with the shares of both.
+    """
+    search, now, found = held
+    cause = next((each for each in posterior(begin).causes if curved.effect.name in each.shares), None)
+    rivals = (
+        [name for name in cause.shares if name in library.names and name != curved.effect.name] if cause else []
+    )
+    stands = {curved.effect.name: held}
+    for name in rivals:
+        number = library.names.index(name)
+        member = begin.beside(()).member(begin.board, number)
+        rival = _candidate(begin.board, member)
+        if rival is None:
+            continue
+        with suppress(DoesNotFit):
+            refit = subject.refit([*(each for each in now.added if each is not curved), rival])
+            other = Search(library.with_adopted(refit.evidence, _bent(refit, pool)).on(refit.evidence))
+            other.run()
+            stands[name] = (other, refit, posterior(other))
+    densities = np.array([_log_density(each) for each, _, _ in stands.values()])
+    shares = dict(zip(stands, np.exp(densities - log_sum(densities)).tolist(), strict=True))
+    likeliest = max(shares, key=lambda name: shares[name])
+    search, now, found = stands[likeliest]
+    causes = tuple(
+        replace(each, probability=each.joint * shares[likeliest], shares=_notable(each.shares | shares))
+        if each.hypothesis.name == likeliest
+        else each
+        for each in found.causes
+    )
+    return search, now, replace(found, causes=causes)
+
+
+def _notable(shares: dict[str, float]) -> dict[str, float]:
+    return {name: share for name, share in shares.items() if share >= priors.NEGLIGIBLE}
+
+
+def _log_density(search: Search) -> float:
+    """Return ln of the marginal density of the data of a search's best model, but for what all have in common."""
+    y = search.board.y
+    return search.best.log_odds + float(tail(search.board, np.array(y @ y)))
+
+
+def _bent(now: Refit, pool: Candidates) -> list[Candidate]:
+    """Return the effects in a refit, with their columns at the coefficients found where these are not linear.
+
+    How large they may be is as before, for a unit of its grade: not what they were held by.
+    """
     terms, _ = terms_at(now.evidence, now.added, now.values)
     found = list[Candidate]()
     for each, term in zip(now.added, terms, strict=True):
         k = len(each.columns.coefficients) - len(each.columns.nonlinear)
-        own = each.effect.plausible_of(each.columns)
+        ways = [
+            way
+            for way in pool[each.effect.name]
+            if len(way.columns.coefficients) == len(each.columns.coefficients)
+        ]
+        own = ways[0].term.plausible
         found.append(replace(each, term=Term(term.H[:, :k], own[:k])))
     return found
 
 
 def _candidates(board: Board, best: Model) -> list[Candidate]:
-    """Return the named effects of a model, their coefficients held by the amplitudes at which they stand."""
+    """Return the named effects of a model, their coefficients held by the amplitudes at which they stand.
+
+    Bench parameters are in the base model: that one is beyond its prior is in the average over the models alone.
+    """
     return [found for each in best.members if (found := _candidate(board, each)) is not None]
 
 
 def _candidate(board: Board, member: Member) -> Candidate | None:
     option = board.options[member.option]
     way = option.candidate
-    if way is None or option.mask is None or option.scale is None:
+    if way is None or option.mask is None or option.scale is None or way.effect.is_bench_parameter:
         return None
     k = len(way.columns.coefficients) - len(way.columns.nonlinear)
     plausible = way.effect.plausible_of(way.columns)[:k] * np.sqrt(

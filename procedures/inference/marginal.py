@@ -21,7 +21,7 @@ import numpy as np
 from scipy.special import log_ndtr
 
 from procedures.arrays import FloatArray
-from procedures.inference.board import Block, Board
+from procedures.inference.board import Block, Board, Option
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,11 +73,13 @@ class Held:
     def of(cls, board: Board, members: Sequence[Member]) -> "Held":
         """Hold members."""
         S = stacked(board, members)
-        M, b, yy = np.eye(S.shape[1]) + S.T @ S, S.T @ board.y, float(board.y @ board.y)
-        inverse = np.asarray(np.linalg.inv(M), np.float64)
+        b, yy = S.T @ board.y, float(board.y @ board.y)
+        size, V = np.linalg.eigh(S.T @ S)  # large members that are nearly the same leave no digits of the 1
+        size = np.maximum(size, 0.0)
+        inverse = (V / (1 + size)) @ V.T
         c = inverse @ b
         squares = yy - float(b @ c)
-        logdet = float(np.linalg.slogdet(M)[1])
+        logdet = float(np.sum(np.log1p(size)))
         gain = -0.5 * logdet + float(tail(board, np.array(squares)) - tail(board, np.array(yy)))
         return cls(S, inverse, c, squares, gain)
 
@@ -91,21 +93,40 @@ def tail(board: Board, squares: FloatArray) -> FloatArray:
     return found
 
 
-def ranked(board: Board, members: Sequence[Member]) -> Ranked:
-    """Return what every hypothesis is worth beside members."""
+def ranked(board: Board, members: Sequence[Member], only: int | None = None) -> Ranked:
+    """Return what every hypothesis, or ``only`` one, is worth beside members."""
     held, n = Held.of(board, members), len(board.options)
     gains, best, amplitude = np.full(n, -np.inf), np.full(n, -np.inf), np.zeros(n)
-    across = held.S.T @ board.W
-    for block in board.blocks:
-        of = np.moveaxis(across[:, block.columns], 0, 2)  # (b, k, s)
-        G, g = block.G - of @ held.inverse @ np.swapaxes(of, 1, 2), block.g - of @ held.c
-        values = _gains(board, held.squares, G, g, block)
+    blocks = board.blocks if only is None else board.blocks_of[only]
+    every = np.arange(n) if only is None else board.options_of[only]
+    variances, V = np.linalg.eigh(held.inverse)
+    if only is None:
+        W = board.W
+        columns = np.arange(W.shape[1])
+    else:
+        columns = np.unique(np.concatenate([board.options[i].columns for i in every.tolist()]))
+        W = board.W[:, columns]
+    across = held.S.T @ W
+    taken, shift = np.zeros((board.W.shape[1], len(V))), np.zeros(board.W.shape[1])
+    taken[columns] = across.T @ (V * np.sqrt(np.maximum(variances, 0.0)))  # what the members take of each column
+    shift[columns] = across.T @ held.c
+    for block in blocks:
+        of = taken[block.columns]  # (b, k, s)
+        G, g = block.G - of @ np.swapaxes(of, 1, 2), block.g - shift[block.columns]
+        values = gains_of(board, held.squares, G, g, block)
         most = np.argmax(values, axis=1)
         at = np.arange(len(most))
         shares = np.array([board.options[i].log_share for i in block.options])
         gains[block.options] = shares + log_mean(values)
         best[block.options] = shares + values[at, most]
         amplitude[block.options] = block.amplitudes[at, most]
+    for i in every.tolist():
+        option = board.options[i]
+        if option.taken is not None:
+            values = _gains_of_rows(board, held, option, taken[option.columns], shift[option.columns])
+            most = int(np.argmax(values))
+            gains[i] = option.log_share + log_mean(values)
+            best[i], amplitude[i] = option.log_share + values[most], _amplitudes(board, option)[most]
     total = np.array([
         each.log_odds + (log_sum(gains[own]) if len(own) else -np.inf)
         for each, own in zip(board.hypotheses, board.options_of, strict=True)
@@ -113,7 +134,7 @@ def ranked(board: Board, members: Sequence[Member]) -> Ranked:
     return Ranked(gains, best, amplitude, total)
 
 
-def _gains(board: Board, squares: float, G: FloatArray, g: FloatArray, block: Block) -> FloatArray:
+def gains_of(board: Board, squares: float, G: FloatArray, g: FloatArray, block: Block) -> FloatArray:
     """Return the gain (b, amplitudes) of options with G (b, k, k) and g (b, k)."""
     if G.shape[1] == 1:
         size, along = np.maximum(G[:, 0], 0.0), g
@@ -126,6 +147,31 @@ def _gains(board: Board, squares: float, G: FloatArray, g: FloatArray, block: Bl
     found = -0.5 * np.sum(np.log(spread), axis=2)
     found += tail(board, squares - explained) - tail(board, np.array(squares))
     gains: FloatArray = found + _log_positive(G, g, block.amplitudes) if block.is_loss else found
+    return gains
+
+
+def _amplitudes(board: Board, option: Option) -> FloatArray:
+    return board.hypotheses[option.hypothesis].amplitudes
+
+
+def _gains_of_rows(
+    board: Board, held: Held, option: Option, by_members: FloatArray, shift: FloatArray
+) -> FloatArray:
+    """Return the gain (amplitudes,) of an option whose columns are single rows, beside what is held.
+
+    Then G = I - U U' with few columns U: but for these directions it has the eigenvalue 1. ``by_members`` (k, s)
+    is what the members take of the columns, ``shift`` (k,) what they explain of W'y.
+    """
+    assert option.taken is not None
+    g = board.W[:, option.columns].T @ board.y - shift
+    X, sigma, _ = np.linalg.svd(np.hstack((option.taken, by_members)), full_matrices=False)
+    size, along = np.maximum(1 - sigma**2, 0.0), X.T @ g
+    rest, number = max(float(g @ g - along @ along), 0.0), len(g) - len(size)
+    s2 = _amplitudes(board, option)[:, None] ** 2
+    spread = 1 + s2 * size
+    explained = np.sum(s2 * along**2 / spread, axis=1) + (s2 * rest / (1 + s2))[:, 0]
+    volume = np.sum(np.log(spread), axis=1) + number * np.log1p(s2[:, 0])
+    gains: FloatArray = -0.5 * volume + tail(board, held.squares - explained) - tail(board, np.array(held.squares))
     return gains
 
 

@@ -1,16 +1,16 @@
 """What follows from the models that were kept: probabilities of names, groups and nameless mass, coefficients."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from procedures.arrays import FloatArray, IntArray
+from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.calibration.joint_calibration import CampaignFits
-from procedures.diagnosis.candidates import Candidate
+from procedures.evidence.candidates import Candidate
 from procedures.inference import priors
 from procedures.inference.board import Board, Hypothesis
-from procedures.inference.marginal import Held, Member, log_sum
+from procedures.inference.marginal import Held, Member, Ranked, log_sum
 from procedures.inference.search import Model, Search
 from procedures.twelve_positions.accelerometer_fit import TriadFit
 
@@ -40,8 +40,10 @@ class Cause:
     """Something that acts: its likeliest name and that name's ``probability``, and the names it may have.
 
     ``shares`` holds by name the probability that this cause is it, of named and nameless hypotheses; ``joint`` is
-    the probability that one of them acts, ``nameless`` the share without a name. ``coefficients`` are those of the
-    likeliest name, None of a nameless function, whose ``note`` says where it is.
+    the probability that one of them acts, ``evidence`` ln of the odds that one does against none. ``nameless`` is
+    the share without a name, ``form`` the likeliest of these and ``note`` where and how it acts. ``coefficients``
+    are those of the likeliest name, None where there is none. ``places`` are where the likeliest name may act, as
+    a position or a channel, with the share of each, the likeliest first.
     """
 
     hypothesis: Hypothesis
@@ -50,7 +52,10 @@ class Cause:
     shares: dict[str, float]
     nameless: float
     coefficients: Coefficients | None
+    form: str
     note: str
+    evidence: float
+    places: tuple[tuple[Mapping[str, object], float], ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,7 +79,9 @@ def posterior(search: Search) -> Posterior:
     held = np.zeros((len(models), len(board.hypotheses)), dtype=bool)
     for i, model in enumerate(models):
         held[i, list(model.names)] = True
-    probabilities = weights @ held
+    present = weights @ held
+    probabilities = weights @ (held & ~_bent_further(board, models, held))
+    alone = np.divide(probabilities, present, out=np.ones_like(present), where=present > 0)
     best, causes = search.best, list[Cause]()
     for hypothesis, own in _acting(board, best.members):
         rest = [each for each in best.members if each not in own]
@@ -88,20 +95,40 @@ def posterior(search: Search) -> Posterior:
         order = [int(j) for j in np.argsort(-shares) if shares[j] >= priors.NEGLIGIBLE]
         first = order[0] if order else int(np.argmax(shares))
         named = [j for j in order if board.hypotheses[j].is_named]
-        nameless = float(sum(s for s, h in zip(shares, board.hypotheses, strict=True) if not h.is_named))
+        nameless = float(sum(
+            s * (1 - a) if h.is_named else s for s, a, h in zip(shares, alone, board.hypotheses, strict=True)
+        ))  # fmt: skip
         top = named[0] if named else first
         member = beside.member(board, top)
         found = averaged(board, rest, top, member) if board.hypotheses[top].is_named else None
         if top == hypothesis and len(own) > 1:
             found = _together(board, best.members, own)
-        of_group = float(weights @ held[:, order or [first]].any(axis=1))
+        forms = [j for j in order if not board.hypotheses[j].is_named] or [first]
+        form, of_group = forms[0], float(weights @ held[:, order or [first]].any(axis=1))
         causes.append(Cause(
             board.hypotheses[top], float(min(probabilities[top], shares[top])), of_group,
             {board.hypotheses[j].name: float(shares[j]) for j in order}, nameless, found,
-            board.options[member.option].note,
+            board.hypotheses[form].curve, board.options[beside.member(board, form).option].note,
+            float(log_sum(total)),
+            tuple(_places(board, beside, top)),
         ))  # fmt: skip
     every = {h.name: float(p) for h, p in zip(board.hypotheses, probabilities, strict=True)}
-    return Posterior(tuple(sorted(causes, key=lambda each: -each.joint)), every, best)
+    return Posterior(tuple(sorted(causes, key=lambda each: -each.evidence)), every, best)
+
+
+def _bent_further(board: Board, models: Sequence[Model], held: BoolArray) -> BoolArray:
+    """Return in which models (m, h) a curve of the catalogue is not enough to follow what drives it.
+
+    Beside it stands a function of the same driver, or it acts more often than twice, as by many jumps. Together
+    they are another curve: the name is not what acts, as its law does not hold alone.
+    """
+    nameless = np.array([not each.is_named for each in board.hypotheses])
+    drivers = np.array([each.driver for each in board.hypotheses])
+    found = np.zeros_like(held)
+    for i in np.flatnonzero(~nameless & (drivers != "")).tolist():
+        found[:, i] = held[:, nameless & (drivers == drivers[i])].any(axis=1)
+        found[:, i] |= [model.names.count(i) > priors.MOST_PLACES for model in models]
+    return found
 
 
 def _acting(board: Board, members: Sequence[Member]) -> Iterator[tuple[int, list[Member]]]:
@@ -114,6 +141,20 @@ def _acting(board: Board, members: Sequence[Member]) -> Iterator[tuple[int, list
         causes.setdefault((option.hypothesis, *place), []).append(each)
     for own in causes.values():
         yield board.options[own[0].option].hypothesis, own
+
+
+def _places(board: Board, beside: Ranked, hypothesis: int) -> Iterator[tuple[Mapping[str, object], float]]:
+    """Yield where a name may act and the share of it, the likeliest first; what is negligible is left out."""
+    own = board.options_of[hypothesis]
+    shares = np.exp(beside.gains[own] - log_sum(beside.gains[own]))
+    places, total = dict[str, Mapping[str, object]](), dict[str, float]()
+    for number, share in zip(own.tolist(), shares.tolist(), strict=True):
+        if (way := board.options[number].candidate) is not None:
+            key = str(way.columns.where)
+            places[key], total[key] = way.columns.where, total.get(key, 0.0) + share
+    for key in sorted(total, key=lambda each: -total[each]):
+        if total[key] >= priors.NEGLIGIBLE:
+            yield places[key], total[key]
 
 
 def _together(board: Board, members: Sequence[Member], own: Sequence[Member]) -> Coefficients | None:
@@ -211,6 +252,7 @@ def averaged_fits(search: Search, fits: CampaignFits, causes: Sequence[Cause]) -
     """
     board, shown = search.board, {name for each in causes for name in each.shares}
     models = [m for m in search.window if {board.hypotheses[i].name for i in m.names} <= shown] or [search.best]
+    models += search.elsewhere()
     evidence = board.evidence
     Q, R = np.linalg.qr(evidence.A / evidence.sigma[:, None])
     y = evidence.residual / evidence.sigma
@@ -238,10 +280,3 @@ def averaged_fits(search: Search, fits: CampaignFits, causes: Sequence[Cause]) -
         fits, accelerometer=accel and moved(accel, first),
         gyroscope=gyro and replace(gyro, joint=moved(gyro.joint, second)),
     )  # fmt: skip
-
-
-def word(probability: float) -> str:
-    """Return the word for a probability."""
-    if probability >= priors.ESTABLISHED:
-        return "established"
-    return "likely" if probability >= priors.LIKELY else "possible"

@@ -1,6 +1,10 @@
 """Every chosen number of the inference, with unit and reason; guards against a division by zero are elsewhere."""
 
+from typing import Literal
+
 import numpy as np
+
+Confidence = Literal["established", "likely", "possible"]
 
 # What acts.
 # Of about forty names in the catalogue, a unit on its bench shows between none and two. A term of the bench or of
@@ -8,12 +12,16 @@ import numpy as np
 ODDS_NAMED = 0.01
 # About twenty families hold what no catalogue lists. Together they act a tenth as often as the catalogue.
 ODDS_NAMELESS = 0.002
+# The library of terms holds laws that no catalogue lists: all together they are as likely as the functions are.
+ODDS_TERMS = 0.04
+# Every factor and parameter makes a term of the library so much less likely [nats]: the simplest first.
+SIMPLER = 2.0
 # Where one coefficient of an error term acts, another of it acts in one of four cases.
 ODDS_ANOTHER = 0.3
 
 # How large it is.
-# The catalogue states the standard deviation of a coefficient, the procedure that of a scatter, and the samples
-# that of the noise. Each is right within a factor of ten.
+# The catalogue states the standard deviation of a coefficient: smaller ones are as likely, larger ones rarer. The
+# procedure states that of a scatter and the samples that of the noise: each is right within a factor of ten.
 FACTOR = 10.0
 # Sizes span three decades: good units show a thousandth of the catalogue's number, which is of the largest. A
 # nameless function spans them from 1 sigma of all rows together, below which nothing shows.
@@ -30,12 +38,18 @@ BENDS = (3.0, 10.0)
 KNEES = (0.3, 0.5, 0.7, 0.85)
 FINER = 3  # points in each interval of a time constant's grid: a third of 0.5 in its logarithm changes nothing
 
+# A time constant of which less than this share of the squares shows beside the effect without it is the plain
+# effect, unless the data resolve it all the same. A lag is told from none where it shifts the response by a fifth.
+UNRESOLVED = 0.05
+
 # How exact the answer is.
 NEGLIGIBLE = 0.01  # a share that changes no word and no second decimal
 BREADTH = 3  # models of one size from which the next are grown
+MOST_PLACES = 2  # of one cause within a triad: a unit that jumps more often follows a curve of its own
 LARGEST = 8  # causes in a model: a unit with more needs a repair, no diagnosis
 
 ESTABLISHED, LIKELY = 0.99, 0.9  # probability from which a cause is called so
+PRESENT = 0.5  # probability from which a cause changes the verdict: likelier than not
 
 
 def grid(low: float, high: float) -> np.ndarray:
@@ -44,8 +58,26 @@ def grid(low: float, high: float) -> np.ndarray:
     return found
 
 
-OF_NAMED = grid(1 / SPAN, FACTOR)  # of the standard deviation of a coefficient that the catalogue states
+def falling(low: float, high: float) -> np.ndarray:
+    """Return amplitudes (m,) [1] of equal weight: even in the logarithm below 1, rarer beyond it.
+
+    The density of the logarithm is ``1 / (1 + s)``, a Cauchy tail, whose integral is ``ln(s / (1 + s))``.
+    """
+    first, last = (np.log(s / (1 + s)) for s in (low, high))
+    quantiles = np.exp(first + (last - first) * (np.arange(AMPLITUDES) + 0.5) / AMPLITUDES)
+    found: np.ndarray = quantiles / (1 - quantiles)
+    return found
+
+
+OF_NAMED = falling(1 / SPAN, SPAN)  # of the standard deviation of a coefficient that the catalogue states
 OF_SPREAD = grid(1 / FACTOR, FACTOR)  # of the standard deviation of a scatter, or of noise, that is stated
 OF_NAMELESS = grid(1.0, SPAN)  # of what one sigma of all rows together is
 WINDOW = -2 * np.log(NEGLIGIBLE)  # nats below the best model: a hundred such models are negligible
 HALF_PERIODS = round(2 * max(BENDS))  # columns of a smooth function
+
+
+def word(probability: float) -> Confidence:
+    """Return the word for the probability of a cause."""
+    if probability >= ESTABLISHED:
+        return "established"
+    return "likely" if probability >= LIKELY else "possible"

@@ -33,6 +33,7 @@ class Search:
     board: Board
     models: dict[Names, Model] = field(default_factory=dict)
     _ranked: dict[tuple[Member, ...], Ranked] = field(default_factory=dict)
+    _alone: dict[tuple[tuple[Member, ...], int], Ranked] = field(default_factory=dict)
 
     def beside(self, members: Sequence[Member]) -> Ranked:
         """Return what every hypothesis is worth beside members."""
@@ -40,6 +41,15 @@ class Search:
         if key not in self._ranked:
             self._ranked[key] = ranked(self.board, key)
         return self._ranked[key]
+
+    def alone(self, members: Sequence[Member], hypothesis: int) -> Ranked:
+        """Return what one hypothesis is worth beside members; of all others nothing is said."""
+        key = tuple(sorted(members, key=lambda each: each.option))
+        if key in self._ranked:
+            return self._ranked[key]
+        if (key, hypothesis) not in self._alone:
+            self._alone[key, hypothesis] = ranked(self.board, key, hypothesis)
+        return self._alone[key, hypothesis]
 
     def run(self, begin: Sequence[Member] = ()) -> Model:
         """Return the best model; `models` holds all others."""
@@ -68,6 +78,19 @@ class Search:
         least = self.best.log_odds - priors.WINDOW
         return sorted((m for m in self.models.values() if m.log_odds >= least), key=lambda m: -m.log_odds)
 
+    def elsewhere(self) -> list[Model]:
+        """Return the best model with each of its members at every other place that is as likely."""
+        found, best = list[Model](), self.best
+        for i, member in enumerate(best.members):
+            rest, option = best.members[:i] + best.members[i + 1 :], self.board.options[member.option]
+            beside = self.beside(rest)
+            for number in self.board.options_of[option.hypothesis].tolist():
+                less = float(beside.best[number] - beside.best[member.option])
+                if less > -priors.WINDOW and self.board.options[number].place != option.place:
+                    moved = Member(number, float(beside.amplitude[number]))
+                    found.append(Model((*rest, moved), best.log_odds + less, best.names))
+        return found
+
     def _keep(self, model: Model) -> None:
         known = self.models.get(model.names)
         if known is None or known.log_odds < model.log_odds:
@@ -89,7 +112,9 @@ class Search:
         return polished
 
     def _children(self, parent: Model) -> Iterable[Model]:
-        """Yield a model with each hypothesis more."""
+        """Yield a model with each hypothesis more, while it is no larger than may be."""
+        if len(parent.members) >= priors.LARGEST:
+            return
         beside = self.beside(parent.members)
         for i, total in enumerate(beside.total.tolist()):
             again = self._again(i) if i in parent.names else 0.0
@@ -106,23 +131,26 @@ class Search:
     def polished(self, members: Sequence[Member]) -> Model:
         """Return a model with every member's option and amplitude the best beside the others."""
         now, of = list(members), [self.board.options[each.option].hypothesis for each in members]
-        before = list[Member]()
-        while before != now:  # each change is likelier than what was
+        for _ in range(priors.LARGEST):  # each change is likelier than what was, but for rounding
             before = list(now)
             for i, hypothesis in enumerate(of):
-                now[i] = self.beside(now[:i] + now[i + 1 :]).member(self.board, hypothesis)
+                now[i] = self.alone(now[:i] + now[i + 1 :], hypothesis).member(self.board, hypothesis)
+            if before == now:
+                break
         log_odds = Held.of(self.board, now).gain
         for i, hypothesis in enumerate(of):
-            beside = self.beside(now[:i] + now[i + 1 :])
+            beside = self.alone(now[:i] + now[i + 1 :], hypothesis)
             at = beside.best[now[i].option]
             volume = beside.total[hypothesis] - at + self.board.options[now[i].option].log_share
             log_odds += float(volume) + (self._again(hypothesis) if hypothesis in of[:i] else 0.0)
         return Model(tuple(now), log_odds, tuple(sorted(of)))
 
     def _around(self, model: Model) -> None:
-        """Take each member, and each pair, out of a model, and try everything in its place."""
+        """Take each member that something else may be, and each pair of few, out and try everything."""
         n = len(model.members)
-        out = [(), *((i,) for i in range(n)), *((i, j) for i in range(n) for j in range(i))]
+        open_to = [i for i in range(n) if self._has_rivals(model, i)]
+        pairs = [(i, j) for i in range(n) for j in range(i)] if n <= priors.BREADTH else []
+        out = [(), *((i,) for i in open_to), *pairs]
         for gone in out:
             rest = tuple(each for k, each in enumerate(model.members) if k not in gone)
             smaller = self.polished(rest)
@@ -131,12 +159,38 @@ class Search:
             for child in self._children(smaller):
                 if child.log_odds > least:
                     self._keep(child)
+            if len(gone) == 1 and not self.board.hypotheses[_of(self.board, model.members[gone[0]])].is_named:
+                self._two_for_one(smaller, least)
             # of options that overlap, those that were the best beside what is gone may be so again
             as_it_stood = Model(rest, smaller.log_odds, smaller.names)
             for base in [smaller] if set(rest) == set(smaller.members) else [smaller, as_it_stood]:
                 for child in sorted(self._children(base), key=lambda each: -each.log_odds)[: priors.BREADTH]:
                     if child.log_odds > least:
                         self._keep(self.polished(child.members))
+
+    def _has_rivals(self, model: Model, i: int) -> bool:
+        """Say whether something else, or two causes for a function without a name, may be in a member's place."""
+        own = _of(self.board, model.members[i])
+        if not self.board.hypotheses[own].is_named:
+            return True
+        total = self.beside(model.members[:i] + model.members[i + 1 :]).total
+        return bool(np.any(np.delete(total, own) > total[own] - 2 * priors.WINDOW))
+
+    def _two_for_one(self, smaller: Model, least: float) -> None:
+        """Keep what two causes with names do in the place of a function without one."""
+        named = (child for child in self._children(smaller) if _is_last_named(self.board, child))
+        for child in sorted(named, key=lambda each: -each.log_odds)[: priors.BREADTH]:
+            for pair in sorted(self._children(child), key=lambda each: -each.log_odds)[: priors.BREADTH]:
+                if pair.log_odds > least:
+                    self._keep(self.polished(pair.members))
+
+
+def _of(board: Board, member: Member) -> int:
+    return board.options[member.option].hypothesis
+
+
+def _is_last_named(board: Board, model: Model) -> bool:
+    return board.hypotheses[_of(board, model.members[-1])].is_named
 
 
 def log_total(models: Iterable[Model]) -> float:

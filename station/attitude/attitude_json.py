@@ -15,9 +15,20 @@ from procedures.attitude.gain_tuning import GainTuning
 from procedures.frames import wrapped
 from procedures.units import DEG_H_PER_DEG_S
 from station.files.atomic_file import replace_file
-from station.results.diagnosis.diagnosis_json import FORMAT, error_document, finding_document, tried_document
-from station.results.diagnosis.diagnosis_text import coefficient_rows, tried_rows
-from station.results.diagnosis.diagnosis_wording import CONFIDENCE_SAID, TRIED_TITLE, both
+from station.results.diagnosis.diagnosis_json import (
+    FORMAT,
+    error_document,
+    finding_document,
+    probabilities_document,
+)
+from station.results.diagnosis.diagnosis_text import coefficient_rows
+from station.results.diagnosis.diagnosis_wording import (
+    OTHERS_TITLE,
+    alternatives_said,
+    both,
+    confidence_said,
+    other_terms,
+)
 from station.text import plural
 
 ATTITUDE_FORMAT = "attitude/1"
@@ -154,7 +165,7 @@ def _deg(angle: float) -> float:
 
 
 METHOD = "the last 40 % of the log, held out"
-MAX_TRIED_SHOWN = 6
+MAX_OTHERS = 6
 EFFECT_TITLES = {
     "consistent": "No further error term was detected in this log.",
     "established": "The model lacks {names}.",
@@ -165,13 +176,13 @@ EFFECT_TITLES = {
 
 
 def attitude_diagnosis_document(trace: AttitudeDiagnosis) -> dict[str, Any]:
-    """Return a trace as the parts of `diagnosis/1` that it has."""
-    doubtful = [each.separate_by for each in trace.findings if each.confidence == "ambiguous"]
+    """Return a trace as the parts of `diagnosis/2` that it has."""
+    doubtful = [each.separate_by for each in trace.findings if each.confidence == "possible"]
     return {
         "format": FORMAT, "verdict": trace.verdict,
         "findings": [finding_document(each) for each in trace.findings],
         "error": [error_document(each, METHOD) for each in trace.errors],
-        "tried": [tried_document(each) for each in trace.tried],
+        "probabilities": probabilities_document(trace.probabilities),
         "next_measurement": "; ".join(dict.fromkeys(doubtful)),
     }  # fmt: skip
 
@@ -184,20 +195,17 @@ def attitude_diagnosis_text(document: Mapping[str, Any]) -> str:
         lines += [
             "",
             f"{number}. {finding['effect']} ({finding['kind']})",
-            f"   {CONFIDENCE_SAID[finding['confidence']]}",
+            f"   {confidence_said(finding)}",
         ]
-        if finding["share"]:
-            lines.append(f"   it explains {finding['share']:.0%} of the squared residual on held-out stretches")
         lines += [f"   {name:<9} {value:<44} {size:>12}" for name, value, size in coefficient_rows(finding)]
         if finding["aliases"]:
-            lines.append(f"   indistinguishable from: {', '.join(finding['aliases'])}")
+            lines.append(f"   it may also be: {alternatives_said(finding)}")
             lines.append(f"   to separate them: {finding['separate_by']}")
     for error in document["error"]:
         lines += ["", f"error, rms {error['unit']}: {error['quantity']}"]
         for title, name in (("in the rows used", ""), (error["method"], "held_out_")):
             if f"{name}before" in error and f"{name}after" in error:
                 lines.append(f"   {error[f'{name}before']:.4f} -> {error[f'{name}after']:.4f}  {title}")
-    if document["tried"]:
-        lines += ["", TRIED_TITLE]
-        lines += [f"   {effect:<24} {p}" for effect, p in tried_rows(document["tried"])[:MAX_TRIED_SHOWN]]
+    if others := other_terms(document):
+        lines += ["", OTHERS_TITLE, *(f"   {name:<44} {p}" for name, p in others[:MAX_OTHERS])]
     return "\n".join(lines)

@@ -25,11 +25,10 @@ from station.exit_codes import CANCELLED
 from station.files.campaign_setup import Setup
 from station.files.toml_file import expected_of
 from station.guide.client import EngineConnection
-from station.guide.command import OperatorCommand
-from station.guide.view import ENDED_STAGES, VERDICT_STAGES, CalibrationView
+from station.guide.view import ENDED_STAGES, VERDICT_STAGES, CalibrationView, OperatorCommand
 
 if TYPE_CHECKING:
-    from station.guide.start_engine import EngineOptions
+    from station.guide.options import EngineOptions
 
 
 WarmUp = Annotated[
@@ -106,12 +105,12 @@ def guide(options: "EngineOptions", screen: Display) -> int:
     if screen.headless:
         from fixtures_db.database import open_db
         from station.guide.headless import run_headless
-        from station.guide.text_lines import PlainScreen
+        from station.guide.plain_screen import PlainScreen
 
         show = PlainScreen(typer.echo, rings=False).show
         with open_db(options.database) as database:
             return _code(run_headless(options, database, show, stores=screen.stores))
-    from station.guide.start_engine import engine_process
+    from station.guide.client import engine_process
 
     with engine_process(options) as socket:
         return _code(_serve(socket, screen) if screen.web else _look(socket, screen, options))
@@ -182,7 +181,7 @@ def _look(socket: Path, screen: Display, options: "EngineOptions") -> Calibratio
     with EngineConnection(socket, changed.set) as connection:
         if screen.plain:
             return follow(connection, changed, options.first, rings=not screen.quiet)
-        from station.tui.run import run_screens
+        from station.tui import run_screens
 
         run_screens(connection, slow=screen.slow, quiet=screen.quiet)
         return connection.view
@@ -208,7 +207,7 @@ UNANSWERED_S = 60.0  # with a question that nobody can answer: it may go away, a
 def say(text: str) -> None:
     """Write a text; on a terminal no word of it is broken at the last column."""
     if sys.stdout.isatty():
-        from station.guide.text_lines import between_words
+        from station.guide.plain_screen import between_words
 
         text = between_words(text, shutil.get_terminal_size().columns)
     typer.echo(text)
@@ -218,7 +217,7 @@ def follow(
     connection: EngineConnection, changed: threading.Event, first: OperatorCommand | None, *, rings: bool
 ) -> CalibrationView:
     """Write lines and take keys until the campaign has ended or nobody can take it further; return that view."""
-    from station.guide.text_lines import PlainScreen, listen
+    from station.guide.plain_screen import PlainScreen, listen
 
     asks = sys.stdin.isatty()
     screen, is_deaf = PlainScreen(say, rings=rings, asks=asks), threading.Event()

@@ -106,9 +106,9 @@ def calibrate(
     Example: station calibrate --device serial:///dev/ttyUSB0?format=counts --latitude 48.1
     """
     from station.files.campaign_setup import Setup
-    from station.guide.command import OperatorCommand
     from station.guide.last_setup import load_setup
-    from station.guide.start_engine import EngineOptions
+    from station.guide.options import EngineOptions
+    from station.guide.view import OperatorCommand
 
     given = {
         "url": device, "gnss": gnss, "folder": str(out) if out else "",
@@ -183,10 +183,10 @@ def resume(
     """
     from fixtures_db.database import open_db
     from station.errors import DataRefused
-    from station.guide.command import OperatorCommand
     from station.guide.last_setup import load_setup
-    from station.guide.start_choices import unfinished_campaigns
-    from station.guide.start_engine import EngineOptions
+    from station.guide.options import EngineOptions
+    from station.guide.start_screen import unfinished_campaigns
+    from station.guide.view import OperatorCommand
 
     with open_db(db) as database:
         found = unfinished_campaigns(database)

@@ -11,8 +11,8 @@ from station.commands import Database, _log_options
 from station.commands._options import Effects, argument, option, write_result
 
 if TYPE_CHECKING:
-    from procedures.diagnosis.result import Diagnosis
     from procedures.discovery.discover import Discovery
+    from procedures.inference.result import Diagnosis
     from station.files.campaign_folder.loaded_campaign import LoadedCampaign
     from station.files.logs.means_table import MeansTable
     from station.results.diagnosis.next_measurements import Measurement
@@ -44,7 +44,7 @@ def diagnose(
         bool, option("--discover", "", "Search ten thousand terms for an error term that the catalogue lacks.")
     ] = False,
     plan: Annotated[Path | None, option("--plan", "FILE", "Write the next measurement as plan/1.")] = None,
-    json: Annotated[Path | None, option("--json", "OUT", "Write diagnosis/1 here instead of a summary.")] = None,
+    json: Annotated[Path | None, option("--json", "OUT", "Write diagnosis/2 here instead of a summary.")] = None,
     html: Annotated[Path | None, option("--html", "FILE", "Write a page with plots here.")] = None,
     partial: Annotated[
         bool, option("--partial", "", "Report the findings even if no triad can be solved; always for logs.")
@@ -54,8 +54,8 @@ def diagnose(
     """Find the error terms that the model lacks, in a campaign or any log, and add them to the model.
 
     The verdict is one of consistent, established, likely, ambiguous, partly, unexplained. Each finding has its
-    coefficients with standard uncertainty u (ug, arcsec, ppm, deg/h), its confidence, the share that it explains,
-    the alternatives, and the measurement that separates them. The error before and after is that of held-out
+    coefficients with standard uncertainty u (ug, arcsec, ppm, deg/h), the probability of its name, the
+    alternatives, and the measurement that separates them. The error before and after is that of held-out
     positions, rotations and rests; with --validate also that of another campaign, with the coefficients found
     here.
 
@@ -178,7 +178,7 @@ def _say(
         ):  # a gyroscope is solved there, and other triads are not asked for
             lines = [line for line in lines if not line.endswith(NOT_SOLVED)]
         text += "".join(f"\n{line}" for line in ([""] if lines else []) + lines)
-    write_result(document, text, json, f"diagnosis of {unit}, diagnosis/1")
+    write_result(document, text, json, f"diagnosis of {unit}, diagnosis/2")
     if html is not None:
         from station.results.diagnosis.diagnosis_html import write_page
 
@@ -192,13 +192,16 @@ def _say(
 
 
 def _wanted(document: dict[str, Any], loaded: Sequence["LoadedCampaign"]) -> "Sequence[Measurement]":
-    """Return what to measure next: first what parts the readings of what is proposed."""
+    """Return what to measure next: what separates proposals, then findings, then what this bench cannot show."""
     from procedures.frames import FACES
     from station.results.diagnosis.diagnosis_wording import known_findings
     from station.results.diagnosis.next_measurements import next_measurements
 
     is_certified = all(len(one.campaign.fixture.faces) == len(FACES) for one in loaded)
-    known = next_measurements(known_findings(document), loaded[0].tables.fixture.imu_axes, is_certified)
+    hidden = [{"effect": name, "confidence": "possible"} for name in document.get("not_separable", {})]
+    known = next_measurements(
+        [*known_findings(document), *hidden], loaded[0].tables.fixture.imu_axes, is_certified
+    )
     if not (names := [one["next"]["measurement"] for one in document["findings"] if "next" in one]):
         return known
     from station.results.diagnosis.next_of_proposals import planned

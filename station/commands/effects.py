@@ -147,7 +147,7 @@ def try_(
 
 
 def adopt(
-    diagnosis: Annotated[Path, argument("DIAGNOSIS.json", "A diagnosis/1.")],
+    diagnosis: Annotated[Path, argument("DIAGNOSIS.json", "A diagnosis/2.")],
     out: Annotated[Path, option("--out", "FILE", "Where to write the effect/1.")],
     finding: Annotated[
         str | None, option("--finding", "N|NAME", "Its number in the diagnosis, or its name; else the only one.")

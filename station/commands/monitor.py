@@ -97,7 +97,7 @@ def monitor(
     from station.monitor.monitor_command import MonitorRequest, run
     from station.monitor.view import parse_alarm
     from station.sending.outputs import kind_of
-    from station.tui.run import run_monitor
+    from station.tui import run_monitor
 
     url = whole_url(url)
     if json and plain:

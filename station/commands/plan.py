@@ -75,7 +75,7 @@ def plan(
     from fixtures_db.database import open_db
     from procedures.planning.design_sigmas import DesignSigmas
     from procedures.planning.step_information import StepInformation
-    from station.guide.planned_bench import planned_bench
+    from station.guide.campaign.campaign_tables import planned_bench
     from station.results.planning.hand_times import hand_times
     from station.results.planning.known_noise import known_noise
     from station.results.planning.wanted_by_limits import last_values, limits_named, wanted_by, wanted_by_name

@@ -14,7 +14,7 @@ from procedures.frames import AXES, TRIADS
 from procedures.twelve_positions.bench_parameters import mean_cube
 from procedures.units import ARCSEC_PER_RAD, DEG_H_PER_DEG_S, PPM_PER_ONE, UG_PER_G
 from station.demo.device import COEFFICIENT, EFFECT, KEY
-from station.results.diagnosis.diagnosis_wording import p_text
+from station.results.diagnosis.diagnosis_wording import probability_text
 from station.results.parameters_by_name import parameters
 
 NOTABLE = 2.0  # standard uncertainties, which one error in twenty exceeds
@@ -147,11 +147,11 @@ SHOWN = 4.0  # standard uncertainties from which on a coefficient is shown that 
 
 
 def findings_lines(diagnosis: Mapping[str, Any]) -> Iterator[str]:
-    """Yield the lines of a `diagnosis/1`."""
+    """Yield the lines of a `diagnosis/2`."""
     causes = [each for each in diagnosis["findings"] if each["kind"] != "bench"]
     for each in causes:
         yield f"error found that the model lacked: {each['effect']}"
-        yield f"  {each['confidence']}, {p_text(each['log10_p'])}"
+        yield f"  {each['confidence']}, probability {probability_text(each['probability'])}"
         yield from _coefficients(each)
     if not causes:
         yield "no error was found that the model lacked; use longer dwells (--dwell-s 60)"

@@ -26,10 +26,9 @@ from station.demo.example_bench import GRAVITY_STD, ExampleBench, add_example
 from station.errors import CannotWrite, Incomplete, cannot_write
 from station.files.atomic_file import replace_file
 from station.files.campaign_setup import Setup
-from station.guide.hand_style import HandStyle
 from station.guide.headless import record_headless
 from station.guide.options import CalibrationOptions
-from station.guide.simulated_operator import SimulatedOperator
+from station.guide.simulated_operator import HandlingStyle, SimulatedOperator
 from station.guide.view import CalibrationView
 from station.results.campaign_results import CampaignResults, make_results, store
 from station.results.certificate.issuing import issue
@@ -107,7 +106,7 @@ def run_demo(
         setup = _setup(bench, url, campaign, request)
         operator = SimulatedOperator(BenchControl(control), SIMULATED_MOVE_S)
         if not request.has_turns:
-            operator = SimulatedOperator(BenchControl(control), FLIP_S, HandStyle(request.seed))
+            operator = SimulatedOperator(BenchControl(control), FLIP_S, HandlingStyle(request.seed))
         record_headless(setup, options, db, operator, show)
         recorded()
         steps = sorted(path for kind in ("dwell", "turn", "move") for path in campaign.glob(f"{kind}_*.mcap"))

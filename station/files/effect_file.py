@@ -53,7 +53,7 @@ class ParameterTable(TomlTable):
 
 
 class OriginTable(TomlTable):
-    """``[origin]``: the campaigns, day and diagnosis/1 that an effect was adopted from.
+    """``[origin]``: the campaigns, day and diagnosis/2 that an effect was adopted from.
 
     ``data`` are the first `DIGITS` digits of the hash of every recording in them, whatever its folder is called.
     ``confidence`` is of one that a search found: proposed, until other campaigns, ``confirmed_by``, showed it.

@@ -6,8 +6,8 @@ from pathlib import Path
 
 def main() -> None:
     """Serve one engine."""
-    from station.guide.engine_process import serve
-    from station.guide.start_engine import EngineOptions
+    from station.guide.options import EngineOptions
+    from station.guide.server import serve
 
     serve(Path(sys.argv[1]), EngineOptions.model_validate_json(sys.stdin.readline()))
 

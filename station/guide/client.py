@@ -1,15 +1,20 @@
-"""A screen's end of the engine's Unix socket."""
+"""Starts the engine's process and connects a screen to its Unix socket; the process ends with its starter."""
 
 import socket
+import subprocess
+import sys
+import tempfile
 import threading
 import time
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Self
 
-from station.guide.command import OperatorCommand
-from station.guide.view import ENDED_STAGES, CalibrationView
+from procedures.error_codes import ErrorCode
+from station.errors import StationError
+from station.guide.options import EngineOptions
+from station.guide.view import ENDED_STAGES, CalibrationView, OperatorCommand
 
 START_S = 30.0
 ENDED = "the recording program has stopped; all accepted steps are safe: continue with `station resume`"
@@ -76,3 +81,45 @@ def _connected(path: Path) -> socket.socket:
             if time.monotonic() > deadline:
                 raise
             time.sleep(0.02)
+
+
+END_S = 30.0  # a solve under way, and a reader's farewell
+
+
+class EngineFailed(StationError):
+    """The engine's process ended as it should not: a bug."""
+
+    code = ErrorCode.BUG
+
+    def __init__(self, exit_code: int, stderr: str) -> None:
+        self.exit_code, self.stderr = exit_code, stderr
+        last = stderr.strip().splitlines()[-1:] or [f"exit code {exit_code}"]
+        super().__init__(
+            f"the recording program has stopped: {last[0]}; all accepted steps are safe, see `station resume`. "
+            "Report this bug"
+        )
+
+
+@contextmanager
+def engine_process(options: EngineOptions) -> Iterator[Path]:
+    """Yield the path of the socket of an engine that lives as long as the ``with`` lasts."""
+    with tempfile.TemporaryDirectory(prefix="station-") as folder:  # mode 0700
+        socket, log = Path(folder) / "engine", Path(folder) / "stderr"
+        with log.open("w") as errors, subprocess.Popen(
+            [sys.executable, "-P", "-m", "station.guide", str(socket)],
+            stdin=subprocess.PIPE, stderr=errors, text=True,  # a screen has the terminal to itself
+            start_new_session=True,  # Ctrl-C is for the screen
+        ) as process:  # fmt: skip
+            assert process.stdin is not None
+            try:
+                process.stdin.write(options.model_dump_json() + "\n")
+                process.stdin.flush()
+                yield socket
+            finally:
+                process.stdin.close()
+                try:
+                    process.wait(END_S)
+                except subprocess.TimeoutExpired:
+                    process.kill()  # it waits for something of its own; what was accepted is on the disk
+                if process.returncode:  # None where it was killed
+                    raise EngineFailed(process.returncode, log.read_text())

@@ -1,7 +1,7 @@
 """The engine of a guided calibration: from the start screen through a campaign to a verdict, one view at a time.
 
-It owns the device, the folder and the database; screens only look and ask. Whatever it refuses is said in the
-view and nothing is lost: what was accepted is on the disk.
+It owns the device, the folder and the database; screens only show views and send commands. Refusals are shown in
+the view and nothing is lost: accepted steps are on the disk.
 
 The start screen waits for nothing that only a campaign needs: the modules of a campaign, numerics among them, are
 imported where one begins, and by `prefetch` meanwhile.
@@ -21,17 +21,15 @@ from procedures.errors import ProcedureError
 from station.errors import CannotWrite, DataRefused, DiskFull, StationError
 from station.exit_codes import exit_code
 from station.files.campaign_setup import Setup
-from station.guide.command import OperatorCommand
 from station.guide.last_setup import save_setup
 from station.guide.options import CalibrationOptions
-from station.guide.readiness_in_background import ReadinessInBackground, announce_readiness
 from station.guide.setup_view import PortCheck, Readiness, StartView
-from station.guide.start_choices import start_view
-from station.guide.step_names import for_people
-from station.guide.view import ENDED_STAGES, CalibrationView, StageName, Verdict
+from station.guide.start_screen import ReadinessInBackground, announce_readiness, start_view
+from station.guide.step_names import without_file_names
+from station.guide.view import ENDED_STAGES, CalibrationView, OperatorCommand, StageName, Verdict
 
 if TYPE_CHECKING:
-    from station.guide.finished_campaign import GuidedCampaign
+    from station.guide.campaign.live_campaign import GuidedCampaign
     from station.guide.simulated_operator import SimulatedOperator
     from station.results.campaign_results import CampaignResults
 
@@ -48,7 +46,7 @@ LOOK_VERBS = {
 
 
 class CalibrationEngine:
-    """At most one campaign; ``publish`` is told each view that is worth showing before something slow."""
+    """At most one campaign; ``publish`` is called with each view that is worth showing before something slow."""
 
     def __init__(
         self, database: Database, options: CalibrationOptions, publish: Callable[[CalibrationView], None]
@@ -75,7 +73,7 @@ class CalibrationEngine:
 
     @view.setter
     def view(self, view: CalibrationView) -> None:
-        self._view = for_people(view)
+        self._view = without_file_names(view)
 
     def round(self) -> None:
         """Let the campaign go on for a moment, or do nothing."""
@@ -112,10 +110,10 @@ class CalibrationEngine:
     def _is_stored(self) -> bool:
         return self._verdict is not None and bool(self._verdict.stored_sha256)
 
-    def obey(self, command: OperatorCommand) -> None:
-        """Do as the operator says; what is refused is said in the view."""
+    def execute(self, command: OperatorCommand) -> None:
+        """Execute a command; a refusal is shown in the view."""
         try:
-            self._obey(command)
+            self._execute(command)
         except (CannotWrite, DatabaseError) as error:
             self._fail(error)
         except DriverError as error:  # what an answer brought to light: this is another unit
@@ -123,8 +121,8 @@ class CalibrationEngine:
                 raise
             self._end("left", str(error), exit_code(error) or 0)
 
-    def watched_by(self, operator: "SimulatedOperator") -> None:
-        """Let who moves the cube look; hands that do not answer are waited for, hands that refuse end it."""
+    def move_cube_by(self, operator: "SimulatedOperator") -> None:
+        """Show the view to the simulated operator; wait for hands that do not answer, end if hands refuse."""
         lost = operator.lost
         try:
             operator.look(self.view)
@@ -132,8 +130,8 @@ class CalibrationEngine:
             self._fail(error)
         if operator.lost != lost and self._campaign is not None:
             if operator.lost:
-                said = f"the simulated hands do not answer ({operator.lost}); the station tries again"
-                self._campaign.say("rejected", said)
+                text = f"the simulated hands do not answer ({operator.lost}); the station tries again"
+                self._campaign.say("rejected", text)
             else:
                 self._campaign.say("", "the simulated hands answer again")
 
@@ -143,10 +141,10 @@ class CalibrationEngine:
         if self._campaign is not None:
             self._campaign.close()
 
-    def _obey(self, command: OperatorCommand) -> None:
+    def _execute(self, command: OperatorCommand) -> None:
         campaign = self._campaign
         if campaign is None:
-            self._obey_at_start(command)
+            self._execute_at_start(command)
         elif command.verb == "cancel":
             self._cancel(campaign)
         elif command.verb == "leave":
@@ -161,13 +159,12 @@ class CalibrationEngine:
             self._do_again(campaign, command)
         else:
             self._verdict = None if command.verb in {"redo", "more"} else self._verdict
-            campaign.obey(command)
+            campaign.execute(command)
             self._show(campaign)
 
     def _do_again(self, campaign: "GuidedCampaign", command: OperatorCommand) -> None:
         """Open the device of a campaign that is complete, to do a step again; what refuses changes nothing."""
-        from station.guide.finished_campaign import finished
-        from station.guide.live_campaign import resume
+        from station.guide.campaign.campaign_start import finished, resume
 
         folder = campaign.folder
         self._publish(self.view.model_copy(update={"stage": "connecting", "line": "connecting", "hint": FOR_UNIT}))
@@ -180,9 +177,9 @@ class CalibrationEngine:
             again.say("rejected", f"not repeated: {error}")
             self._show(again)
         else:
-            self._obey(command)
+            self._execute(command)
 
-    def _obey_at_start(self, command: OperatorCommand) -> None:
+    def _execute_at_start(self, command: OperatorCommand) -> None:
         if command.verb in LOOK_VERBS:
             if command.verb not in self._looks:
                 self._looks[command.verb] = self._aside.submit(_look, command.verb, command.url)
@@ -208,7 +205,7 @@ class CalibrationEngine:
             self._end("cancelled", "nothing was started; the database is unchanged")
 
     def _consider(self, setup: Setup) -> None:
-        """Have it said how ready the set-up is that stands in the form."""
+        """Ask how ready the set-up in the form is."""
         start = self.view.start or StartView()
         self._considered = setup
         self._considering.ask(setup, start.check, start.receiver)
@@ -226,8 +223,8 @@ class CalibrationEngine:
                 raise
             self.view = CalibrationView(stage="start", start=start)
             is_moved = is_to_go_on and isinstance(error, PortNotFound | LinkSilent)
-            said, code = f"{error}{ELSEWHERE if is_moved else ''}", exit_code(error) or 0
-            self._show_start(refused=said, refused_code=code, refusals=start.refusals + 1)
+            text, code = f"{error}{ELSEWHERE if is_moved else ''}", exit_code(error) or 0
+            self._show_start(refused=text, refused_code=code, refusals=start.refusals + 1)
         else:
             self._readiness = announce_readiness(self._campaign, self._database, self._options)
             self._show(self._campaign)
@@ -245,7 +242,7 @@ class CalibrationEngine:
         self.view = self.view.model_copy(update={"start": start.model_copy(update=changes)})
 
     def _finish(self, campaign: "GuidedCampaign") -> None:
-        from station.guide.outcome import verdict_view
+        from station.guide.campaign.verdict import verdict_view
         from station.results.campaign_results import (
             make_results,  # scipy and matplotlib: not before they are wanted
         )
@@ -280,7 +277,7 @@ class CalibrationEngine:
         if self._is_stored:
             self._end("left", "the calibration is stored; there is nothing to cancel")
             return
-        from station.guide.interrupted_campaigns import cancel_campaign
+        from station.guide.campaign.interrupted_campaigns import cancel_campaign
 
         campaign.close()
         cancel_campaign(campaign.folder, self._database)
@@ -311,7 +308,7 @@ class CalibrationEngine:
 
 def prefetch() -> None:
     """Import what a campaign needs, while nobody waits for it."""
-    import station.guide.port_check  # noqa: F401
+    import station.guide.campaign.port_check  # noqa: F401
 
 
 def _with_verdict(view: CalibrationView, verdict: Verdict) -> CalibrationView:
@@ -325,20 +322,19 @@ def _with_verdict(view: CalibrationView, verdict: Verdict) -> CalibrationView:
 
 
 def _look(verb: str, url: str) -> PortCheck:
-    from station.guide.port_check import check_port, check_receiver
+    from station.guide.campaign.port_check import check_port, check_receiver
 
     return check_port(url) if verb == "check" else check_receiver(url)
 
 
 def _begun(setup: Setup, database: Database, options: CalibrationOptions) -> "GuidedCampaign":
-    from station.guide.live_campaign import begin
+    from station.guide.campaign.campaign_start import begin
 
     return begin(setup, database, options)
 
 
 def _resumed(folder: Path, database: Database, options: CalibrationOptions) -> "GuidedCampaign":
-    from station.guide.finished_campaign import finished
-    from station.guide.live_campaign import resume
+    from station.guide.campaign.campaign_start import finished, resume
 
     return finished(folder, database) or resume(folder, database, options)
 
@@ -361,6 +357,6 @@ def _is_planned_on_the_way(folder: Path) -> bool:
 def _awaited(setup: Setup) -> str:
     if not setup.gnss:
         return FOR_UNIT
-    from station.guide.gnss_in_campaign import MAX_SITE_WAIT_S, SITE_FIXES
+    from station.guide.campaign.gnss_receiver import MAX_SITE_WAIT_S, SITE_FIXES
 
     return f"waiting for the unit, and up to {MAX_SITE_WAIT_S:g} s for {SITE_FIXES} positions of the receiver"

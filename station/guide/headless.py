@@ -5,13 +5,11 @@ from dataclasses import replace
 
 from fixtures_db.database import Database
 from station.files.campaign_setup import Setup
-from station.guide.command import OperatorCommand
+from station.guide.campaign.campaign_start import begin
 from station.guide.engine import CalibrationEngine
-from station.guide.live_campaign import begin
-from station.guide.options import CalibrationOptions
+from station.guide.options import CalibrationOptions, EngineOptions
 from station.guide.simulated_operator import HandsLost, SimulatedOperator
-from station.guide.start_engine import EngineOptions
-from station.guide.view import ENDED_STAGES, VERDICT_STAGES, CalibrationView
+from station.guide.view import ENDED_STAGES, VERDICT_STAGES, CalibrationView, OperatorCommand
 from station.stream.live.live_feed import REPLUG_S
 
 
@@ -31,14 +29,14 @@ def run_headless(
     )
     try:
         if options.first is not None:
-            engine.obey(options.first)
+            engine.execute(options.first)
         while engine.view.stage not in ENDED_STAGES | VERDICT_STAGES:
             engine.round()
             show(engine.view)
             if operator:
                 look(operator, engine.view)
         if stores:
-            engine.obey(OperatorCommand(verb="store"))
+            engine.execute(OperatorCommand(verb="store"))
             show(engine.view)
         return engine.view
     finally:
@@ -65,7 +63,7 @@ def record_headless(
 
 
 def look(operator: SimulatedOperator, view: CalibrationView) -> None:
-    """Let who moves the cube look; raise `HandsLost` if the hands stay away as long as no port may."""
+    """Show the view to the simulated operator; raise `HandsLost` if the hands stay away longer than a port may."""
     operator.look(view)
     if operator.lost_s > REPLUG_S:
         raise HandsLost(operator.lost)

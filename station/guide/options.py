@@ -1,18 +1,23 @@
-"""How a guided calibration is run."""
+"""Options of a guided calibration, and those of the engine's process."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from station.files.campaign_setup import Setup
+from station.guide.setup_view import FrozenValue
+from station.guide.view import OperatorCommand
 
 if TYPE_CHECKING:
     from procedures.campaign.plan_steps import Step
+    from station.guide.simulated_operator import SimulatedOperator
+
+TREMOR_SEED = 1
 
 
 @dataclass(frozen=True, slots=True)
-class AskedSigmas:
+class TargetUncertainties:
     """What a campaign is to go on for: ``limits`` of the IMU's model, sigmas by name as `station plan` takes them.
 
     ``noise``: campaigns of the unit that say its noise; else the database is asked.
@@ -31,7 +36,7 @@ class CalibrationOptions:
     ``imu_axes``: the cube axes along which the IMU's x, y, z point, the cube's own if empty.
 
     ``asks``: somebody is there to be asked; ``warms_up``: not before the unit has settled; ``is_patient``:
-    whatever goes wrong is said and waited out; else it is raised.
+    errors are reported and waited out; else they are raised.
     """
 
     root: Path
@@ -41,4 +46,48 @@ class CalibrationOptions:
     warms_up: bool = True
     is_patient: bool = True
     imu_axes: Sequence[str] = ()
-    wanted: AskedSigmas | None = None
+    wanted: TargetUncertainties | None = None
+
+
+class EngineOptions(FrozenValue):
+    """Options of the engine's process: as `CalibrationOptions`, with files by their names.
+
+    ``until_limits``, ``sigma`` and ``noise`` say what a campaign goes on for whose steps are not fixed.
+    ``hands`` is the control address of a simulated device whose cube is then moved without a person; ``first``
+    is executed at once.
+    """
+
+    root: Path
+    database: str | None = None
+    setup: Setup = Setup()
+    plan: Path | None = None
+    asks: bool = True
+    warms_up: bool = True
+    hands: str | None = None
+    move_s: float = 45.0
+    tremor: bool = False
+    until_limits: bool = False
+    sigma: tuple[str, ...] = ()
+    noise: tuple[Path, ...] = ()
+    first: OperatorCommand | None = None
+
+    def engine(self) -> CalibrationOptions:
+        """Return the engine's options; raise `DataRefused` if the plan cannot be read."""
+        options = CalibrationOptions(self.root, self.setup, (), self.asks, self.warms_up)
+        if self.until_limits or self.sigma:
+            return replace(options, wanted=TargetUncertainties(self.until_limits, self.sigma, self.noise))
+        if self.plan is None:
+            return options
+        from station.files.campaign_folder import plan_file
+
+        return replace(options, steps=plan_file.read_plan(self.plan), imu_axes=plan_file.read_mounting(self.plan))
+
+    def operator(self) -> "SimulatedOperator | None":
+        """Return who moves the cube, None where a person does."""
+        if not self.hands:
+            return None
+        from drivers.simulated.bench_control import BenchControl
+        from station.guide.simulated_operator import HandlingStyle, SimulatedOperator
+
+        style = HandlingStyle(TREMOR_SEED, wrong_share=0.0) if self.tremor else None
+        return SimulatedOperator(BenchControl(self.hands), self.move_s, style)

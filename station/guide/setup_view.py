@@ -68,7 +68,7 @@ class Readiness(FrozenValue):
     no_certificate: str = ""
 
     @property
-    def said(self) -> tuple[str, str]:
+    def outcomes(self) -> tuple[str, str]:
         """Both consequences in words: of the verdict, and of a certificate."""
         if self.can_pass is None:
             passes = "PASS: not known before the unit's model is known"

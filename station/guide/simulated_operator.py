@@ -1,16 +1,48 @@
-"""Who moves the cube when nobody does: the hands of a simulated device, told by the views as a person would be."""
+"""Moves the cube of a simulated device: it follows the instructions of the views as a person would."""
 
 import time
 from collections.abc import Callable
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from drivers.errors import ControlUnreachable, DriverError, SimulatorError
 from drivers.simulated.bench_control import BenchControl
-from procedures.frames import face_of
+from procedures.frames import ATTITUDES, face_of
 from procedures.free_positions.free_attitudes import UP_DIRECTIONS, UpDirection
-from station.guide.hand_style import HandStyle
 from station.guide.view import CalibrationView, StepView
+
+TREMOR_DEG_S = (20.0, 60.0)  # deg/s, the least and the greatest amplitude of a real hand that holds a weight
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class HandlingStyle:
+    """``seed`` draws what each move is like.
+
+    ``wrong_share`` of them end in another position, ``pause_share`` stop in the air, for up to ``pause_s`` [s].
+    """
+
+    seed: int
+    wrong_share: float = 0.1
+    pause_share: float = 0.2
+    pause_s: float = 3.0
+    _rng: np.random.Generator = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_rng", np.random.default_rng(self.seed))
+
+    def carry(self, hands: BenchControl, position: int, move_s: float) -> tuple[float, bool]:
+        """Carry the cube towards ``position`` in ``move_s`` [s] of moving.
+
+        Returns the device time [s] at which it will be over, and whether it went to the right position.
+        """
+        rng, wrong = self._rng, position
+        if rng.random() < self.wrong_share:
+            wrong = int(rng.choice([p for p in range(1, len(ATTITUDES) + 1) if p != position]))
+        pause = float(rng.uniform(0.0, self.pause_s)) if rng.random() < self.pause_share else 0.0
+        over = hands.carry(wrong, move_s, float(rng.uniform(*TREMOR_DEG_S)), pause)
+        return over, wrong == position
+
 
 SOAK_K = 15.0
 REST_MARGIN_S = 2.0  # the guide judges rest in blocks of 1 s that begin anywhere: one is then wholly at rest
@@ -43,7 +75,7 @@ class SimulatedOperator:
     """
 
     def __init__(
-        self, hands: BenchControl, move_s: float, style: HandStyle | None = None, behind_s: float = 0.0,
+        self, hands: BenchControl, move_s: float, style: HandlingStyle | None = None, behind_s: float = 0.0,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:  # fmt: skip
         self._hands, self._move_s, self._style, self._clock = hands, move_s, style, clock
@@ -55,7 +87,7 @@ class SimulatedOperator:
         self._done: tuple[str, str, int] | None = None
         self._until = -np.inf  # device time [s] at which that was over
         self._seen, self._restarts = -np.inf, behind_s  # the guide's device time [s]; what restarts took off it
-        self._said = -np.inf  # of `_seen`, to the hands
+        self._reported_s = -np.inf  # of `_seen`, last sent to the hands
         self._is_wrong = False  # what it did last
         self._heated = 0.0  # by how much the unit is warmer than it was
 
@@ -82,7 +114,7 @@ class SimulatedOperator:
         if self.lost and self._clock() < self._called + RETRY_S:
             return
         try:
-            self._call_again() if self.lost else self._obey(view)
+            self._call_again() if self.lost else self._execute(view)
         except ControlUnreachable as error:
             self._called = self._clock()
             if not self.lost:
@@ -100,11 +132,11 @@ class SimulatedOperator:
         """Let the hands go."""
         self._hands.close()
 
-    def _obey(self, view: CalibrationView) -> None:
+    def _execute(self, view: CalibrationView) -> None:
         seen = -np.inf if view.time_s is None else self._seen_s(view)
-        if seen > self._said + SEEN_EVERY_S:
+        if seen > self._reported_s + SEEN_EVERY_S:
             self._hands.seen(seen)
-            self._said = seen
+            self._reported_s = seen
         self._heat(view)
         is_turning = view.stage == "turn"  # one under way is done, whatever comes next
         step = view.step(view.live if is_turning else view.wanted)

@@ -29,7 +29,7 @@ def files_as_steps(text: str) -> str:
     return _FILED.sub(_words, text) if "_" in text else text
 
 
-def step_typed(text: str, steps: Iterable[StepView]) -> str:
+def step_named(text: str, steps: Iterable[StepView]) -> str:
     """Return the name of the step that ``text`` means: ``3``, ``1r``, ``+x``, ``soak 1``; empty if none."""
     typed = re.sub(r"0+(\d)", r"\1", " ".join(files_as_steps(text.lower()).lower().split()))
     wanted = next(
@@ -38,16 +38,16 @@ def step_typed(text: str, steps: Iterable[StepView]) -> str:
     return next((step.name for step in steps if wanted == files_as_steps(step.name).lower()), "")
 
 
-def for_people(view: CalibrationView) -> CalibrationView:
+def without_file_names(view: CalibrationView) -> CalibrationView:
     """Return a view whose texts name no file of a step."""
     events = tuple(event.model_copy(update={"text": files_as_steps(event.text)}) for event in view.events)
     update: dict[str, object] = {name: files_as_steps(getattr(view, name)) for name in ("line", "hint", "error")}
     if view.verdict is not None:
-        update["verdict"] = verdict_for_people(view.verdict)
+        update["verdict"] = verdict_without_file_names(view.verdict)
     return view.model_copy(update=update | {"events": events})
 
 
-def verdict_for_people(verdict: Verdict) -> Verdict:
+def verdict_without_file_names(verdict: Verdict) -> Verdict:
     """Return a verdict whose texts name no file of a step."""
     names = ("sentence", "status_reason", "worst_residual", "change", "diagnosis", "diagnosis_text")
     update: dict[str, object] = {name: files_as_steps(getattr(verdict, name)) for name in names}
@@ -57,7 +57,7 @@ def verdict_for_people(verdict: Verdict) -> Verdict:
 def gap_in_words(warning: str, left_out: Mapping[str, Sequence[float]]) -> str:
     """Return a warning; a gap that the guide made itself is called what it is.
 
-    ``left_out`` holds, by file, how long the spans were that were left out as the cube was disturbed [s].
+    ``left_out`` holds, by file, how long the spans were that were discarded as the cube was disturbed [s].
     """
     found = _GAP.match(warning)
     if found is None:

@@ -1,11 +1,12 @@
-"""What a guided calibration shows: one frozen value that says everything a screen, a line of text or a test needs.
+"""What a guided calibration shows and what an operator can ask: one frozen value each, as JSON between processes.
 
-The engine makes it, a screen draws it; nothing flows back but `station.guide.command.OperatorCommand`. It crosses
-a process border as JSON. Angles in deg, rates in deg/s, times in s of the device unless a name says otherwise.
+The engine makes a `CalibrationView` with all that a screen, a line of text or a test needs; a screen draws it and
+sends an `OperatorCommand`. Angles in deg, rates in deg/s, times in s of the device unless a name says otherwise.
 """
 
-from typing import Literal
+from typing import Literal, Protocol
 
+from station.files.campaign_setup import Setup
 from station.guide.setup_view import Choice, FrozenValue, Readiness, StartView
 from station.stream.stream_events import Event
 
@@ -131,7 +132,7 @@ class SoakView(FrozenValue):
 
 
 class LawView(FrozenValue):
-    """What a law reads [deg], of the axes that lie north, east, down where the cube is to stand."""
+    """What a filter reads [deg], of the axes that lie north, east, down where the cube is to stand."""
 
     law: str
     roll_deg: float
@@ -139,7 +140,7 @@ class LawView(FrozenValue):
 
 
 class MonitoredView(FrozenValue):
-    """A monitor step: what each law reads, the angle between two, by which calibration; ``text``: why not."""
+    """A monitor step: what each filter reads, the angle between two, by which calibration; ``text``: why not."""
 
     laws: tuple[LawView, ...] = ()
     difference_deg: float | None = None
@@ -148,7 +149,7 @@ class MonitoredView(FrozenValue):
 
 
 class WarmUpView(FrozenValue):
-    """Warm-up; limits are learnt from this unit. ``left_s`` None: cannot be said yet."""
+    """Warm-up; limits are learnt from this unit. ``left_s`` None: not known yet."""
 
     seconds: float = 0.0
     left_s: float | None = None
@@ -285,3 +286,48 @@ class CalibrationView(FrozenValue):
     def done(self) -> int:
         """How many steps are accepted."""
         return sum(step.attempts > 0 for step in self.steps)
+
+
+CommandVerb = Literal[
+    "check",  # look at the port `url` for two seconds
+    "listen",  # to the GNSS receiver `url` for a few seconds
+    "consider",  # `setup` as it stands: how ready is it
+    "begin",  # a new campaign as `setup` says
+    "resume",  # the campaign in `folder`
+    "skip_warm_up",
+    "choose",  # do `step` next
+    "redo",  # do `step` again; empty: the one that `View.can_redo` names
+    "pause",
+    "go_on",
+    "answer",  # the question, with `key`
+    "keep_seating",  # accept the cube as it sits
+    "finish",  # solve with what is there
+    "more",  # one placing more though all that is wanted is met
+    "store",  # the calibration: the operator's act
+    "leave",  # end here, to be resumed
+    "cancel",  # end here, the database as it was
+]
+
+
+class OperatorCommand(FrozenValue):
+    """A verb and what belongs to it."""
+
+    verb: CommandVerb
+    setup: Setup | None = None
+    url: str = ""
+    folder: str = ""
+    step: str = ""
+    key: str = ""
+
+
+class CalibrationSession(Protocol):
+    """An engine as its screens see it, which know of no socket; both return at once."""
+
+    @property
+    def view(self) -> CalibrationView:
+        """The newest view."""
+        ...
+
+    def send(self, command: OperatorCommand) -> None:
+        """Ask something of the engine."""
+        ...

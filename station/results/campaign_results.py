@@ -39,7 +39,7 @@ class CampaignResults:
 
     ``status`` is ``measured`` where cube or slab or a certificate of theirs lacked, or one had expired, when the
     campaign was recorded; ``status_reason`` says which. ``calibration_file`` is there once `store` was called.
-    ``diagnosis`` is the `diagnosis/1`, ``effects`` what the calibration carries of it. ``doubt`` says why the
+    ``diagnosis`` is the `diagnosis/2`, ``effects`` what the calibration carries of it. ``doubt`` says why the
     calibration is not to be relied on, whatever the limits say; empty if nothing speaks against it.
     """
 

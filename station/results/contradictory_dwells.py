@@ -23,9 +23,9 @@ def contradiction_of(document: Mapping[str, Any], *, is_certified: bool = False)
 
     Their error before anything was added to the model, in g, is the tilt [rad] of a cube that would do the same: a
     cube's own faces are not tilted by more than `PLAUSIBLE_FACE_TILT_RAD`. A model that is then made to fit takes
-    the tilt for the bench's or the sensor's, and neither its sigmas nor the limits can tell. So it is where a seat
-    would explain what is left, but for its size. Empty where they do not contradict, or where the diagnosis knows
-    why, and that is not a face tilted as none is. ``document`` is a ``diagnosis/1``; where the cube
+    the tilt for the bench's or the sensor's, and neither its sigmas nor the limits can tell. So it is with a seat
+    that is off by more. Empty where they do not contradict, or where the diagnosis knows
+    why, and that is not a face tilted as none is. ``document`` is a ``diagnosis/2``; where the cube
     ``is_certified``, all six faces of it, its faces may not be off at all.
 
     Nor is a step relied on that is far beyond its noise where nothing explains it: uncertainty takes what is left
@@ -35,7 +35,7 @@ def contradiction_of(document: Mapping[str, Any], *, is_certified: bool = False)
     if document["verdict"] not in IN_DOUBT and not off:
         return ""
     off = max(off, 0.0, *(each["before"] for each in document["error"] if each["quantity"] == OF_DWELLS))
-    if off > PLAUSIBLE_FACE_TILT_RAD or _is_seat_too_large(document):
+    if off > PLAUSIBLE_FACE_TILT_RAD:
         return (
             f"do not use this result: the dwells contradict each other by {np.degrees(off):.2g} deg (possibly "
             f"debris under the cube, or a position with a wrong label)"
@@ -44,20 +44,14 @@ def contradiction_of(document: Mapping[str, Any], *, is_certified: bool = False)
     return _said_of_certificate(off) if off else _said_of_step(document)
 
 
-def _is_seat_too_large(document: Mapping[str, Any]) -> bool:
-    """Say whether what would explain the rest best, if it were not so large, is a seat that is off."""
-    too_large = document.get("too_large", ())
-    return bool(too_large) and bool(too_large[0]["effect"] == SEAT)
-
-
 def _beyond_any_face(document: Mapping[str, Any]) -> Iterator[float]:
-    """Yield tilts [rad] that are surely larger than a face's own, however sure the diagnosis is of them.
+    """Yield tilts [rad] that are surely larger than those of a cube's own faces, however sure the diagnosis is.
 
     Where some faces stood once, their tilts and the misalignments hardly know each other: two cubes that stand
     askew, also about the vertical, then fit with faces tilted by a third of a degree and a residual of nothing.
     """
     for finding in document["findings"]:
-        if finding["effect"] == FACE_TILT:
+        if finding["effect"] in {FACE_TILT, SEAT}:
             for each in finding["coefficients"].values():
                 if abs(each["value"]) - SURE_SIGMAS * each["std"] > PLAUSIBLE_FACE_TILT_RAD:
                     yield abs(each["value"])
@@ -72,7 +66,7 @@ def _off_certificate(document: Mapping[str, Any]) -> Iterator[float]:
     """
     for finding in document["findings"]:
         is_sensor = QUADRATIC in finding["aliases"] and "channel" not in finding["where"]
-        if finding["effect"] in OF_FACES and finding["confidence"] == "ambiguous" and not is_sensor:
+        if finding["effect"] in OF_FACES and finding["confidence"] == "possible" and not is_sensor:
             yield max(abs(each["value"]) for each in finding["coefficients"].values())
 
 

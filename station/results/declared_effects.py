@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from procedures.diagnosis.result import DeclaredEffect
 from procedures.effects.effect import REFERENCE_C
+from procedures.inference.result import DeclaredEffect
 from station.files.effect_file import EffectFile
 
 

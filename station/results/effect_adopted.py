@@ -18,14 +18,14 @@ MAX_ORIGIN = 300  # characters
 
 
 def adopted(diagnosis: Path, wanted: str | None, out: Path) -> tuple[EffectFile, str]:
-    """Write the effect of a `diagnosis/1` to ``out``; return it, and why it is not confirmed where it might be.
+    """Write the effect of a `diagnosis/2` to ``out``; return it, and why it is not confirmed where it might be.
 
     ``wanted`` is a finding's number in the diagnosis, from 1, or an effect's name; None: the only one with a term.
 
     Raises
     ------
     DataRefused
-        If the file is no `diagnosis/1`, has no such effect, or the effect is not what its hash says.
+        If the file is no `diagnosis/2`, has no such effect, or the effect is not what its hash says.
     CannotWrite
         If ``out`` cannot be written.
     """
@@ -57,9 +57,9 @@ def _document(content: bytes, path: Path) -> Mapping[str, Any]:
         document = json.loads(content)
     except (ValueError, RecursionError):
         document = None
-    if not isinstance(document, dict) or document.get("format") != "diagnosis/1":
+    if not isinstance(document, dict) or document.get("format") != "diagnosis/2":
         raise DataRefused(
-            path, None, "no diagnosis/1", "the output of `station diagnose --json`", "name that file"
+            path, None, "no diagnosis/2", "the output of `station diagnose --json`", "name that file"
         )
     return document
 

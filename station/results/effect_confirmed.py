@@ -14,12 +14,12 @@ MAX_LOG_P = np.log(0.01)  # of coefficients of nought
 
 
 def recordings(document: Mapping[str, Any]) -> list[str]:
-    """Return the first digits of the hash of every recording of a `diagnosis/1`: the same in whatever folder."""
+    """Return the first digits of the hash of every recording of a `diagnosis/2`: the same in whatever folder."""
     return sorted({sha256[:DIGITS] for name, sha256 in _files(document).items() if not name.endswith(".toml")})
 
 
 def why_not_confirmed(document: Mapping[str, Any], entry: Mapping[str, Any], origin: OriginTable) -> str:
-    """Return why a `diagnosis/1` with an effect in its model from the start does not confirm it, empty if it does.
+    """Return why a `diagnosis/2` with an effect in its model from the start does not confirm it, empty if it does.
 
     None of its recordings may have had a part in finding it, its coefficients must differ from nought, and noise
     be what is left with it. ``entry`` is the solution's of the effect.

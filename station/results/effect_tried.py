@@ -1,18 +1,16 @@
 """An `effect/1` tried on campaigns: what a diagnosis with it beside the catalogue says of it."""
 
 from collections.abc import Sequence
-from math import exp
 
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.effect_selection import MAX_LOG_P
-from procedures.diagnosis.result import Diagnosis
 from procedures.effects import EFFECTS
+from procedures.inference.result import Diagnosis
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign, effects_of
 from station.files.effect_file import EffectFile
 from station.results.diagnosis.diagnosis_json import finding_document
+from station.results.diagnosis.diagnosis_wording import probability_text
 from station.results.diagnosis.magnetic_field import with_magnetic_field
 from station.results.solution_text import measured
-from station.text import significant
 
 
 def tried_text(file: EffectFile, campaigns: Sequence[LoadedCampaign]) -> str:
@@ -29,29 +27,14 @@ def tried_text(file: EffectFile, campaigns: Sequence[LoadedCampaign]) -> str:
 def _answer(file: EffectFile, found: Diagnosis) -> str:
     named = [one for one in found.findings if one.effect == file.name]
     if named:
-        return f"it is present, {named[0].confidence}"
+        return f"it is present, {named[0].confidence} (probability {probability_text(named[0].probability)})"
     if missing := file.term.missing(found.evidence.excitation):
         return f"not tested: {', '.join(missing)} not recorded"
     if alike := [one.effect for one in found.findings if file.name in one.aliases]:
         return f"these campaigns cannot separate it from {', '.join(alike)}"
-    test = next((one for one in found.tried if one.effect == file.name), None)
-    if test is None:
+    if file.name in found.not_separable or file.name not in found.probabilities:
         return "these campaigns cannot determine it: the model's own parameters absorb it, or nothing excites it"
-    return _not_found(file, exp(test.log_p_adjusted), test.log_p_adjusted < MAX_LOG_P, found)
-
-
-def _not_found(file: EffectFile, p: float, is_seen: bool, found: Diagnosis) -> str:
-    """Return why an effect that was tried, with ``p`` over all that was tried, is not among the findings."""
-    said = f"corrected for all terms tried, p = {p:.2g}"
-    if not is_seen:
-        return f"not seen: {said}"
-    sizes = {each.effect: f"{significant(each.times)} times its expected size" for each in found.too_large}
-    if file.name in sizes:
-        return f"seen ({said}) and not accepted: it would be {sizes[file.name]}"
-    triad = file.name.partition(".")[0]
-    if other := next((each for each in sizes if each.startswith(f"{triad}.")), None):
-        return f"seen ({said}) and not accepted: {other} explains more, but that would be {sizes[other]}"
-    return f"seen ({said}) and not accepted: held-out data or other findings do not support it"
+    return f"not found: its probability is {probability_text(found.probabilities[file.name])}"
 
 
 def _findings(file: EffectFile, found: Diagnosis) -> list[str]:
@@ -62,5 +45,5 @@ def _findings(file: EffectFile, found: Diagnosis) -> list[str]:
             lines.append(f"  {name:<10} {measured(value['value'], value['std'], units.get(name, one.unit))}")
         values = dict(zip(one.coefficients, one.value.tolist(), strict=True))
         lines += [f"  {said}" for said in file.term.at_ends(values)]
-        lines += [f"  indistinguishable from {', '.join(one.aliases)}"] if one.aliases else []
+        lines += [f"  it may also be {', '.join(one.aliases)}"] if one.aliases else []
     return lines

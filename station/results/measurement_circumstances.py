@@ -58,7 +58,7 @@ def judged_values(judged: tuple[JudgedLimit, ...]) -> tuple[dict[str, Any], ...]
 
 
 def diagnosis_kept(diagnosis: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what a calibration keeps of a `diagnosis/1`: verdict, findings, what each could be instead."""
+    """Return what a calibration keeps of a `diagnosis/2`: verdict, findings, what each could be instead."""
     findings = [{name: one[name] for name in ("effect", "confidence", "aliases")} for one in diagnosis["findings"]]
     return {"verdict": diagnosis["verdict"], "findings": findings}
 

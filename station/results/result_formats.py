@@ -45,15 +45,22 @@ RESULTS: dict[str, ResultFormat] = {
         "std is the standard uncertainty u. Scale factors of a `rate` output are in output/g and output/(deg/s). "
         "Without a certificate of the faces the misalignment refers to the mean cube.",
     ),
-    "diagnosis/1": ResultFormat(
+    "diagnosis/2": ResultFormat(
         "station diagnose RECORDING ... --json OUT",
         {
             "verdict": "`consistent`, `established`, `likely`, `ambiguous`, `partly` or `unexplained`",
             "reasons": "why: `code`, `what` it is about, the computed `value`",
-            "findings": "in order of adoption: `effect`, `kind`, `coefficients`, `unit`, `where`, `confidence`, "
-            "`share`, `aliases`, `separate_by`, `log10_p`, `reasons`, `same_here`; of a user-defined term also "
-            "`term`, `sha256`, `definition`; of a proposed one `latex`, `readings`, `held_out_sigmas`, "
-            "`searched_p`",
+            "findings": "the causes that have a name: `effect`, `kind`, `coefficients`, `unit`, `where`, "
+            "`probability` of the name, `confidence` (`established` from 0.99, `likely` from 0.9, `possible`), "
+            "`joint_probability` that one of the names in `shares` acts, `aliases` (the other names), "
+            "`separate_by`, `times_expected` (largest coefficient over its expected size), `error` held out "
+            "without and with it, `share` of its square, `same_here`; of one that was tested before the "
+            "inference `log10_p`; of a user-defined term `term`, `sha256`, `definition`; of a proposed one "
+            "`latex`, `readings`, `held_out_sigmas`",
+            "unnamed": "causes that no known error term explains: `what` each looks like, `note`, `probability`, "
+            "`joint_probability`, `shares`",
+            "probabilities": "of every error term that was considered",
+            "not_separable": "error terms that the model's own parameters absorb here, with what separates them",
             "p_value": "of the residual that stays; `log10_p` where it is too small for a number",
             "log10_p": "its logarithm",
             "searched": "with `--discover`: number of `terms`",
@@ -69,9 +76,8 @@ RESULTS: dict[str, ResultFormat] = {
             "moves": "of an unsolved sequence: `turned_deg` x, y, z, `angle_deg`, `tilted_deg`, `apart_deg`",
             "noise": "the channels of noise/1",
             "widened": "parameters whose expanded uncertainty the residual widens: `expanded_without`, `expanded`",
-            "tried": "every error term with its statistic, p and p corrected for the number of tests",
+            "tests": "of labels, knocks and the clock: statistic, p and p corrected for the number of tests",
             "left": "where the residual is largest: `by`, `what`, `size`, `log10_p`",
-            "too_large": "error terms that only their implausible size rules out, with `times_plausible`",
             "next_measurement": "the measurement that would separate the alternatives",
             "not_observable": NOT_SOLVED,
             "warnings": WARNINGS,

@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 from station.guide.client import EngineConnection
-from station.tui.run import run_screens
+from station.tui import run_screens
 
 if __name__ == "__main__":
     with EngineConnection(Path(sys.argv[1])) as connection:

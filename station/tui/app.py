@@ -1,11 +1,9 @@
 """The application: draws the session's view and sends what the operator asks. It knows nothing by itself."""
 
-from station.guide.command import CalibrationSession, OperatorCommand
-from station.guide.view import CalibrationView
+from station.guide.view import CalibrationSession, CalibrationView, OperatorCommand
 from station.tui.common_app import CommonApp
 from station.tui.screens import screen_for
-from station.tui.screens.modal import Modal
-from station.tui.screens.question import ANSWER_LATER, QuestionScreen
+from station.tui.screens.modals import ANSWER_LATER, Modal, QuestionScreen
 from station.tui.screens.stage import StageScreen
 
 
@@ -25,11 +23,11 @@ class StationApp(CommonApp):
         if view is not self._view:
             self.ring(view.events, is_first=self._view is None)
             self._view = view
-        self._close_what_does_not_fit(view)
+        self._close_outdated_modals(view)
         self._show(view)
         self._ask(view)
 
-    def _close_what_does_not_fit(self, view: CalibrationView) -> None:
+    def _close_outdated_modals(self, view: CalibrationView) -> None:
         is_other = not isinstance(self._base, screen_for(view.stage))
         while len(self.screen_stack) > 2:
             top = self.screen

@@ -1,16 +1,119 @@
-"""What the applications have in common: themes, bells, the palette of all actions."""
+"""What both applications share: themes, bells, the palette of all actions."""
 
-from collections.abc import Iterable, Sequence
+from collections import deque
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
+from typing import Any
 
 from textual.app import App, SystemCommand
 from textual.binding import Binding
+from textual.command import CommandList, CommandPalette
 from textual.screen import Screen
+from textual.theme import Theme
+from textual.timer import Timer, TimerCallback
 
-from station.stream.stream_events import Event, NewEvents
-from station.tui.bells import Bells
-from station.tui.command_palette import Palette
-from station.tui.themes import HIGH_CONTRAST, OURS, STATION
+from station.stream.stream_events import Event, NewEvents, Sound
+
+EXTRA_COLOURS = {  # colours that no theme of Textual's has; the axes are red, green and blue
+    "axis-x": "#ff6b6b",
+    "axis-y": "#5fd38d",
+    "axis-z": "#5aa9ff",
+    "muted": "#8a99a8",
+    "sky": "#1f5a8c",
+    "ground": "#5c4326",
+}
+
+STATION = Theme(
+    name="station",
+    primary="#4aa3df",
+    secondary="#2f6f9f",
+    accent="#ffb454",
+    warning="#ffb454",
+    error="#ff6b6b",
+    success="#5fd38d",
+    foreground="#dde5ec",
+    background="#10161d",
+    surface="#18212b",
+    panel="#202c38",
+    variables=EXTRA_COLOURS,
+)
+HIGH_CONTRAST = Theme(
+    name="high-contrast",
+    primary="#00d7ff",
+    secondary="#00afd7",
+    accent="#ffff00",
+    warning="#ffff00",
+    error="#ff5f5f",
+    success="#00ff5f",
+    foreground="#ffffff",
+    background="#000000",
+    surface="#000000",
+    panel="#1c1c1c",
+    text_alpha=1.0,
+    variables={
+        "axis-x": "#ff5f5f",
+        "axis-y": "#00ff5f",
+        "axis-z": "#5fafff",
+        "muted": "#ffffff",
+        "sky": "#0000af",
+        "ground": "#5f3700",
+    },
+)
+
+
+class Palette(CommandPalette):
+    """It waits before it says that nothing was found; closed meanwhile, it would look for a list that has gone."""
+
+    def set_timer(self, delay: float, callback: TimerCallback | None = None, **options: Any) -> Timer:
+        """Call back after ``delay`` [s] if the palette's list is still there; ``options`` are Textual's."""
+
+        def while_there() -> Any:
+            return callback() if callback is not None and self.query(CommandList) else None
+
+        return super().set_timer(delay, while_there, **options)
+
+
+# When each stroke follows the one before [s]. Terminals merge strokes closer than about 0.1 s.
+BELL_PATTERNS: dict[Sound, tuple[float, ...]] = {
+    "": (),
+    "start": (0.0,),
+    "still": (0.0, 0.5),
+    "accepted": (0.0, 0.18, 0.18),
+    "rejected": (0.0, 0.8, 0.8, 0.8),
+}
+PATTERN_GAP_S = 0.7  # between two patterns
+MAX_STROKES = 12  # strokes: what has become older than that is not news
+
+
+class Bells:
+    """Rings patterns one after the other: ``stroke`` the bell once, ``later`` calls after so many seconds."""
+
+    def __init__(self, stroke: Callable[[], None], later: Callable[[float, Callable[[], None]], object]) -> None:
+        self._stroke, self._later = stroke, later
+        self._waits: deque[float] = deque()
+        self._is_ringing = False
+
+    def ring(self, sound: Sound) -> None:
+        """Ring a pattern, after those that ring already."""
+        waits = BELL_PATTERNS[sound]
+        if len(self._waits) + len(waits) > MAX_STROKES or not waits:
+            return
+        self._waits += (waits[0] + PATTERN_GAP_S, *waits[1:]) if self._is_ringing else waits
+        if not self._is_ringing:
+            self._next()
+
+    def _next(self) -> None:
+        self._is_ringing = bool(self._waits)
+        if not self._is_ringing:
+            return
+        if wait := self._waits.popleft():
+            self._later(wait, self._strike)
+        else:  # at once: a timer of no time never fires
+            self._strike()
+
+    def _strike(self) -> None:
+        self._stroke()
+        self._next()
 
 
 class CommonApp(App[None]):
@@ -56,7 +159,7 @@ class CommonApp(App[None]):
 
     def get_theme_variable_defaults(self) -> dict[str, str]:
         """Give every theme the colours that are ours."""
-        return super().get_theme_variable_defaults() | OURS
+        return super().get_theme_variable_defaults() | EXTRA_COLOURS
 
     def ring(self, events: Sequence[Event], *, is_first: bool) -> None:
         """Ring for the events that are new; those of the first view are old."""

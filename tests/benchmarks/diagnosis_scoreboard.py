@@ -1,7 +1,7 @@
-"""Engines of diagnosis on planted worlds: probabilities held against what was planted.
+"""Diagnoses of planted worlds: probabilities held against what was planted.
 
-``python -m tests.benchmarks.diagnosis_scoreboard --engines diagnose inference --seeds 1 --raw FILE`` adds a line
-to FILE for every world and engine that it does not hold yet, and prints the tables of all that it holds.
+``python -m tests.benchmarks.diagnosis_scoreboard --seeds 1 --raw FILE`` adds a line to FILE for every world that
+is not there yet, and prints the tables of all that are; ``--against`` compares with another program's file.
 """
 
 import argparse
@@ -22,10 +22,9 @@ from scipy.stats import beta, binom, binomtest, norm
 from procedures.calibration.solution_values import Solution
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.linear_model import Term
-from procedures.diagnosis.residual_rows import Evidence
 from procedures.effects import EFFECTS
-from procedures.inference.infer import infer
+from procedures.evidence.linear_model import Term
+from procedures.evidence.residual_rows import Evidence
 from tests.benchmarks.diagnosing.coefficients import errors_of
 from tests.benchmarks.diagnosing.planted_worlds import HELD_BY_THE_MODEL, World, worlds
 from tests.benchmarks.diagnosis import APART
@@ -33,7 +32,6 @@ from tests.benchmarks.discovering.judged import SAME, likeness
 from tests.proof.evidence import Figure, spread, zero
 
 KINDS: dict[str, str] = {each.name: each.kind for each in EFFECTS}
-WORDS = {"established": 0.995, "likely": 0.95}  # what the words of an engine without probabilities claim
 BINS = (0.5, 0.8, 0.95, 0.99, 1.0)
 
 
@@ -56,7 +54,7 @@ class Cause:
 
 @dataclass(frozen=True)
 class Answer:
-    """What an engine says of a world; ``nameless`` is the probability that something without a name acts."""
+    """What is said of a world; ``nameless`` is the probability that something without a name acts."""
 
     causes: tuple[Cause, ...]
     nameless: float
@@ -64,74 +62,46 @@ class Answer:
     evidence: Evidence
 
 
-def of_diagnose(campaigns: Sequence[Campaign]) -> Answer:
-    """Return what `diagnose` says, its words as probabilities."""
+def answer_of(campaigns: Sequence[Campaign]) -> Answer:
+    """Return what `diagnose` says, each name with its probability."""
     found, terms = diagnose(campaigns), dict[str, list[Term]]()
     for each in found.added:
-        if each.effect.is_scatter:  # whose columns can do whatever a cause does
-            continue
-        terms.setdefault(each.effect.name, []).append(each.term)
+        if not each.effect.is_scatter:  # whose columns can do whatever a cause does
+            terms.setdefault(each.effect.name, []).append(each.term)
     causes = [
-        Cause(f.effect, WORDS.get(f.confidence, 1 / (1 + max(len(f.aliases), 1))), (f.effect, *f.aliases), 1.0,
+        Cause(f.effect, f.probability, (f.effect, *f.aliases), f.joint or f.probability,
               tuple(terms.get(f.effect, ())), f.coefficients, f.value, f.std, f.unit, f.where, f.shape)
         for f in found.findings
     ]  # fmt: skip
-    nameless = float(found.verdict in {"partly", "unexplained"})
+    causes += [
+        Cause(name, share, tuple(each.shares), each.joint)
+        for each in found.unnamed for name, share in each.shares.items() if name in KINDS
+    ]  # fmt: skip
+    nameless = 1 - float(np.prod([1 - each.probability * each.joint for each in found.unnamed]))
     return Answer(tuple(causes), nameless, found.solution, found.evidence)
 
 
-def of_inference(campaigns: Sequence[Campaign]) -> Answer:
-    """Return what the inference says: the causes of its posterior, and what was put right before it."""
-    found = infer(campaigns)
-    causes = [
-        Cause(f.effect, WORDS.get(f.confidence, 0.5), (f.effect, *f.aliases), 1.0, (),
-              f.coefficients, f.value, f.std, f.unit, f.where, f.shape) for f in found.checked.findings
-    ]  # fmt: skip
-    for each in found.posterior.causes:
-        if (of := each.coefficients) is not None:
-            way = of.candidate
-            unit, terms = way.columns.unit or way.effect.unit, () if way.effect.is_scatter else (way.term,)
-            causes.append(Cause(
-                each.hypothesis.name, each.probability, tuple(each.shares), each.joint, terms, of.names,
-                of.value, of.std, unit, way.columns.where, way.columns.shape,
-            ))  # fmt: skip
-    solution = found.subject.report(found.refit)
-    return Answer(tuple(causes), found.posterior.nameless, solution, found.board.evidence)
-
-
-ENGINES: dict[str, Callable[[Sequence[Campaign]], Answer]] = {
-    "diagnose": of_diagnose, "inference": of_inference,
-}  # fmt: skip
-
-
-def trial(kind: str, seed: int, engines: Sequence[str]) -> list[dict[str, Any]]:
-    """Return a line for each engine on the world of a kind and a seed."""
-    lines = list[dict[str, Any]]()
+def trial(kind: str, seed: int) -> dict[str, Any]:
+    """Return a line on the world of a kind and a seed."""
+    line: dict[str, Any] = {"kind": kind, "seed": seed}
+    begun, cpu = time.perf_counter(), time.process_time()
     try:
         world = worlds()[kind](seed)
-    except Exception as error:
-        return [{"kind": kind, "seed": seed, "engine": engine, "error": repr(error)} for engine in engines]
-    for engine in engines:
         begun, cpu = time.perf_counter(), time.process_time()
-        try:
-            answer = ENGINES[engine](world.campaigns)
-        except Exception as error:
-            lines.append(
-                {"kind": kind, "seed": seed, "engine": engine, "group": world.group, "error": repr(error)}
-            )
-            continue
-        seconds = time.process_time() - cpu
-        causes = [c for c in answer.causes if c.effect not in HELD_BY_THE_MODEL]
-        alike = _alike(world, answer, causes)
-        lines.append({
-            "kind": kind, "seed": seed, "engine": engine, "group": world.group, "nameless": answer.nameless,
-            "seconds": seconds, "wall": time.perf_counter() - begun, "causes": [
-                {"name": c.effect, "p": c.probability, "right": is_right, "group": list(c.group),
-                 "group_p": c.group_probability, "group_right": is_right or bool(set(c.group) & world.right)}
-                for c, is_right in zip(causes, alike, strict=True)
-            ], "coefficients": _coefficients(world, causes), "calibration": _calibration(world, answer),
-        })  # fmt: skip
-    return lines
+        answer = answer_of(world.campaigns)
+    except Exception as error:
+        return line | {"error": repr(error)}
+    seconds = time.process_time() - cpu
+    causes = [c for c in answer.causes if c.effect not in HELD_BY_THE_MODEL]
+    alike = _alike(world, answer, causes)
+    return line | {
+        "group": world.group, "nameless": answer.nameless, "seconds": seconds,
+        "wall": time.perf_counter() - begun, "causes": [
+            {"name": c.effect, "p": c.probability, "right": is_right, "group": list(c.group),
+             "group_p": c.group_probability, "group_right": is_right or bool(set(c.group) & world.right)}
+            for c, is_right in zip(causes, alike, strict=True)
+        ], "coefficients": _coefficients(world, causes), "calibration": _calibration(world, answer),
+    }  # fmt: skip
 
 
 def _alike(world: World, answer: Answer, causes: Sequence[Cause]) -> list[bool]:
@@ -239,7 +209,7 @@ def numbers(lines: Sequence[Mapping[str, Any]]) -> dict[str, Figure]:
 
 
 def table(lines: Sequence[Mapping[str, Any]]) -> Iterable[str]:
-    """Yield the lines of one engine's tables."""
+    """Yield the lines of the tables."""
     for name, (marks, _, _) in shares(lines).items():
         if marks:
             low, high = interval(sum(marks), len(marks))
@@ -250,11 +220,11 @@ def table(lines: Sequence[Mapping[str, Any]]) -> Iterable[str]:
 
 
 def proof(size: int, seed: int) -> dict[str, Figure]:
-    """Return what the inference says of ``size`` planted worlds, their kinds drawn in turn."""
+    """Return what is said of ``size`` planted worlds, their kinds drawn in turn."""
     kinds = list(worlds())
     order = np.random.default_rng(seed).permutation(len(kinds)).tolist()
     items = [(order[i % len(kinds)], seed + i // len(kinds)) for i in range(size)]
-    found = spread(_of_inference_alone, [(kinds[kind], APART * kind + one) for kind, one in items])
+    found = spread(_line, [(kinds[kind], APART * kind + one) for kind, one in items])
     lines = [x for x in found if "error" not in x]
     result = {"worlds that failed": zero(len(found) - len(lines))}
     for name, (marks, low, high) in shares(lines).items():
@@ -264,13 +234,12 @@ def proof(size: int, seed: int) -> dict[str, Figure]:
     return result | numbers(lines)
 
 
-def _of_inference_alone(item: tuple[str, int]) -> dict[str, Any]:
-    (line,) = trial(*item, ["inference"])
-    return line
+def _line(item: tuple[str, int]) -> dict[str, Any]:
+    return trial(*item)
 
 
 def compared(one: Mapping[Any, Any], other: Mapping[Any, Any]) -> Iterable[str]:
-    """Yield by how many worlds the first engine is better, and worse, with the p of McNemar's exact test."""
+    """Yield by how many worlds the first program is better, and worse, with the p of McNemar's exact test."""
     both = one.keys() & other.keys()
     tests: dict[str, tuple[tuple[str, ...], Callable[[Any], bool]]] = {
         "alone": (("catalogue", "bench"), is_alone), "honest": (("outside",), is_honest),
@@ -283,42 +252,42 @@ def compared(one: Mapping[Any, Any], other: Mapping[Any, Any]) -> Iterable[str]:
         yield f"  {name:<24} better {better}, worse {worse} of {len(pairs)}; p {p:.3f}"
 
 
+def read(path: Path) -> dict[tuple[str, int], dict[str, Any]]:
+    """Return the lines of a file by kind and seed."""
+    lines = [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
+    return {(x["kind"], x["seed"]): x for x in lines}
+
+
 def main() -> None:
     """Run what the file of raw lines does not hold yet, and print."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--engines", nargs="+", default=list(ENGINES))
     parser.add_argument("--seeds", nargs="+", type=int, default=[1])
     parser.add_argument("--kinds", nargs="+", default=[""], help="beginnings of names")
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--raw", type=Path, default=Path(tempfile.gettempdir()) / "diagnosis_scoreboard.jsonl")
+    parser.add_argument("--against", type=Path, help="raw lines of another program, to compare with")
     parser.add_argument("--again", action="store_true", help="only print")
     args = parser.parse_args()
-    held = [json.loads(line) for line in args.raw.read_text().splitlines()] if args.raw.exists() else []
-    done = {(x["kind"], x["seed"], x["engine"]) for x in held}
+    held = read(args.raw)
     todo = [
-        (kind, seed + APART * i, missing) for seed in args.seeds for i, kind in enumerate(worlds())
-        if kind.startswith(tuple(args.kinds))
-        and (missing := [e for e in args.engines if (kind, seed + APART * i, e) not in done])
+        (kind, seed + APART * i) for seed in args.seeds for i, kind in enumerate(worlds())
+        if kind.startswith(tuple(args.kinds)) and (kind, seed + APART * i) not in held
     ]  # fmt: skip
     os.environ["OPENBLAS_NUM_THREADS"] = "1"
     with ProcessPoolExecutor(args.workers) as pool, args.raw.open("a") as file:
         for future in [] if args.again else [pool.submit(trial, *item) for item in todo]:
-            for line in future.result():
-                held.append(line)
-                file.write(json.dumps(line) + "\n")
-                file.flush()
-    by_engine = {e: {(x["kind"], x["seed"]): x for x in held if x["engine"] == e} for e in args.engines}
-    for engine, lines in by_engine.items():
-        failed = [x for x in lines.values() if "error" in x]
-        good = {key: x for key, x in lines.items() if "error" not in x}
-        by_engine[engine] = good
-        print(f"{engine}: {len(good)} worlds, {len(failed)} failed")
-        for failure in failed:
-            print("  failed:", failure["kind"], failure["seed"], failure["error"])
-        print(*(table(list(good.values())) if good else ()), sep="\n")
-    for one, other in zip(args.engines[1:], args.engines, strict=False):
-        print(f"{one} against {other}")
-        print(*compared(by_engine[one], by_engine[other]), sep="\n")
+            line = future.result()
+            held[line["kind"], line["seed"]] = line
+            file.write(json.dumps(line) + "\n")
+            file.flush()
+    good = {key: x for key, x in held.items() if "error" not in x}
+    print(f"{len(good)} worlds, {len(held) - len(good)} failed")
+    for x in held.values():
+        if "error" in x:
+            print("  failed:", x["kind"], x["seed"], x["error"])
+    print(*(table(list(good.values())) if good else ()), sep="\n")
+    if args.against:
+        print(*compared(good, {k: x for k, x in read(args.against).items() if "error" not in x}), sep="\n")
 
 
 if __name__ == "__main__":

@@ -17,10 +17,10 @@ from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Dwell, Step
 from procedures.frames import face_normal, face_of
-from station.guide.face_and_stillness import LIMIT_DEG
-from station.guide.guide import Guide
-from station.guide.stage_context import BenchFacts, StageContext
-from station.guide.step_checklist import Checklist
+from station.guide.campaign.checklist import Checklist
+from station.guide.checks.face_and_stillness import LIMIT_DEG
+from station.guide.stages.guide import Guide
+from station.guide.stages.stage_context import BenchFacts, StageContext
 from station.stream.live.live_feed import open_feed
 from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
 from tests.proof.evidence import Figure, spread, zero
@@ -33,7 +33,7 @@ DWELL_S, PATIENCE_S, MOVE_S = 10.0, 60.0, 3.0
 
 @dataclass
 class Accepted:
-    """In memory, as a `station.guide.folder_recorder.FolderRecorder`: steps, their first and last time [s]."""
+    """In memory, as a `FolderRecorder`: steps, their first and last time [s]."""
 
     steps: list[tuple[Step, float, float]] = field(default_factory=list)
 

@@ -13,7 +13,8 @@ import sys, pathlib, station.cli
 from station.commands.calibrate import calibrate
 from station.commands._guided import set_up, campaigns_root
 from station.guide.last_setup import load_setup
-from station.guide.start_engine import EngineOptions, engine_process
+from station.guide.client import engine_process
+from station.guide.options import EngineOptions
 from station.guide.client import EngineConnection
 from station.tui.app import StationApp
 from station.tui.screens import screen_for
@@ -23,9 +24,9 @@ screen_for("start")(print), screen_for("connecting")(print)
 """
 ENGINE = """
 import sys, pathlib
-from station.guide import engine_process
+from station.guide import server
 from station.guide.engine import CalibrationEngine
-from station.guide.start_engine import EngineOptions
+from station.guide.options import EngineOptions
 from fixtures_db.database import open_db
 with open_db(sys.argv[1]) as database:
     engine = CalibrationEngine(database, EngineOptions(root=pathlib.Path(".")).engine(), print)

@@ -18,7 +18,7 @@ from drivers.simulated.truth import Truth
 from station.sending import to_foxglove
 from station.sending.outputs import About
 from station.sending.sender import open_outputs
-from station.tui.web.server import LoopbackServer
+from station.tui.web_server import LoopbackServer
 
 ABOUT = About("FOG-3", "1042", "a calibration", "body", np.eye(3), 0.01)
 

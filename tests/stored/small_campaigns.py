@@ -10,10 +10,10 @@ from drivers.simulated.bench_in_memory import ALL_POSITIONS, SimulatedBench, sim
 from drivers.simulated.truth import Truth
 from procedures.campaign.campaign import Campaign, RateTable, RestRecord, SoakRecord
 from procedures.campaign.plan_steps import Dwell, Turn
-from procedures.diagnosis.result import Diagnosis
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
 from procedures.frames import TURN_START, rotation
+from procedures.inference.result import Diagnosis
 from procedures.uncertainty.budget import ParameterBudget
 from tests.procedures.diagnosis.planted import wandering, with_reference_time
 
@@ -186,8 +186,7 @@ def outcome(found: Diagnosis) -> dict[str, Any]:
     said = {each.name: getattr(found, each.name) for each in fields(found) if each.name not in rows}
     kept = ("accelerometer", "gyroscope", "slab_tilt", "parallelism", "quality")
     said["solution"] = {name: getattr(found.solution, name) for name in kept}
-    tried = (each for each in found.tried if each.effect != "clock.rate")  # its chance counts the whole catalogue
-    said["tried"] = {each.effect: [each.statistic, each.log_p] for each in tried}
+    said["probabilities"] = {name: p for name, p in found.probabilities.items() if p > 0.01}
     return said | {"values": found.values, "added": [each.effect.name for each in found.added]}
 
 

@@ -7,15 +7,14 @@ import pytest
 from scipy.signal import lfilter
 
 from drivers.simulated.bench_in_memory import simulate_campaign
+from procedures.anomalies.wrong_positions import find_wrong_labels, with_true_directions
 from procedures.campaign.campaign import Campaign, Site, SoakRecord
 from procedures.campaign.plan_steps import turn_steps
 from procedures.counts.sample_records import RateSeries
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.sample_effects import sample_effects
 from procedures.diagnosis.single_channels import single_channels
-from procedures.diagnosis.wrong_positions import find_wrong_labels
-from procedures.diagnosis.wrong_turn_directions import with_true_directions
 from procedures.discovery.discover import discover
+from procedures.samples.sample_effects import sample_effects
 from procedures.uncertainty.budget import budget
 from procedures.uncertainty.sources import GivenValues
 from tests.procedures.diagnosis.planted import with_reference_time

@@ -13,8 +13,8 @@ from drivers.simulated.vehicle_track import VehicleTrack
 from procedures.calibration.joint_calibration import fit
 from procedures.campaign.campaign import DwellRecord, SoakRecord
 from procedures.campaign.plan_steps import Dwell, Turn, turn_steps
-from procedures.diagnosis.residual_rows import Evidence, evidence_of
 from procedures.effects import EFFECTS
+from procedures.evidence.residual_rows import Evidence, evidence_of
 from tests.stored.conftest import StoredResult
 from tests.stored.small_campaigns import unit
 

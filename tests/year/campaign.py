@@ -19,10 +19,9 @@ from station.demo.run import demo_laboratory
 from station.errors import Incomplete
 from station.files.campaign_folder.campaign_schema import read_campaign_toml
 from station.files.campaign_setup import Setup
-from station.guide.command import OperatorCommand
 from station.guide.engine import CalibrationEngine
 from station.guide.options import CalibrationOptions
-from station.guide.view import ENDED_STAGES, CalibrationView
+from station.guide.view import ENDED_STAGES, CalibrationView, OperatorCommand
 from station.results.certificate.issuing import issue
 from station.stream.stream_events import NewEvents
 from tests.year.bench import ADDRESS, Bench
@@ -224,13 +223,13 @@ class YearCampaign:
         while True:
             tries += 1
             if there:
-                engine.obey(OperatorCommand(verb="resume", folder=str(self.folder)))
+                engine.execute(OperatorCommand(verb="resume", folder=str(self.folder)))
             else:
-                engine.obey(OperatorCommand(verb="check", url=ADDRESS))
+                engine.execute(OperatorCommand(verb="check", url=ADDRESS))
                 engine.round()
-                engine.obey(OperatorCommand(verb="consider", setup=self._setup))
+                engine.execute(OperatorCommand(verb="consider", setup=self._setup))
                 engine.round()
-                engine.obey(OperatorCommand(verb="begin", setup=self._setup))
+                engine.execute(OperatorCommand(verb="begin", setup=self._setup))
             if engine.view.stage != "start":
                 return engine.view.stage not in ENDED_STAGES or self._ended(engine.view)
             assert engine.view.start is not None
@@ -282,9 +281,9 @@ class YearCampaign:
         if session.end == "kill_time":
             self.machine.disk.die()
         if session.end == "cancel" and engine.view.stage not in ENDED_STAGES:
-            engine.obey(OperatorCommand(verb="cancel"))
+            engine.execute(OperatorCommand(verb="cancel"))
         if session.end == "leave":
-            engine.obey(OperatorCommand(verb="leave"))
+            engine.execute(OperatorCommand(verb="leave"))
         if session.end == "full_disk":
             self.machine.disk.is_full = True
 
@@ -312,7 +311,7 @@ class YearCampaign:
         if view.verdict is None:
             self.told.unsolved = view.hint
             self.machine.say(f"unsolved: {view.hint}")
-            engine.obey(OperatorCommand(verb="leave"))
+            engine.execute(OperatorCommand(verb="leave"))
             return True
         self.told.verdict = view.verdict
         self.machine.say(f"verdict: {view.verdict.sentence}; {view.verdict.status} {view.verdict.status_reason}")
@@ -327,7 +326,7 @@ class YearCampaign:
         stored = engine.view.verdict
         if withdraws:  # a verdict by limits that no longer hold is not stored: it is solved again
             expect("limits of" in engine.view.hint, f"stored though its limits were withdrawn: {engine.view.hint}")
-            engine.obey(OperatorCommand(verb="leave"))
+            engine.execute(OperatorCommand(verb="leave"))
             return False
         if stored is None or not stored.stored_sha256:
             if "disk full" in f"{engine.view.error}{engine.view.hint}":
@@ -338,13 +337,13 @@ class YearCampaign:
             raise Finding(f"not stored: {engine.view.stage} {engine.view.hint} {engine.view.error}")
         self.told.verdict = stored
         self.machine.say(f"stored {stored.stored_sha256}")
-        engine.obey(OperatorCommand(verb="leave"))
+        engine.execute(OperatorCommand(verb="leave"))
         return True
 
     def _store(self, engine: CalibrationEngine, screen: DrawnScreen | None) -> None:
         """Store by a command, or by the keys of a screen that shows the verdict."""
         if screen is None:
-            engine.obey(OperatorCommand(verb="store"))
+            engine.execute(OperatorCommand(verb="store"))
             return
         assert engine.view.verdict is not None
         lines = screen.show(engine.view)
@@ -354,7 +353,7 @@ class YearCampaign:
         screen.sent.clear()
         screen.show(engine.view, ("s", "y"))
         expect([one.verb for one in screen.sent] == ["store"], f"s and y sent {screen.sent}")
-        engine.obey(screen.sent[0])
+        engine.execute(screen.sent[0])
         screen.show(engine.view)
 
     def _between(self, session: Session) -> None:

@@ -239,7 +239,7 @@ def _truth(campaign: YearCampaign, document: Mapping[str, Any]) -> dict[str, flo
     A unit counts by its own clock, which goes ``ppm`` fast: so much more in a second of UTC.
     """
     values = truth_values(campaign.truth, is_certified=True)
-    found = [each["effect"] for each in document["diagnosis"]["findings"] if each["confidence"] != "ambiguous"]
+    found = [each["effect"] for each in document["diagnosis"]["findings"] if each["confidence"] != "possible"]
     faster = 1 + 1e-6 * campaign.drawn.ppm if "clock.rate" in found else 1.0
     of_time = "accelerometer.scale_factor"
     return {name: value * (faster if name.startswith(of_time) else 1.0) for name, value in values.items()}

@@ -21,11 +21,12 @@ from tests.year.clock import HostClock, host_clock
 from tests.year.disk import Disk
 
 LAZY = (  # what the station imports when it wants it: before the clocks are put in their places
-    "station.guide.live_campaign", "station.guide.finished_campaign", "station.guide.interrupted_campaigns",
-    "station.guide.outcome", "station.guide.port_check", "station.guide.prior_knowledge",
-    "station.guide.readiness",
-    "station.stream.reader.restarting_reader", "station.stream.gnss.gnss_feed", "station.guide.gnss_in_campaign",
-    "station.guide.monitor_stage", "station.guide.calibration_so_far", "station.device_probe",
+    "station.guide.campaign.live_campaign", "station.guide.campaign.campaign_start",
+    "station.guide.campaign.interrupted_campaigns",
+    "station.guide.campaign.verdict", "station.guide.campaign.port_check", "station.guide.campaign.readiness",
+    "station.stream.reader.reader", "station.stream.gnss_feed",
+    "station.guide.campaign.gnss_receiver",
+    "station.guide.stages.monitor_stage", "station.guide.campaign.folder_recorder", "station.device_probe",
     "station.results.campaign_results", "station.results.diagnosis.closed_loop", "station.results.report.report",
     "station.results.solution_json", "station.results.budget_json", "station.results.effect_adopted",
     "station.results.report.measurement_conditions", "station.results.diagnosis.diagnosis_html",
@@ -109,14 +110,12 @@ class Machine:
         from tests.year.receiver import InProcessReceiverReader
 
         places: dict[str, Any] = {
-            "station.stream.live.restartable_reader.Reader": lambda url, path: InProcessReader(
-                self.of(url), url, path
-            ),
-            "station.stream.reader.restarting_reader.Reader": partial(InProcessReceiverReader, self),
+            "station.stream.live.live_feed.Reader": lambda url, path: InProcessReader(self.of(url), url, path),
+            "station.stream.reader.reader.Reader": partial(InProcessReceiverReader, self),
             "station.device_probe.open_port": lambda address: ProbePort(self.of(address)),
-            "station.guide.live_campaign.open_feed": self._feed,
+            "station.guide.campaign.campaign_start.open_feed": self._feed,
             "station.guide.engine.ThreadPoolExecutor": InlineExecutor,
-            "station.guide.start_choices.list_ports": list,
+            "station.guide.start_screen.list_ports": list,
             "station.guide.engine.wait": lambda _: None,
         }
         if not self.renders:

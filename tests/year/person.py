@@ -5,10 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivers.simulated.bench_control import BenchControl
-from station.guide.command import CommandVerb, OperatorCommand
 from station.guide.engine import CalibrationEngine
 from station.guide.simulated_operator import SimulatedOperator
-from station.guide.view import CalibrationView, OperatorQuestion
+from station.guide.view import CalibrationView, CommandVerb, OperatorCommand, OperatorQuestion
 from tests.year.machine import InProcessHands, Machine
 
 OFF_DEG = 3.0  # of a cube put down on a crumb, at most
@@ -29,7 +28,7 @@ class Manner:
 
 
 class Carrying:
-    """How this person carries a cube, as `station.guide.hand_style.HandStyle` is asked."""
+    """How this person carries a cube, as `station.guide.simulated_operator.HandlingStyle` is asked."""
 
     def __init__(self, machine: Machine, manner: Manner, rng: np.random.Generator) -> None:
         self._machine, self._manner, self._rng = machine, manner, rng
@@ -88,11 +87,11 @@ class Person:
             self._send(engine, "keep_seating")
         self._answers_at = self._answers_at if engine.view.question is not None else None
         if engine.is_busy:
-            engine.watched_by(self._hands)
+            engine.move_cube_by(self._hands)
 
     def _send(self, engine: CalibrationEngine, verb: CommandVerb, **what: str) -> None:
         self._machine.say(f"operator: {' '.join([verb, *what.values()])}")
-        engine.obey(OperatorCommand.model_validate({"verb": verb, **what}))
+        engine.execute(OperatorCommand.model_validate({"verb": verb, **what}))
 
     def _do_again(self, engine: CalibrationEngine, view: CalibrationView) -> None:
         done = [step.name for step in view.steps if step.attempts]

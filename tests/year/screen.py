@@ -4,8 +4,7 @@ import asyncio
 import time
 from collections.abc import Iterable
 
-from station.guide.command import OperatorCommand
-from station.guide.view import CalibrationView
+from station.guide.view import CalibrationView, OperatorCommand
 from tests.station.tui.session import screens
 
 REAL_MONOTONIC = time.monotonic

@@ -11,10 +11,9 @@ from fixtures_db.schema import CubeRow, SlabRow
 from procedures.campaign.plan_steps import Dwell
 from station.demo.example_bench import add_example
 from station.files.campaign_setup import Setup
-from station.guide.command import OperatorCommand
 from station.guide.engine import CalibrationEngine
 from station.guide.options import CalibrationOptions
-from station.guide.view import ENDED_STAGES, Verdict
+from station.guide.view import ENDED_STAGES, OperatorCommand, Verdict
 from tests.year.bench import Bench
 from tests.year.findings import Finding, expect
 from tests.year.machine import Machine
@@ -41,9 +40,9 @@ def tries_what_is_taken(database_file: Path, machine: Machine, setup: Setup, fol
         assert other.view.start is not None
         states = [one.state for one in other.view.start.unfinished if one.folder == str(folder)]
         expect(states == ["in use"], f"a campaign under way is offered to another station as {states}")
-        other.obey(OperatorCommand(verb="resume", folder=str(folder)))
+        other.execute(OperatorCommand(verb="resume", folder=str(folder)))
         refused = [other.view.start and other.view.start.refused]
-        other.obey(OperatorCommand(verb="begin", setup=setup.model_copy(update={"folder": str(elsewhere)})))
+        other.execute(OperatorCommand(verb="begin", setup=setup.model_copy(update={"folder": str(elsewhere)})))
         refused.append(other.view.start and other.view.start.refused)
         other.close()
     machine.say(f"another station is refused: {refused}")
@@ -84,9 +83,9 @@ class OtherStation:
         with self._first.disk.aside():
             self._database = open_db(self._file)
             self._engine = CalibrationEngine(self._database, options, lambda _: None)
-            self._engine.obey(OperatorCommand(verb="check", url=OTHER_ADDRESS))
+            self._engine.execute(OperatorCommand(verb="check", url=OTHER_ADDRESS))
             self._engine.round()
-            self._engine.obey(OperatorCommand(verb="begin", setup=setup))
+            self._engine.execute(OperatorCommand(verb="begin", setup=setup))
         start = self._engine.view.start
         expect(self._engine.view.stage != "start", f"the other station cannot begin: {start and start.refused}")
 
@@ -117,12 +116,12 @@ class OtherStation:
             self.round()
 
     def _store(self) -> None:
-        self._engine.obey(OperatorCommand(verb="store"))
+        self._engine.execute(OperatorCommand(verb="store"))
         view = self._engine.view
         if view.verdict is None or not view.verdict.stored_sha256:
             raise Finding(f"the other station did not store: {view.stage} {view.hint} {view.error}")
         self.verdict = view.verdict
-        self._engine.obey(OperatorCommand(verb="leave"))
+        self._engine.execute(OperatorCommand(verb="leave"))
         self._engine.close()
         self._database.close()
         self._first.others.clear()

@@ -1,14 +1,12 @@
 """Trace an attitude log's residual to what the model lacks, add it, and compare on rows that were not used.
 
-The first part of the rows is what effects are found in, one at a time, by the calibration's own rules
-(`procedures.diagnosis.effect_selection`): Holm over all that were tried, better foretold stretches, plausible
-sizes, repeated by stretches left out in turn. The rest, which had no say, is where the mixer runs on the corrected
-log.
+The first part of the rows is what causes are found in, by the inference of a calibration (`procedures.inference`):
+errors of the sensors or of the speed, and functions of time, which stand for all that has no name. The rest, which
+had no say, is where the mixer runs on the corrected log.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import compress
 
 import numpy as np
 
@@ -21,36 +19,22 @@ from procedures.attitude.diagnosis.attitude_evidence import (
     NAMED,
     ResidualWindows,
     evidence_of,
+    functions_of_time,
     propagated_residual,
-    stretches,
     windows,
 )
 from procedures.attitude.forward_right_down import inclination
-from procedures.diagnosis.candidates import Candidate
-from procedures.diagnosis.effect_selection import (
-    MAX_EFFECTS,
-    MAX_LOG_P,
-    MIN_DENSITY_GAIN,
-    AdoptedEffect,
-    TestedEffect,
-    density_gain,
-    next_effect,
-    rank_effects,
-)
-from procedures.diagnosis.equivalent_effects import are_aliases
-from procedures.diagnosis.evidence_cache import let_go_at_the_end
-from procedures.diagnosis.explained_share import explained_share
-from procedures.diagnosis.linear_model import significance
-from procedures.diagnosis.residual_rows import Evidence
-from procedures.diagnosis.result import Confidence, EffectTest, Finding, ResidualRms, Verdict
-from procedures.diagnosis.sweep_repeatability import std_of_repeats
+from procedures.diagnosis.caches import let_go_at_the_end
 from procedures.errors import NotObservable
+from procedures.inference.hypotheses import named
+from procedures.inference.posterior import Posterior, posterior
+from procedures.inference.result import Finding, ResidualRms, Verdict, verdict_of
+from procedures.inference.search import Search
 
 FITTED_SHARE = 0.6  # of the rows, in time; the rest judges
 MIN_WINDOWS = 30
 MAX_ERROR_GROWTH = 1.1  # times the error before, on rows that had no say
 HELD_BY_AIRSPEED_AID = ("airspeed", "velocity.attack")  # held by that law itself
-CONFIDENCE_ORDER: tuple[Confidence, ...] = ("ambiguous", "likely", "established")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,7 +44,7 @@ class AttitudeDiagnosis:
     verdict: Verdict
     findings: tuple[Finding, ...]
     errors: tuple[ResidualRms, ...]
-    tried: tuple[EffectTest, ...]
+    probabilities: Mapping[str, float]
     corrected: AttitudeLog
     track: AttitudeEstimate
 
@@ -88,12 +72,11 @@ def diagnose_attitude(log: AttitudeLog, aid: str, gains: Gains | None, gravity: 
         raise NotObservable("what the model lacks", [f"{MIN_WINDOWS} stretches of {what}, {where}"])
     free, held = _split(aid, speed is not None, cut.has_truth, has_filter)
     evidence, pool = evidence_of(motion, base, cut, free, held, gravity, aid != "none")
-    adopted, tried = _adopt(evidence, pool)
+    search = Search(named(evidence, pool).with_functions(functions_of_time(evidence)).on(evidence))
+    search.run()
+    told = posterior(search)
 
-    def judged(
-        adopted: Sequence[AdoptedEffect],
-    ) -> tuple[tuple[Finding, ...], AttitudeLog, AttitudeEstimate, ResidualRms]:
-        findings = tuple(_finding(evidence, each, adopted, pool) for each in adopted)
+    def judged(findings: Sequence[Finding]) -> tuple[AttitudeLog, AttitudeEstimate, ResidualRms]:
         corrected = without_effects(motion, findings)
         track = estimate(
             corrected, aid, gains, gravity, learns_motion=False
@@ -102,25 +85,35 @@ def diagnose_attitude(log: AttitudeLog, aid: str, gains: Gains | None, gravity: 
         if errors is None:
             seen = [(each, base_of(_motion(each, aid), aid, has_filter)) for each in (log, corrected)]
             errors = _apart(seen, used, gravity)
-        return findings, corrected, track, errors
+        return corrected, track, errors
 
     first = estimate(log, aid, gains, gravity, learns_motion=False)
-    kept, best = list[AdoptedEffect](), judged(())
-    for each in adopted:  # what does not help the mixer, which may hold it already, is not added
-        new = judged([*kept, each])
-        if new[3].after < best[3].after:
-            kept, best = [*kept, each], new
-    findings, corrected, after, errors = best
-    verdict: Verdict = (
-        min((f.confidence for f in findings), key=CONFIDENCE_ORDER.index) if findings else "consistent"
-    )
+    findings, best = list[Finding](), judged(())
+    for each in _findings(told):  # what does not help the mixer, which may hold it already, is not added
+        new = judged([*findings, each])
+        if new[2].after < best[2].after:
+            taken = 1 - (new[2].after / best[2].after) ** 2
+            findings, best = [*findings, replace(each, share=taken)], new
+    corrected, after, errors = best
+    verdict = verdict_of(findings, is_left=False)
     if (errors.held_out_after or 0.0) > MAX_ERROR_GROWTH * (errors.held_out_before or 0.0):
-        verdict = "unexplained"  # it does not foretell the rows that had no say: nothing is taken off
+        verdict = "unexplained"  # it does not predict the rows that had no say: nothing is taken off
         corrected, after = log, first
     if aid == "none":
         after = estimate(corrected, aid, gains, gravity)  # as a vehicle's, where it still is one
-    tests = tuple(EffectTest(t.candidate.effect.name, t.test.statistic, t.log_p, t.log_p_adjusted) for t in tried)
-    return AttitudeDiagnosis(verdict, findings, (errors,), tests, corrected, after)
+    return AttitudeDiagnosis(verdict, tuple(findings), (errors,), told.probabilities, corrected, after)
+
+
+def _findings(told: Posterior) -> Iterator[Finding]:
+    """Yield the causes with a name, the surest first."""
+    for cause in told.causes:
+        if (of := cause.coefficients) is not None:
+            effect, name = of.candidate.effect, cause.hypothesis.name
+            yield Finding(
+                name, effect.kind, of.names, of.value, of.std, effect.unit, {}, cause.probability,
+                effect.separate_by, aliases=tuple(each for each in cause.shares if each != name),
+                shares=cause.shares, joint=cause.joint,
+            )  # fmt: skip
 
 
 def base_of(motion: AttitudeMotion, aid: str, has_filter: bool) -> FloatArray:
@@ -178,39 +171,6 @@ def _split(
     fit = [e for e in fit if (not e.is_of_aid and e.name != "velocity.forward") or e.is_of_aid == (aid != "none")]
     held = tuple(e for e in fit if (has_filter and e.of_velocity) or (aid, e.name) == HELD_BY_AIRSPEED_AID)
     return tuple(e for e in fit if e not in held), held
-
-
-def _adopt(evidence: Evidence, pool: dict[str, list[Candidate]]) -> tuple[list[AdoptedEffect], list[TestedEffect]]:
-    adopted, tried = list[AdoptedEffect](), list[TestedEffect]()
-    for _ in range(MAX_EFFECTS):
-        found = rank_effects(evidence, pool, adopted)
-        tried = tried or found
-        new = next_effect(evidence, found, adopted, stretches(evidence))
-        if new is None:
-            break
-        adopted.append(new)
-    return adopted, tried
-
-
-def _finding(
-    evidence: Evidence, each: AdoptedEffect, adopted: Sequence[AdoptedEffect], pool: dict[str, list[Candidate]]
-) -> Finding:
-    candidate, left_out = each.candidate, stretches(evidence)
-    beside = [other.term for other in adopted if other is not each]
-    inside = {other.candidate.effect.name for other in adopted}
-    fit = candidate.fit(evidence, beside)
-    test, gain = significance(evidence, fit), density_gain(evidence, candidate, beside, left_out)
-    others = {name: way.term for name, (way,) in pool.items() if name not in inside}
-    aliases = tuple(compress(others, are_aliases(evidence, fit, list(others.values()))))
-    log_p = min(test.log_p + np.log(len(pool)), 0.0)
-    is_sure = log_p < MAX_LOG_P and gain > MIN_DENSITY_GAIN
-    confidence: Confidence = "ambiguous" if aliases else "established" if is_sure else "likely"
-    std = np.maximum(test.std, std_of_repeats(evidence, fit, left_out))
-    effect = candidate.effect
-    return Finding(
-        effect.name, effect.kind, candidate.columns.coefficients, test.value, std, effect.unit, {}, confidence,
-        aliases, effect.separate_by, log_p, gain, share=explained_share(evidence, candidate, beside, left_out),
-    )  # fmt: skip
 
 
 def _errors(

@@ -12,15 +12,18 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.attitude.diagnosis.attitude_effects import ATTITUDE_EFFECTS, AttitudeEffect, AttitudeMotion
 from procedures.counts.sample_times import GAP_PERIODS
-from procedures.diagnosis.candidates import Candidate
-from procedures.diagnosis.linear_model import Term
-from procedures.diagnosis.residual_rows import KINDS, Evidence
 from procedures.effects.effect import Columns, Effect, Excitation, ExcitationStep
-from procedures.frames import TRIADS, rotation
+from procedures.evidence.candidates import Candidate
+from procedures.evidence.linear_model import Term
+from procedures.evidence.residual_rows import KINDS, Evidence
+from procedures.frames import AXES, TRIADS, rotation
+from procedures.inference.priors import FACTOR
+from procedures.inference.smooth_functions import Function, waves
 
 WINDOW_S, BLIND_WINDOW_S, MAX_WINDOWS = 1.0, 4.0, 600  # without truth drift must outgrow the accelerometers
-STRETCHES = 10  # left out in turn: what neighbours share, a whole stretch does not repeat
-SIGMA = 1e-6  # rad: nothing is known of the noise, which is found from the scatter
+STRETCHES = 10  # parts of a log, by which its rows are named
+MEDIAN_OF_NORMAL = 0.6745  # of the size of a normal variable, in sigmas
+NOISE_DOF = 1.0  # nothing is known of the noise but its scatter from window to window
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -114,7 +117,8 @@ def evidence_of(
     columns = np.concatenate([block[1].reshape(-1, ends[-1]) for block in blocks])
     triad = np.concatenate([np.full(block[0].size, block[2]) for block in blocks])
     stretch = np.tile(np.repeat(np.arange(len(left)) * STRETCHES // max(len(left), 1), 3), len(blocks))
-    made = _evidence(residual, -columns[:, ends[len(effects)] :], triad, stretch)
+    sigma = _scatter(residual, triad)
+    made = _evidence(residual, sigma, -columns[:, ends[len(effects)] :], triad, stretch)
     pool = {
         each.name: [_candidate(each, columns[:, ends[i] : ends[i + 1]], made.A.shape[1])]
         for i, each in enumerate(effects)
@@ -122,27 +126,57 @@ def evidence_of(
     return made, pool
 
 
-def stretches(evidence: Evidence) -> list[IntArray]:
-    """Return the numbers (m,) of the rows of each stretch."""
-    return [np.flatnonzero(evidence.step == number) for number in range(STRETCHES)]
+def functions_of_time(evidence: Evidence) -> dict[str, Function]:
+    """Return by name what may act without a name: of each kind of rows and axis, a smooth function of time.
+
+    Neighbouring windows share what a mixer leaves of one manoeuvre: beside a function of time they are no
+    independent witnesses of an effect.
+    """
+    found = dict[str, Function]()
+    for number, triad in enumerate(TRIADS):
+        for axis in range(3):
+            rows = np.flatnonzero((evidence.triad == number) & (evidence.axis == axis))
+            if not len(rows):
+                continue
+            options = list[tuple[float, FloatArray, str]]()
+            for note, values, std in waves((np.arange(len(rows)) + 0.5) / len(rows)):
+                H = np.zeros((len(evidence.residual), len(values)))
+                H[rows] = np.stack(values, axis=1) * std
+                options.append((1.0, H / np.linalg.norm(H), note))
+            found[f"a function of time, {triad} {AXES[axis]}"] = Function(options)
+    return found
 
 
-def _evidence(residual: FloatArray, A: FloatArray, triad: IntArray, stretch: IntArray) -> Evidence:
+def _evidence(
+    residual: FloatArray, sigma: FloatArray, A: FloatArray, triad: IntArray, stretch: IntArray
+) -> Evidence:
     n = len(residual)
     none, nothing, none_3x3 = np.zeros(0), np.zeros((0, 3)), np.zeros((0, 3, 3))
     steps = tuple(ExcitationStep(f"stretch {i + 1}", "rate", 0, 0, "") for i in range(STRETCHES))
     excitation = Excitation(nothing, nothing, nothing, nothing, nothing, nothing, none, none, none, none, {},
                 np.zeros(0, np.int64), none_3x3, none_3x3, none_3x3, steps)  # fmt: skip
     return Evidence(
-        residual=residual, sigma=np.full(n, SIGMA), A=A, triad=triad, kind=np.full(n, KINDS.index("rate")),
+        residual=residual, sigma=sigma, A=A, triad=triad, kind=np.full(n, KINDS.index("rate")),
         step=stretch, axis=np.arange(n) % 3, is_range=np.zeros(n, bool), x=np.zeros(A.shape[1]),
-        columns_of=tuple(np.zeros(0, np.int64) for _ in TRIADS), weights=(), excitation=excitation,  # type: ignore[arg-type]
+        columns_of=(np.zeros(0, np.int64), np.zeros(0, np.int64)), weights=(), excitation=excitation,
+        noise_dof=NOISE_DOF,
     )  # fmt: skip
 
 
+def _scatter(residual: FloatArray, triad: IntArray) -> FloatArray:
+    """Return 1 sigma (n,) of rows by how much neighbouring windows differ, of each kind of rows."""
+    sigma = np.ones(len(residual))
+    for number in np.unique(triad):
+        rows = triad == number
+        apart = np.diff(residual[rows].reshape(-1, 3), axis=0)
+        middle = float(np.median(np.abs(apart))) / MEDIAN_OF_NORMAL / np.sqrt(2)  # manoeuvres are not noise
+        sigma[rows] = max(middle, np.finfo(float).tiny)
+    return sigma
+
+
 def _candidate(effect: AttitudeEffect, H: FloatArray, parameters: int) -> Candidate:
-    known = Effect(effect.name, effect.unit, plausible=effect.plausible, separate_by=effect.separate_by)
-    plausible = np.full(len(effect.coefficients), effect.plausible)
+    known = Effect(effect.name, effect.unit, plausible=effect.plausible / FACTOR, separate_by=effect.separate_by)
+    plausible = np.full(len(effect.coefficients), effect.plausible / FACTOR)  # here it is the most
     return Candidate(known, Columns(effect.coefficients), Term(H, plausible), np.zeros(parameters, bool))
 
 

@@ -30,10 +30,10 @@ def diagnosis_said(document: Mapping[str, Any]) -> list[str]:
     if diagnosis is None:
         return [*own, "No diagnosis of the residual is stored with this calibration."]
     findings, said = diagnosis["findings"], list[str]()
-    sure = [f"{_name(f['effect'])} ({f['confidence']})" for f in findings if f["confidence"] != "ambiguous"]
+    sure = [f"{_name(f['effect'])} ({f['confidence']})" for f in findings if f["confidence"] != "possible"]
     if sure:
         said.append(f"Found in the residual: {'; '.join(sure)}.")
-    doubtful = [(f["effect"], *f["aliases"]) for f in findings if f["confidence"] == "ambiguous"]
+    doubtful = [(f["effect"], *f["aliases"]) for f in findings if f["confidence"] == "possible"]
     parts = [names[0] for names in doubtful if len(names) == 1]
     if parts:
         said.append(f"Explains the residual only in part: {'; '.join(map(_name, parts))}.")

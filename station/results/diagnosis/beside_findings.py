@@ -1,11 +1,11 @@
-"""What stands in a `diagnosis/1` beside its findings: the noise at rest, and how what is left widens U."""
+"""What stands in a `diagnosis/2` beside its findings: the noise at rest, and how what is left widens U."""
 
 from collections.abc import Sequence
 from typing import Any
 
-from procedures.diagnosis.channel_noise import channel_noise
-from procedures.diagnosis.held_samples import known_scales
-from procedures.diagnosis.result import Diagnosis
+from procedures.inference.result import Diagnosis
+from procedures.samples.channel_noise import channel_noise
+from procedures.samples.held_samples import known_scales
 from procedures.uncertainty.budget import ParameterBudget, budget
 from procedures.uncertainty.sources import GivenValues
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign

@@ -10,9 +10,9 @@ from procedures.calibration.joint_calibration import CampaignFits, leans_of
 from procedures.calibration.solution_values import Solution
 from procedures.calibration.undetectable_tilt import undetectable_tilt_warnings
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.result import Diagnosis, Finding
 from procedures.effects.effect import REFERENCE_C
 from procedures.errors import NotObservable
+from procedures.inference.result import Diagnosis, Finding
 from procedures.uncertainty.budget import ParameterBudget, budget
 from procedures.uncertainty.sources import GivenValues
 from station.errors import DataRefused
@@ -35,7 +35,7 @@ CARRIED_CONFIDENCES = ("established", "likely")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ClosedLoop:
-    """A diagnosis with its `diagnosis/1`, and the solution that a calibration takes from it.
+    """A diagnosis with its `diagnosis/2`, and the solution that a calibration takes from it.
 
     ``effects`` are those of the instrument that the solution holds, as `calibration/1` carries them.
     """

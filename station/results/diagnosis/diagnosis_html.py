@@ -9,23 +9,26 @@ from markupsafe import Markup
 from station.files.atomic_file import replace_file
 from station.results.diagnosis.diagnosis_text import (
     RATE_TABLE_TITLE,
+    cause_rows,
     coefficient_rows,
     error_rows,
     finding_chance,
     moved_rows,
-    shown_unit,
     table_rows,
-    tried_rows,
     warnings_of,
 )  # fmt: skip
 from station.results.diagnosis.diagnosis_wording import (
     LEFT_TITLE,
+    OTHERS_TITLE,
     PROPOSED,
-    TRIED_TITLE,
+    alternatives_said,
     confidence_said,
     equation_of,
     left_lines,
+    not_separable_said,
     notes,
+    other_terms,
+    shown_unit,
     verdict_sentence,
     verdict_title,
     where_text,
@@ -36,8 +39,8 @@ from station.results.noise.noise_html import noise_section
 from station.results.solution_text import effect_lines
 
 if TYPE_CHECKING:
-    from procedures.diagnosis.result import Diagnosis
     from procedures.discovery.discover import Discovery
+    from procedures.inference.result import Diagnosis
 
 
 def write_page(
@@ -61,7 +64,7 @@ def write_page(
 def section_html(
     document: Mapping[str, Any], diagnosis: "Diagnosis | None", more: "Discovery | None" = None
 ) -> str:
-    """Return the section "What the model lacks" of a `diagnosis/1`, with plots where the diagnosis is at hand."""
+    """Return the section "What the model lacks" of a `diagnosis/2`, with plots where the diagnosis is at hand."""
     plots = {} if diagnosis is None else _plots(diagnosis, more)
     findings = [
         _finding(finding) | plots.get(finding["effect"], {"plot": "", "caption": ""})
@@ -72,7 +75,8 @@ def section_html(
         document=document, title=verdict_title(document), sentence=verdict_sentence(document), findings=findings,
         errors=error_rows(document["error"]), moved=moved_rows(document["parameters"]),
         searched=searched_said(document), on_table=RATE_TABLE_TITLE,
-        tried=tried_rows(document["tried"]), tried_title=TRIED_TITLE,
+        others=other_terms(document), others_title=OTHERS_TITLE, causes=cause_rows(document),
+        not_separable=not_separable_said(document),
         left=left_lines(document), left_title=LEFT_TITLE, of_table=table_rows(document.get("solution", {})),
         warnings=warnings_of(document.get("solution", document)),
         declared=[_declared(one) for one in document.get("solution", {}).get("effects", ())],
@@ -120,6 +124,7 @@ def _finding(finding: Mapping[str, Any]) -> dict[str, Any]:
         **finding,
         "where": where_text(finding["where"]),
         "sure": confidence_said(finding),
+        "aliases": alternatives_said(finding),
         "equation": equation_of(finding),
         "chance": finding_chance(finding),
         "rows": coefficient_rows(finding),

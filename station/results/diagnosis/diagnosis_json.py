@@ -1,4 +1,4 @@
-"""A diagnosis as `diagnosis/1` (docs/reference/file-formats.md): JSON-ready, without what is not known."""
+"""A diagnosis as `diagnosis/2` (docs/reference/file-formats.md): JSON-ready, without what is not known."""
 
 import sys
 from collections.abc import Mapping, Sequence
@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from procedures.calibration.solution_values import Solution
-from procedures.diagnosis.left_pattern import LeftPattern
-from procedures.diagnosis.result import Because, Diagnosis, EffectTest, Finding, Reason, ResidualRms, TableSensor
 from procedures.effects.effect import REFERENCE_C
+from procedures.evidence.residual_patterns import LeftPattern
 from procedures.frames import TRIADS
+from procedures.inference.result import Diagnosis, EffectTest, Finding, Reason, ResidualRms, TableSensor, Unnamed
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign, effects_of
 from station.results.declared_effects import effect_entries, own_definition
 from station.results.diagnosis.single_channels import channels_of
@@ -19,7 +19,7 @@ from station.results.diagnosis.uncalibrated import in_told_unit, without_solutio
 from station.results.parameters_by_name import parameters, shifts
 from station.results.solution_json import solution_document
 
-FORMAT = "diagnosis/1"
+FORMAT = "diagnosis/2"
 BLOCKS_LEFT_OUT = "an eighth of the blocks of samples, held out in turn"
 LEFT_OUT = "position, rotation, rest, or block of a rate table or soak, held out in turn"
 NOT_DETERMINED = "coefficients of a finding are not determined and were omitted"
@@ -30,7 +30,7 @@ def diagnosis_document(
     campaigns: Sequence[LoadedCampaign],
     validated: Mapping[str, Sequence[ResidualRms]] | None = None,
 ) -> dict[str, Any]:
-    """Return a diagnosis of ``campaigns`` as `diagnosis/1`; ``validated`` are the errors made on other folders."""
+    """Return a diagnosis of ``campaigns`` as `diagnosis/2`; ``validated`` are the errors made on other folders."""
     before = solution_document(diagnosis.solution_before, campaigns)
     files = effects_of(campaigns)
     after = solution_document(diagnosis.solution, campaigns, effect_entries(diagnosis.declared, files))
@@ -66,10 +66,12 @@ def diagnosis_document(
         "error": errors,
         "parameters": moved(before, after),
         **({"solution": after} if diagnosis.is_calibrated else without_solution(campaigns)),
-        "tried": [tried_document(each) for each in diagnosis.tried],
+        "unnamed": [unnamed_document(each) for each in diagnosis.unnamed],
+        "probabilities": probabilities_document(diagnosis.probabilities),
+        "not_separable": dict(diagnosis.not_separable),
+        "tests": [test_document(each) for each in diagnosis.tried],
         "next_measurement": diagnosis.next_measurement,
         **({"left": [left_document(each) for each in diagnosis.left]} if diagnosis.left else {}),
-        **({"too_large": _too_large(diagnosis)} if diagnosis.too_large else {}),
         **({"channels": channels} if channels else {}),
     }
 
@@ -90,10 +92,7 @@ def _far_above(errors: Sequence[ResidualRms]) -> list[str]:
 
 
 def finding_document(finding: Finding) -> dict[str, Any]:
-    """Return a finding; ``log10_p`` is adjusted for all that was tried, ``sign_flip_p`` needs no distribution.
-
-    A number that was not computed is absent.
-    """
+    """Return a finding; ``log10_p`` is corrected for all trials. A number that was not computed is absent."""
     value, std = np.atleast_1d(finding.value), np.atleast_1d(finding.std)
     known = np.isfinite(value) & np.isfinite(std)
     return {
@@ -106,22 +105,34 @@ def finding_document(finding: Finding) -> dict[str, Any]:
         },
         "unit": finding.unit,
         "where": {name: plain(what) for name, what in finding.where.items()},
+        "probability": float(finding.probability),
         "confidence": finding.confidence,
-        **({"reasons": [reason_document(each) for each in reasons]} if (reasons := _reasons(finding)) else {}),
+        **({} if finding.joint is None else {"joint_probability": float(finding.joint)}),
+        **({"shares": {name: float(p) for name, p in finding.shares.items()}} if finding.shares else {}),
         **({} if finding.share is None else {"share": float(finding.share)}),
         "aliases": list(finding.aliases),
         "separate_by": finding.separate_by,
+        **({"error": [error_document(each, LEFT_OUT) for each in finding.errors]} if finding.errors else {}),
         **({} if finding.log_p is None else {"log10_p": float(finding.log_p) / log(10)}),
+        **({} if finding.times_expected is None else {"times_expected": float(finding.times_expected)}),
         **({"same_here": list(finding.same_here)} if finding.same_here else {}),
         **({"shape": finding.shape} if finding.shape else {}),
-        **({} if finding.sign_flip_p is None else {"sign_flip_p": float(finding.sign_flip_p)}),
     }
 
 
-def _reasons(finding: Finding) -> list[Reason]:
-    """Return why a finding is ambiguous; its aliases are one reason."""
-    is_alias = finding.confidence == "ambiguous" and finding.aliases
-    return [*([Reason(Because.ALTERNATIVE)] if is_alias else []), *finding.reasons]
+def unnamed_document(cause: Unnamed) -> dict[str, Any]:
+    """Return a cause without a name: ``what`` it looks like, its probability, and what it may be instead."""
+    return {
+        "what": cause.what, "note": cause.note, "probability": float(cause.probability),
+        "joint_probability": float(cause.joint), "shares": {name: float(p) for name, p in cause.shares.items()},
+    }  # fmt: skip
+
+
+def probabilities_document(probabilities: Mapping[str, float]) -> dict[str, float]:
+    """Return the probability of every name that was considered, the likeliest first."""
+    return {
+        name: float(probabilities[name]) for name in sorted(probabilities, key=lambda one: -probabilities[one])
+    }
 
 
 def reason_document(reason: Reason) -> dict[str, Any]:
@@ -130,12 +141,8 @@ def reason_document(reason: Reason) -> dict[str, Any]:
     return {"code": str(reason.code), **({"what": reason.what} if reason.what else {}), **value}
 
 
-def _too_large(diagnosis: Diagnosis) -> list[dict[str, Any]]:
-    return [{"effect": each.effect, "times_plausible": each.times} for each in diagnosis.too_large]
-
-
 def left_document(pattern: LeftPattern) -> dict[str, Any]:
-    """Return where what is left shows, see `procedures.diagnosis.left_pattern`."""
+    """Return where what is left shows, see `procedures.evidence.residual_patterns`."""
     return {
         "by": pattern.by, "what": pattern.what, "size": float(pattern.size),
         "log10_p": float(pattern.log_p) / log(10),
@@ -190,8 +197,8 @@ def plain(value: object) -> Any:
     return value
 
 
-def tried_document(test: EffectTest) -> dict[str, Any]:
-    """Return an effect that was tried, with its p before and after Holm."""
+def test_document(test: EffectTest) -> dict[str, Any]:
+    """Return a test that was made before the inference, with its p before and after the correction."""
     return {
         "effect": test.effect,
         "statistic": float(test.statistic),

@@ -1,21 +1,25 @@
-"""A `diagnosis/1` as text to read in 80 columns: the verdict first, then what it rests on."""
+"""A `diagnosis/2` as text to read in 80 columns: the verdict first, then what it rests on."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from textwrap import wrap
 from typing import Any
 
 from procedures.effects.effect import UNITS_OF_NONLINEAR
-from procedures.units import ARCSEC_PER_DEG, ARCSEC_PER_RAD, PPM_PER_ONE, UG_PER_G
 from station.results.diagnosis.diagnosis_wording import (
-    CHANCE_OF_FINDING,
     LEFT_TITLE,
-    NO_SIGN_LOG10_P,
-    TRIED_TITLE,
+    OTHERS_TITLE,
+    alternatives_said,
     confidence_said,
     left_lines,
+    not_separable_said,
     notes,
+    other_terms,
     p_text,
+    probability_text,
+    reduction_said,
+    shown_unit,
     size_in_sigmas,
+    unnamed_said,
     verdict_sentence,
     verdict_title,
     where_text,
@@ -34,13 +38,15 @@ ROUNDING = 1e-9  # ug, deg/h ..: no error of an instrument is as small
 MAX_MOVED = 8
 RATE_TABLE_TITLE = "on the rate table; the output at rest includes the Earth's rate along its axis"
 MIN_SHIFT_SIGMAS = 1.0  # sigma
-MAX_TRIED = 6
+MAX_OTHERS = 6
 TEXTBOOK_BIASES = ("bias_12_position", "bias_two_direction")  # their sigma is counting noise only
 
 
 def diagnosis_text(document: Mapping[str, Any]) -> str:
     """Return the summary that `station diagnose` prints; +- is the standard uncertainty u."""
     lines = _fold(f"{verdict_title(document).upper()}. {verdict_sentence(document)}", "")
+    if causes := list(_causes(document)):
+        lines += ["", *causes]
     if declared := document.get("solution", {}).get("effects"):
         lines += [
             "",
@@ -54,7 +60,7 @@ def diagnosis_text(document: Mapping[str, Any]) -> str:
         ("error (rms), without -> with the findings in the model", list(_errors(document["error"]))),
         (LEFT_TITLE, [f"   {line}" for line in left_lines(document)]),
         ("parameters that changed most (change in units of u)", list(_moved(document["parameters"]))),
-        (TRIED_TITLE, list(_tried(document["tried"]))),
+        (OTHERS_TITLE, [f"   {name:<44} {p}" for name, p in other_terms(document)[:MAX_OTHERS]]),
     ):
         if part:
             lines += ["", title, *part]
@@ -66,6 +72,8 @@ def diagnosis_text(document: Mapping[str, Any]) -> str:
     if channels := document.get("channels"):
         lines += ["", *channel_lines(channels)]
     if said := searched_said(document):
+        lines += ["", *_fold(said, "")]
+    if said := not_separable_said(document):
         lines += ["", *_fold(said, "")]
     if document["next_measurement"]:
         lines += ["", *_fold(f"measure next: {document['next_measurement']}", "")]
@@ -97,24 +105,6 @@ def warnings_of(solution: Mapping[str, Any]) -> list[str]:
 
 
 _ADVICE = "; run `station diagnose`"
-
-
-def shown_unit(unit: str) -> tuple[float, str]:
-    """Return by what a value in a file's ``unit`` is multiplied for people, and the unit it then has.
-
-    An error in deg is shown in arcsec, deg/h as it is. Only what stands before the first ``/`` is changed: g/g^2
-    becomes ug/g^2, 1/K ppm/K.
-    """
-    if unit == "deg":
-        return ARCSEC_PER_DEG, "arcsec"
-    head, slash, rest = unit.partition("/")
-    scale, name = {
-        "g": (UG_PER_G, "ug"),
-        "rad": (ARCSEC_PER_RAD, "arcsec"),
-        "1": (PPM_PER_ONE, "ppm"),
-        "": (PPM_PER_ONE, "ppm"),
-    }.get(head, (1.0, head))
-    return scale, f"{name}{slash}{rest}"
 
 
 def coefficient_unit(name: str, unit: str) -> tuple[float, str]:
@@ -155,18 +145,29 @@ def _finding(number: int, finding: Mapping[str, Any]) -> list[str]:
         lines.append(f"   ... and {len(finding['coefficients']) - MAX_COEFFICIENTS} more, smaller")
     lines += proposed_lines(finding)
     if finding["aliases"]:
-        lines += _fold(f"indistinguishable from: {', '.join(finding['aliases'])}", "   ")
+        lines += _fold(f"it may also be: {alternatives_said(finding)}", "   ")
         lines += _fold(f"to separate them: {finding['separate_by']}", "   ")
     return lines
 
 
 def finding_chance(finding: Mapping[str, Any]) -> str:
-    """Say how often noise alone would look as much like a finding; nothing of one that was not tested."""
-    if "log10_p" not in finding:
-        return ""
-    if "searched_p" in finding:  # of draws of noise, so many and no more
-        return f"{p_text(finding['log10_p'])} or less, corrected for all terms searched"
-    return f"{p_text(finding['log10_p'])}, {CHANCE_OF_FINDING}"
+    """Say how often noise alone would look as much like a finding; nothing of one whose p was not computed."""
+    return f"{p_text(finding['log10_p'])}, corrected for all trials" if "log10_p" in finding else ""
+
+
+def cause_rows(document: Mapping[str, Any]) -> list[tuple[str, str, str]]:
+    """Return every cause with its probability, and the error held out without and with it, named ones first."""
+    rows = list[tuple[str, str, str]]()
+    for finding in document["findings"]:
+        held_out = reduction_said(finding).partition(" from ")[2].replace(" to ", " -> ")
+        rows.append((finding["effect"], probability_text(finding["probability"]), held_out))
+    for one in document.get("unnamed", ()):
+        names = [
+            name for name, p in one["shares"].items() if not name.startswith(("a ", one["what"])) and p > 0.05
+        ]
+        other = f"; or {', '.join(names)}" if names else ""
+        rows.append((f"unnamed: {unnamed_said(one)}{other}", probability_text(one["joint_probability"]), ""))
+    return rows
 
 
 def error_rows(errors: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, str, str, str]]:
@@ -238,21 +239,14 @@ def _moved(parameters: Sequence[Mapping[str, Any]]) -> Iterator[str]:
         yield f"  {title:<29} {before:>10} {after:>18} {unit:<11} {sigmas:>6}"
 
 
-def tried_rows(tried: Sequence[Mapping[str, Any]]) -> list[tuple[str, str]]:
-    """Return the error terms that were tried first, the clearest of them, with their p-values."""
-    return [
-        (each["effect"], "not significant" if p > NO_SIGN_LOG10_P else p_text(p))
-        for each in tried
-        for p in (each["log10_p_adjusted"],)
-    ]
-
-
-def _tried(tried: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    rows = tried_rows(tried)
-    for effect, p in rows[:MAX_TRIED]:
-        yield f"   {effect:<36} {p}"
-    if rest := [effect for effect, _ in rows[MAX_TRIED:]]:
-        yield from _fold(f"and {', '.join(rest)}", "   ")
+def _causes(document: Mapping[str, Any]) -> Iterator[str]:
+    rows = cause_rows(document)
+    if len(rows) > 1 or document.get("unnamed"):
+        yield f"   {'cause':<44} {'probability':<12} held-out error"
+        for name, probability, held_out in rows:
+            first, *more = wrap(name, 44, break_long_words=False)
+            yield f"   {first:<44} {probability:<12} {held_out}".rstrip()
+            yield from (f"     {line}" for line in more)
 
 
 def _fold(text: str, indent: str) -> list[str]:

@@ -4,34 +4,15 @@ from collections.abc import Mapping, Sequence
 from math import degrees
 from typing import TYPE_CHECKING, Any
 
-from procedures.diagnosis.result import Because
+from procedures.inference.result import Because
+from procedures.units import ARCSEC_PER_DEG, ARCSEC_PER_RAD, PPM_PER_ONE, UG_PER_G
 from station.text import significant
 
 if TYPE_CHECKING:
     from procedures.uncertainty.budget import ParameterBudget
 
-CONFIDENCE_SAID = {
-    "established": "established: it also predicts held-out data, and no other error term fits as well",
-    "likely": "likely: no other error term fits as well, but there is less evidence",
-    "ambiguous": "ambiguous",
-    "proposed": "proposed: it is not in the catalogue and not in the solution; confirm it with other data",
-}
 PROPOSED = "proposed"
-REASONS_SAID: Mapping[str, str] = {  # of an ambiguous finding
-    Because.ALTERNATIVE: "the data cannot separate it from the error terms named below",
-    Because.CURVE: "a smooth curve ({what}) predicts held-out data better by {value:.1f} in log density",
-    Because.WALK: "a random walk of the bias explains the data as well",
-    Because.PATTERN: "it explains {percent} of the excess and leaves a pattern that is not noise: it is only a "
-    "part of the cause, or another error term looks similar",
-    Because.SMALL_SHARE: "it explains only {percent} of the excess on held-out data",
-    Because.NOT_SIGNIFICANT: "it is not significant ({chance})",
-    Because.MEMORY: "another dependence on earlier steps explains the data as well",
-    Because.NOT_DETERMINED: "the data do not determine its time constant or knee",
-    Because.SINGLE_STEP: "residuals exceed noise, and a single wrong step may cause this",
-    Because.NEIGHBOUR: "another step in the same recording is close to it",
-    Because.TOGETHER: "another ambiguous finding of the {what} depends on temperature or time too",
-}
-PART_OF_A_CAUSE = "it may be only a part of the cause"  # of an ambiguous finding that states no reason
+PROPOSED_SAID = "proposed: it is not in the catalogue and not in the solution; confirm it with other data"
 SAMPLE_EFFECTS = (
     "auxiliary.periodic", "accelerometer.count_periodic", "gyroscope.count_periodic", "disturbance.line",
     "accelerometer.vibration_rectification",
@@ -39,30 +20,72 @@ SAMPLE_EFFECTS = (
 )  # fmt: skip
 LEFT_TITLE = "largest residuals"
 UNEXPLAINED = "unexplained"  # as `procedures.uncertainty.sources` names it
-CHANCE_OF_FINDING = (
-    "with all other findings in the model, corrected for all error terms tried"  # not its first trial
-)
-TRIED_TITLE = "error terms tried, each by itself (a small p means: not noise)"
-NO_SIGN_LOG10_P = -1.3  # above it there is no sign of an effect: more than 5 times in 100
+OTHERS_TITLE = "other error terms considered, with their probability"
+NEGLIGIBLE = 0.01  # a probability that is not listed
+BEYOND_BELIEF = 10.0  # times its expected size, from which on a coefficient is questioned
 MIN_LOG10_P = -300  # below which a p-value is only known to be below
 
 
 def confidence_said(finding: Mapping[str, Any]) -> str:
-    """Return in words how sure a finding's name is, and how much of what noise does not explain it explains."""
-    said = CONFIDENCE_SAID[finding["confidence"]]
-    if finding["confidence"] == "ambiguous":
-        reasons = finding.get("reasons") or [{"code": Because.ALTERNATIVE}] * bool(finding["aliases"])
-        said += ": " + ("; ".join(map(reason_said, reasons)) or PART_OF_A_CAUSE)
+    """Return in words how sure a finding's name is, and how much of the error held out it removes."""
+    said = f"{finding['confidence']}, probability {probability_text(finding['probability'])}"
+    if finding["confidence"] == PROPOSED:
+        said = f"{PROPOSED_SAID}; probability {probability_text(finding['probability'])}"
+    if finding["aliases"]:
+        joint = finding.get("joint_probability", 1.0)
+        said += f"; the data cannot separate it from the alternatives (together {probability_text(joint)})"
     share = finding.get("share", 0.0)
-    whole = "the samples' variance" if is_of_samples(finding) else "the excess over noise"
-    return f"{said}; on held-out data it explains {share_text(share)} of {whole}" if share else said
+    whole = "the samples' variance" if is_of_samples(finding) else "the squared held-out error"
+    return f"{said}; it explains {share_text(share)} of {whole}" if share >= NEGLIGIBLE else said
 
 
-def reason_said(reason: Mapping[str, Any]) -> str:
-    """Return why a finding is ambiguous, in words."""
-    value = reason.get("value", 0.0)
-    of = {"what": reason.get("what", ""), "value": value, "percent": share_text(max(value, 0.0))}
-    return REASONS_SAID[reason["code"]].format(**of, chance=p_text(value) if value < 0 else "p near 1")
+def probability_text(p: float) -> str:
+    """Return a probability as text: ``0.42``, ``0.996``, ``> 0.999``."""
+    if p > 0.999:
+        return "> 0.999"
+    return f"{p:.3f}" if p > 0.95 else f"{p:.2f}" if p >= NEGLIGIBLE else "< 0.01"
+
+
+def alternatives_said(finding: Mapping[str, Any]) -> str:
+    """Return the names that a finding may have instead, each with its probability where that is known."""
+    shares = finding.get("shares", {})
+    return ", ".join(
+        f"{name} ({probability_text(shares[name])})" if name in shares else name for name in finding["aliases"]
+    )
+
+
+def unnamed_said(cause: Mapping[str, Any]) -> str:
+    """Return what a cause without a name looks like, and how."""
+    return f"{cause['what']} ({cause['note']})" if cause["note"] else str(cause["what"])
+
+
+def meaning_of(name: str) -> str:
+    """Return what an error term is, in words: ``Second-order nonlinearity of the accelerometers``."""
+    from procedures.effects import MEANINGS
+
+    return MEANINGS.get(name, "")
+
+
+def other_terms(document: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Return the error terms that are no findings and not negligible, each with its probability."""
+    named = {finding["effect"] for finding in document["findings"]}
+    known = {name for one in document.get("unnamed", ()) for name in one["shares"]}
+    return [
+        (name, probability_text(p))
+        for name, p in document.get("probabilities", {}).items()
+        if p >= NEGLIGIBLE and name not in named | known
+    ]
+
+
+def not_separable_said(document: Mapping[str, Any]) -> str:
+    """Return the error terms that these measurements cannot show, and what would; nothing where there are none."""
+    if not (names := document.get("not_separable", {})):
+        return ""
+    by_way = dict[str, list[str]]()
+    for name, separate_by in names.items():
+        by_way.setdefault(separate_by, []).append(name)
+    said = "; ".join(f"{both(several)} ({way})" for way, several in by_way.items())
+    return f"not separable here from the calibration itself (what would separate them): {said}"
 
 
 def share_text(share: float) -> str:
@@ -93,7 +116,7 @@ def equation_of(finding: Mapping[str, Any]) -> str:
 
 
 def is_of_samples(finding: Mapping[str, Any]) -> bool:
-    """Say whether a finding is one of `procedures.diagnosis.sample_effects`: it is not in the means."""
+    """Say whether a finding is one of `procedures.samples.sample_effects`: it is not in the means."""
     lagged = finding["effect"] == "auxiliary.channel" and bool(finding.get("shape"))
     return lagged or finding["effect"] in SAMPLE_EFFECTS
 
@@ -119,7 +142,7 @@ TAKEN_FOR_SCATTER = (
 
 
 def verdict_title(document: Mapping[str, Any]) -> str:
-    """Return a `diagnosis/1`'s verdict in a word or some, as a title."""
+    """Return a `diagnosis/2`'s verdict in a word or some, as a title."""
     if "log10_p" not in document:
         return "not enough data to calibrate"
     return "solved, but not checked" if nothing_is_left(document) else str(document["verdict"])
@@ -132,13 +155,11 @@ def nothing_is_left(document: Mapping[str, Any]) -> bool:
 
 
 def verdict_sentence(document: Mapping[str, Any]) -> str:
-    """Return a `diagnosis/1`'s verdict in plain words."""
+    """Return a `diagnosis/2`'s verdict in plain words."""
     if "log10_p" not in document:
         return "The results of this recording are below."
-    document = {**document, "findings": known_findings(document)}
-    names = [finding["effect"] for finding in document["findings"]]
-    chance = p_text(document["log10_p"])
-    left = _excess_said(document, chance)
+    found, chance = known_findings(document), p_text(document["log10_p"])
+    sure, possible = ([f for f in found if (f["confidence"] == "possible") is so] for so in (False, True))
     match document["verdict"]:
         case "consistent" if nothing_is_left(document):
             return (
@@ -148,36 +169,44 @@ def verdict_sentence(document: Mapping[str, Any]) -> str:
         case "consistent":
             return f"Residuals are consistent with noise ({chance}). No further error term was detected."
         case "established" | "likely":
-            known = _named(document["findings"], "" if document["verdict"] == "established" else " probably")
-            return f"{known}. With that in the model, residuals are consistent with noise ({chance})."
+            return f"{_named(sure)} With that in the model, residuals are consistent with noise ({chance})."
         case "ambiguous":
-            sure = [f["effect"] for f in document["findings"] if f["confidence"] != "ambiguous"]
-            besides = f" Also found, and in the solution: {both(sure)}." if sure else ""
+            besides = f" Also found: {_named(sure)}" if sure else ""
             return (
-                "An error term was detected, but the data cannot determine which: "
-                f"{_groups(document['findings'])}.{besides}"
+                f"An error term was detected, but the data cannot determine which: {_groups(possible)}.{besides}"
             )
-        case "partly":
-            sure = [f["effect"] for f in document["findings"] if f["confidence"] != "ambiguous"]
-            found = f" with {both(sure)} in the model" if sure else ""
-            groups = _groups([f for f in document["findings"] if f.get("share")])
-            doubt = f" {groups} would explain a part of it." if groups else ""
-            doubt += f" Not accepted: {too_large}." if (too_large := too_large_said(document)) else ""
-            return f"{left}{found}: the cause was found in part.{doubt} {TAKEN_FOR_SCATTER}"
         case _:
-            found = f", even with {both(names)} in the model" if names else ""
-            too_large = too_large_said(document)
-            cause = f". Not accepted: {too_large}." if too_large else ", and no known error term explains it."
-            return (
-                f"{left}{found}{cause} The uncertainties here include only the scatter that the fit found. "
-                f"{TAKEN_FOR_SCATTER}"
-            )
+            known = f" Found: {_named(sure)}" if sure else ""
+            maybe = f" Possible: {_groups(possible)}." if possible else ""
+            return f"{_excess_said(document, chance)}.{known}{maybe} {TAKEN_FOR_SCATTER}"
+
+
+def _named(findings: Sequence[Mapping[str, Any]]) -> str:
+    """Return a sentence for each finding: what it is, its probability, the error held out without and with it."""
+    said = list[str]()
+    for one in findings:
+        what = meaning_of(one["effect"])
+        name = f"{what} ({one['effect']}" if what else f"{one['effect']} ("
+        text = f"{name}, probability {probability_text(one['probability'])})".replace("(, ", "(")
+        if reduced := reduction_said(one):
+            text += f": {reduced}"
+        said.append(f"{text}.")
+    return " ".join(dict.fromkeys(said))
+
+
+def reduction_said(finding: Mapping[str, Any]) -> str:
+    """Return by how much the error held out falls with a finding in the model, where it falls most."""
+    errors = [e for e in finding.get("error", ()) if e.get("held_out_before") and "held_out_after" in e]
+    if not errors or finding.get("share", 0.0) < NEGLIGIBLE:
+        return ""
+    best = min(errors, key=lambda e: e["held_out_after"] / e["held_out_before"])
+    scale, unit = shown_unit(best["unit"])
+    before, after = (best[f"held_out_{when}"] * scale for when in ("before", "after"))
+    return f"the error of {best['quantity']} held out falls from {before:.3g} to {after:.3g} {unit}"
 
 
 EXCESS_SAID: Mapping[str, str] = {  # of a verdict `partly` or `unexplained`
-    Because.CURVE: "a smooth curve predicts the held-out data better than the findings do ({what})",
-    Because.WALK: "a random walk explains the data better than {what}",
-    Because.NOT_DETERMINED: "the data do not determine the time constant or knee of {what}",
+    Because.NAMELESS: "an error is present that no known error term explains: {what} (probability {p})",
     Because.MOTION: "the unit moves while it is assumed to be at rest: within a rest the mean output changes by "
     "{mg} mg more than noise. Put it on a firm surface for each rest",
     Because.STRUCTURE: "the samples keep a structure that is not noise: a table by the phase of {what} would "
@@ -193,7 +222,10 @@ def _excess_said(document: Mapping[str, Any], chance: str) -> str:
     for each in reasons:
         if text := EXCESS_SAID.get(each["code"]):
             value = each.get("value", 0.0)
-            of = {"percent": share_text(max(value, 0.0)), "mg": significant(1e3 * value)}
+            of = {
+                "percent": share_text(max(value, 0.0)), "mg": significant(1e3 * value),
+                "p": probability_text(value),
+            }  # fmt: skip
             said.append(text.format(what=each.get("what", ""), **of))
     text = "; ".join(dict.fromkeys(said))  # several findings of one name have one reason
     return text[:1].upper() + text[1:]
@@ -202,13 +234,6 @@ def _excess_said(document: Mapping[str, Any], chance: str) -> str:
 def known_findings(document: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     """Return the findings without what is only proposed: neither verdict nor solution holds that."""
     return [finding for finding in document["findings"] if finding["confidence"] != PROPOSED]
-
-
-def too_large_said(document: Mapping[str, Any]) -> str:
-    """Return what would explain the rest but for its size, the best of it; nothing where there is none."""
-    for one in document.get("too_large", ()):
-        return f"{one['effect']} would be {significant(one['times_plausible'])} times its largest plausible size"
-    return ""
 
 
 def left_said(document: Mapping[str, Any], budgets: Sequence["ParameterBudget"]) -> str:
@@ -234,12 +259,11 @@ def p_text(log10_p: float) -> str:
 def notes(finding: Mapping[str, Any]) -> list[str]:
     """Return what else is to be said of a finding, a sentence each."""
     found = list[str]()
-    if (p := finding.get("sign_flip_p")) is not None:
-        draws = f"{1000 * p:.0f} of 1000 draws are as strong (the finding itself counts as one)"
-        found.append(f"with the signs of the residuals flipped at random, {draws}")
     if (angle := finding.get("levelling_deg")) is not None:
         along = [f"{degrees(c['value']):.2f} along {n[-1]}" for n, c in finding["coefficients"].items()]
         found.append(f"the face is {angle:.2f} deg off the vertical: {', '.join(along)}")
+    if (times := finding.get("times_expected", 0.0)) > BEYOND_BELIEF:
+        found.append(f"it is {significant(times)} times the expected size: check the unit and the channel")
     if shape := finding.get("shape"):
         found.append(f"shape: {shape}")
     if same := finding.get("same_here"):
@@ -257,11 +281,6 @@ def notes(finding: Mapping[str, Any]) -> list[str]:
         found.append(
             f"the data cannot determine which of these positions it was: it is solved as position {position[0]}; "
             f"another position would change face parallelism and misalignments; their uncertainties include that"
-        )
-    if finding.get("effect") == "fixture.parallelism" and (channels := finding["where"].get("channel")):
-        found.append(
-            f"a part of it certainly comes from the cube or its seating: along {', '.join(channels)} the two "
-            f"pairs of faces differ, which no error term of the sensor can cause"
         )
     return found
 
@@ -288,17 +307,28 @@ def size_in_sigmas(value: float, std: float) -> str:
     return f"{sigmas:.2g} u" if sigmas >= 1e6 else f"{sigmas:.0f} u" if sigmas >= 10 else f"{sigmas:.1f} u"
 
 
-def _named(findings: Sequence[Mapping[str, Any]], doubt: str) -> str:
-    """Say what was found; slab and faces the model holds from the start."""
-    bench = [f["effect"] for f in findings if f["kind"] == "bench"]
-    lacked = [f["effect"] for f in findings if f["kind"] != "bench"]
-    said = [f"the model{doubt} lacked {both(lacked)}"] if lacked else []
-    said += [f"the bench{doubt} has {both(bench)}"] if bench else []
-    text = "; ".join(said)
-    return text[0].upper() + text[1:]
-
-
 def _groups(findings: Sequence[Mapping[str, Any]]) -> str:
-    doubtful = [f for f in findings if f["confidence"] == "ambiguous"]
-    groups = [" or ".join(dict.fromkeys((f["effect"], *f["aliases"]))) for f in doubtful]
+    groups = [
+        f"{one['effect']} ({probability_text(one['probability'])})"
+        + (f" or {alternatives_said(one)}" if one["aliases"] else "")
+        for one in findings
+    ]
     return "; and ".join(dict.fromkeys(groups))
+
+
+def shown_unit(unit: str) -> tuple[float, str]:
+    """Return by what a value in a file's ``unit`` is multiplied for people, and the unit it then has.
+
+    An error in deg is shown in arcsec, deg/h as it is. Only what stands before the first ``/`` is changed: g/g^2
+    becomes ug/g^2, 1/K ppm/K.
+    """
+    if unit == "deg":
+        return ARCSEC_PER_DEG, "arcsec"
+    head, slash, rest = unit.partition("/")
+    scale, name = {
+        "g": (UG_PER_G, "ug"),
+        "rad": (ARCSEC_PER_RAD, "arcsec"),
+        "1": (PPM_PER_ONE, "ppm"),
+        "": (PPM_PER_ONE, "ppm"),
+    }.get(head, (1.0, head))
+    return scale, f"{name}{slash}{rest}"

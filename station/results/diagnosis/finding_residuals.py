@@ -10,13 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
-from procedures.diagnosis.candidates import Candidate, Candidates
-from procedures.diagnosis.evidence_cache import let_go_at_the_end
-from procedures.diagnosis.linear_model import Term
-from procedures.diagnosis.residual_rows import KINDS, Evidence
-from procedures.diagnosis.result import Diagnosis, Finding, FoldedResidual
+from procedures.diagnosis.caches import let_go_at_the_end
 from procedures.effects import EFFECTS
+from procedures.evidence.candidates import Candidate, Candidates
+from procedures.evidence.linear_model import Term
+from procedures.evidence.residual_rows import KINDS, Evidence
 from procedures.frames import TRIADS
+from procedures.inference.result import Diagnosis, Finding, FoldedResidual
 from procedures.units import ARCSEC_PER_DEG, DEG_H_PER_DEG_S, UG_PER_G
 from station.results.diagnosis.plot_coordinates import Coordinate, coordinate_of
 

@@ -33,7 +33,7 @@ class Measurement:
     imu_axes: tuple[str, ...] = ()
 
 
-Make = Callable[[Mapping[str, Any], Sequence[str]], Measurement]  # of a finding of diagnosis/1, and imu_axes
+Make = Callable[[Mapping[str, Any], Sequence[str]], Measurement]  # of a finding of diagnosis/2, and imu_axes
 
 
 def remounted(about: str) -> Make:
@@ -232,12 +232,12 @@ MEASUREMENTS: Mapping[str, tuple[Make, ...]] = {
 def next_measurements(
     findings: Sequence[Mapping[str, Any]], imu_axes: Sequence[str], is_certified: bool = False
 ) -> list[Measurement]:
-    """Return what would separate each ambiguous finding, or confirm those not of the bench, each once.
+    """Return what would separate each possible finding, or confirm those not of the bench, each once.
 
     A finding's own measurement comes first; where it has no steps, that of one of its aliases which has.
     ``imu_axes`` is how the IMU was mounted in the cube; if that ``is_certified``, no certificate is asked for.
     """
-    doubtful = [finding for finding in findings if finding["confidence"] == "ambiguous"]
+    doubtful = [finding for finding in findings if finding["confidence"] == "possible"]
     found = dict[str, Measurement]()
     for finding in doubtful or [finding for finding in findings if finding["kind"] != "bench"]:
         names = [finding["effect"], *finding.get("aliases", [])]

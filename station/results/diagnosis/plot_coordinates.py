@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
-from procedures.diagnosis.residual_rows import Evidence
-from procedures.diagnosis.result import Finding
 from procedures.effects.effect import TAU, Excitation
 from procedures.effects.temperature_history import sensor_temperature
+from procedures.evidence.residual_rows import Evidence
 from procedures.frames import AXES
+from procedures.inference.result import Finding
 from procedures.units import S_PER_H
 
 Values = Callable[[Excitation, Finding], FloatArray]  # (n,) of all sensors, or (n, 3) of each, at the nodes

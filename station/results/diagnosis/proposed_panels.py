@@ -3,10 +3,10 @@
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.diagnosis.residual_rows import Evidence
 from procedures.discovery.discover import Discovery, Proposal
 from procedures.effects.term.effect_of_term import OUTPUT_UNITS
 from procedures.effects.term.inputs import input_of
+from procedures.evidence.residual_rows import Evidence
 from procedures.frames import AXES
 from station.results.diagnosis.finding_residuals import ResidualPanel, panel_of
 from station.results.diagnosis.plot_coordinates import Coordinate, means_at_rows

@@ -1,4 +1,4 @@
-"""Terms that a search proposes, as findings of `diagnosis/1`; they change neither its verdict nor its solution."""
+"""Terms that a search proposes, as findings of `diagnosis/2`; they change neither its verdict nor its solution."""
 
 import hashlib
 from collections.abc import Mapping, Sequence
@@ -19,7 +19,7 @@ MAX_READINGS = 12  # that are written; the best
 
 
 def with_proposed(document: Mapping[str, Any], found: Discovery) -> dict[str, Any]:
-    """Return a `diagnosis/1` with what a search proposes, each with the `effect/1` that `adopt` writes."""
+    """Return a `diagnosis/2` with what a search proposes, each with the `effect/1` that `adopt` writes."""
     nexts = parted_by(found)
     proposed = [_finding(one, best) for one, best in zip(found.proposals, nexts, strict=True)]
     findings = [*document["findings"], *proposed]
@@ -36,7 +36,7 @@ def _finding(one: Proposal, best: NextMeasurement | None) -> dict[str, Any]:
         "unit": one.term.unit, **({"units": units} if units else {}), "where": {}, "confidence": PROPOSED,
         "share": float(one.share), "aliases": [], "separate_by": next_said(one, best),
         **({"next": {"measurement": best.name, "minutes": best.minutes, "parts": best.parted}} if best else {}),
-        "log10_p": float(np.log10(one.p)), "searched_p": one.p,
+        "probability": float(one.probability),
         "term": list(one.term.terms), "latex": notation(one.term),
         "readings": [
             {"term": list(each.term.terms), "unit": each.term.unit, "latex": notation(each.term),

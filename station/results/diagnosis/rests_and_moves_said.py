@@ -1,4 +1,4 @@
-"""Rests and moves of a sequence that is not solved, as `diagnosis/1` and as lines."""
+"""Rests and moves of a sequence that is not solved, as `diagnosis/2` and as lines."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from math import sqrt
@@ -6,7 +6,7 @@ from statistics import fmean
 from typing import Any
 
 from procedures.campaign.campaign import Campaign
-from procedures.diagnosis.rests_and_moves_seen import moves_seen, rests_seen
+from procedures.diagnosis.rotation_summary import moves_seen, rests_seen
 
 MAX_MOVES = 20
 

@@ -1,4 +1,4 @@
-"""Single channels of a triad that is not solved, as `diagnosis/1` and as lines."""
+"""Single channels of a triad that is not solved, as `diagnosis/2` and as lines."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

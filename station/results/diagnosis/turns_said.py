@@ -1,10 +1,10 @@
-"""Turns of what is not solved, as `diagnosis/1` and as lines."""
+"""Turns of what is not solved, as `diagnosis/2` and as lines."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from procedures.campaign.campaign import Campaign
-from procedures.diagnosis.turns_seen import TurnSeen, left_open, pooled, turns_seen
+from procedures.diagnosis.rotation_summary import TurnSeen, left_open, pooled, turns_seen
 from procedures.frames import AXES
 from procedures.units import DEG_H_PER_DEG_S
 from station.results.solution_text import measured

@@ -1,4 +1,4 @@
-"""What a `diagnosis/1` says in place of a solution, where recordings determine no calibration."""
+"""What a `diagnosis/2` says in place of a solution, where recordings determine no calibration."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -13,12 +13,12 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, RateTable
 from procedures.counts.sample_records import CountSeries, Series
-from procedures.diagnosis.held_samples import constant_channels, records_at_rest
-from procedures.diagnosis.rate_points import LEAST_POINTS, LEAST_SPAN
 from procedures.diagnosis.single_channels import MIN_RECORDING_SAMPLES
-from procedures.diagnosis.thermal_soaks import BLOCK_S, MIN_BLOCKS, SAMPLES_PER_BLOCK
 from procedures.errors import NotObservable
+from procedures.evidence.rate_points import LEAST_POINTS, LEAST_SPAN
+from procedures.evidence.thermal_soaks import BLOCK_S, MIN_BLOCKS, SAMPLES_PER_BLOCK
 from procedures.frames import AXES, cross_axes, face_normal, face_of
+from procedures.samples.held_samples import constant_channels, records_at_rest
 from procedures.statistics.spectrum import MIN_SAMPLES
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.results.diagnosis.diagnosis_json import FORMAT
@@ -33,7 +33,7 @@ MAX_TILT = 0.5  # rad: beyond, the vertical is not where the face says
 
 
 def partial_document(campaigns: Sequence[LoadedCampaign], missing: NotObservable) -> dict[str, Any] | None:
-    """Return what can be said as `diagnosis/1`, None if nothing can; ``missing`` tells what stays open."""
+    """Return what can be said as `diagnosis/2`, None if nothing can; ``missing`` tells what stays open."""
     tilts = [found for loaded in campaigns for found in levelling(loaded.campaign)]
     channels = channels_of(campaigns, ())
     recorded = [loaded.campaign for loaded in campaigns]
@@ -48,7 +48,7 @@ def partial_document(campaigns: Sequence[LoadedCampaign], missing: NotObservable
         "error": [],
         "parameters": [],
         **without_solution(campaigns),
-        "tried": [],
+        "tests": [],
         "next_measurement": needed,
         **moved,
         **({"channels": channels} if channels else {}),
@@ -135,7 +135,8 @@ def _finding(name: str, face: str, tilt: FloatArray, needed: str) -> dict[str, A
         "unit": "rad",
         "where": {"file": name},
         "levelling_deg": float(np.degrees(np.arctan(np.linalg.norm(tilt)))),
-        "confidence": "ambiguous",
+        "confidence": "possible",
+        "probability": 0.5,
         "aliases": list(ALSO_IN_A_TILT),
         "separate_by": needed,
     }

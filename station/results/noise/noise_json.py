@@ -1,4 +1,4 @@
-"""The noise of channels as `noise/1` (docs/reference/file-formats.md), the same in `diagnosis/1`."""
+"""The noise of channels as `noise/1` (docs/reference/file-formats.md), the same in `diagnosis/2`."""
 
 from collections.abc import Mapping, Sequence
 from math import isfinite, log
@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.diagnosis.channel_noise import ChannelNoise, channel_noise
-from procedures.diagnosis.held_samples import constant_channels, known_scales, records_at_rest
+from procedures.samples.channel_noise import ChannelNoise, channel_noise
+from procedures.samples.held_samples import constant_channels, known_scales, records_at_rest
 from procedures.statistics.noise_conditions import Condition
 from procedures.statistics.spectrum import Line
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign

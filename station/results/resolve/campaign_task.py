@@ -65,7 +65,7 @@ def check_files(item: CheckTask) -> dict[str, Any]:
 
 
 def resolve_one(task: SolveTask) -> dict[str, Any]:
-    """Solve and diagnose a campaign: ``solution``, a solution/1, and ``diagnosis``, a diagnosis/1 without it.
+    """Solve and diagnose a campaign: ``solution``, a solution/1, and ``diagnosis``, a diagnosis/2 without it.
 
     It is solved as its calibration was: where a diagnosis added effects, with them.
 

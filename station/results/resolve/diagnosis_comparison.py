@@ -9,7 +9,7 @@ Finding = Mapping[str, Any]
 
 
 def compare_diagnoses(now: Mapping[str, Any], before: Mapping[str, Any] | None) -> dict[str, Any]:
-    """Return what changed in a diagnosis; ``now`` is a `diagnosis/1`, ``before`` may be a calibration's.
+    """Return what changed in a diagnosis; ``now`` is a `diagnosis/2`, ``before`` may be a calibration's.
 
     ``gained`` and ``lost`` are findings; ``changed`` are those of both with another confidence or other aliases.
     """

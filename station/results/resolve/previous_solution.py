@@ -71,7 +71,7 @@ def _diagnosed(folder: str, files: Mapping[str, str]) -> Mapping[str, Any] | Non
     """Return what the folder's ``diagnosis.json`` found in the same files, None if that cannot be read."""
     try:
         document = json.loads(read_text_file(Path(folder) / DIAGNOSIS, MAX_BYTES))
-        is_same = document["format"] == "diagnosis/1" and document["solution"]["provenance"]["files"] == files
+        is_same = document["format"] == "diagnosis/2" and document["solution"]["provenance"]["files"] == files
         return diagnosis_kept(document) if is_same else None
     except (DataRefused, ValueError, KeyError, TypeError):
         return None

@@ -7,19 +7,19 @@ from station.tui.screens.stage import StageScreen
 
 SCREENS: dict[StageName, str] = {
     "start": "start.StartScreen",
-    "connecting": "waiting.WaitingScreen",
-    "warm_up": "warm_up.WarmUpScreen",
+    "connecting": "stage.WaitingScreen",
+    "warm_up": "campaign.WarmUpScreen",
     "place": "campaign.CampaignScreen",
     "settle": "campaign.CampaignScreen",
     "dwell": "campaign.CampaignScreen",
     "turn": "campaign.CampaignScreen",
     "paused": "campaign.CampaignScreen",
-    "solving": "waiting.WaitingScreen",
+    "solving": "stage.WaitingScreen",
     "verdict": "verdict.VerdictScreen",
     "stored": "verdict.VerdictScreen",
-    "cancelled": "ended.EndedScreen",
-    "left": "ended.EndedScreen",
-    "failed": "ended.EndedScreen",
+    "cancelled": "verdict.EndedScreen",
+    "left": "verdict.EndedScreen",
+    "failed": "verdict.EndedScreen",
 }
 
 

@@ -1,4 +1,4 @@
-"""The campaign: one screen whose parts change, so that nothing jumps."""
+"""Warm-up, then the campaign: one screen whose parts change, so that nothing jumps."""
 
 from collections.abc import Callable
 
@@ -7,18 +7,24 @@ from textual.binding import Binding
 from textual.containers import Horizontal, Vertical
 from textual.widgets import ContentSwitcher
 
-from station.guide.command import OperatorCommand
-from station.guide.enough_to_solve import lacking
-from station.guide.view import CalibrationView, StageName
-from station.tui.orientation import is_counter_clockwise
-from station.tui.screens.framed import FramedScreen
-from station.tui.widgets.banner import BannerText
-from station.tui.widgets.cube_widget import CubePair
-from station.tui.widgets.gates_panel import GatesPanel
-from station.tui.widgets.limits_lines import LimitsLines
+from station.guide.campaign.checklist import why_not_solvable
+from station.guide.view import CalibrationView, OperatorCommand, StageName
+from station.tui.screens.stage import FramedScreen
+from station.tui.widgets.common import BannerText
+from station.tui.widgets.cube import CubePair
+from station.tui.widgets.orientation import is_counter_clockwise
 from station.tui.widgets.step_grid import GridCursor, StepGrid
-from station.tui.widgets.step_panels import AcceptedBar, MonitoredLines, SeatingLines, SoakLines, StepWords
-from station.tui.widgets.turn_gauge import TurnGauge
+from station.tui.widgets.step_panels import (
+    AcceptedBar,
+    GatesPanel,
+    LimitsLines,
+    MonitoredLines,
+    SeatingLines,
+    SoakLines,
+    StepWords,
+    TurnGauge,
+    WarmUpPanel,
+)
 
 STAGES: tuple[StageName, ...] = ("place", "settle", "dwell", "turn", "paused")
 CLOCKWISE, COUNTER_CLOCKWISE = "↻", "↺"
@@ -158,7 +164,7 @@ class CampaignScreen(FramedScreen):
 
     def action_finish(self) -> None:
         """Ask, then solve with the steps that are done; not where that surely cannot be."""
-        if lack := lacking(self.view.steps):
+        if lack := why_not_solvable(self.view.steps):
             self.notify(lack, title="Not yet", severity="warning", markup=False)
             return
         missing = len(self.view.steps) - self.view.done
@@ -187,3 +193,32 @@ class CampaignScreen(FramedScreen):
 
 def _is_badly_seated(view: CalibrationView) -> bool:
     return view.gates is not None and not view.gates.is_seated
+
+
+class WarmUpScreen(FramedScreen):
+    """Shows how far the unit has settled."""
+
+    HELPS = {
+        "warm_up": "The IMU warms up. Leave the cube at rest on the surface plate. The positions start "
+        "automatically when temperature rate and gyro drift are below limits that the station "
+        "determines for this unit. If you skip the warm-up, this is recorded and uncertainties increase."
+    }
+    BINDINGS = [
+        Binding("s", "skip", "Skip warm-up", tooltip="begin now; this is recorded, and uncertainties increase")
+    ]
+
+    def _inner(self) -> ComposeResult:
+        self.panel = WarmUpPanel()
+        yield self.panel
+
+    def _now(self, view: CalibrationView) -> BannerText:
+        return BannerText("WARM-UP", "◷", "$primary", view.line, view.hint)
+
+    def _draw(self, view: CalibrationView) -> None:
+        super()._draw(view)
+        self.panel.show(view.warm_up)
+
+    def action_skip(self) -> None:
+        """Ask, then begin without having settled."""
+        text = "This is recorded, and the uncertainties increase."
+        self.confirm("Skip the warm-up?", text, "Yes, skip it", "skip_warm_up", "warm_up")

@@ -1,22 +1,28 @@
-"""What all screens have in common: a view, commands, a title, keys to leave, to cancel and to ask for help."""
+"""The base of all screens, the frame of those that follow a live IMU, and the screen that waits."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import ClassVar
 
 from textual.app import ComposeResult
 from textual.binding import ActiveBinding, Binding
+from textual.containers import Vertical
 from textual.content import Content
 from textual.screen import Screen
+from textual.widgets import Static
 
-from station.guide.command import CommandVerb, OperatorCommand
-from station.guide.view import CalibrationView, StageName
-from station.tui.durations_in_words import duration_in_words
-from station.tui.screens.confirm import ConfirmScreen
-from station.tui.screens.help import HelpScreen, keys_of
-from station.tui.screens.modal import MIN_COLUMNS
-from station.tui.widgets.key_line import KeyLine
-from station.tui.widgets.redrawn_on_change import ValueWidget
-from station.tui.widgets.title_bar import TitleBar
+from station.guide.view import CalibrationView, CommandVerb, LinkView, OperatorCommand, StageName
+from station.text import plural
+from station.tui.screens.modals import MIN_COLUMNS, ConfirmScreen, HelpScreen, keys_of
+from station.tui.widgets.common import (
+    Banner,
+    BannerText,
+    EventLines,
+    KeyLine,
+    TitleBar,
+    ValueWidget,
+    duration_in_words,
+)
 
 RUNNING: tuple[StageName, ...] = (
     "start", "connecting", "warm_up", "place", "settle", "dwell", "turn", "paused", "solving", "verdict",
@@ -111,7 +117,7 @@ class StageScreen(Screen[None]):
         yield self.too_small
 
     def _fit(self) -> None:
-        """Be of the size that the terminal has: told by the resize to come, all would get its styles once more."""
+        """Take the classes of the terminal's size now: else the next resize event computes all styles again."""
         points = zip(self.app.size, (self.HORIZONTAL_BREAKPOINTS, self.VERTICAL_BREAKPOINTS), strict=True)
         for size, names in points:
             self.add_class([name for least, name in names if size >= least][-1], update=False)
@@ -180,3 +186,91 @@ class StageScreen(Screen[None]):
         self.app.push_screen(
             HelpScreen(self.view.stage, self.HELPS.get(self.view.stage, self.view.line), keys_of(self))
         )
+
+
+NO_DATA = "NO DATA"
+
+
+class LinkLine(ValueWidget[LinkView]):
+    """Rate, bad frames, lost samples, gaps, temperature."""
+
+    DEFAULT_CSS = """
+    LinkLine { text-wrap: wrap; height: auto; padding: 0 1; background: $panel; }
+    LinkLine.silent { background: $error; color: $background; text-style: bold; }
+    """
+
+    def _drawn(self, link: LinkView) -> Content:
+        if not link.is_live:
+            return Content(f"✗ {link.word or NO_DATA}  {link.name}")  # the banner says the rest
+        if not link.rate_hz:
+            text = f"… {link.name}  nothing received yet" if link.name else "… no IMU connected yet"
+            return Content.styled(text, "$muted")
+        numbers = f"{link.rate_hz:.1f} Hz  {link.bad_frames} bad  {link.lost} lost  {plural(link.gaps, 'gap')}"
+        warm = "" if link.temperature_c is None else f"  {link.temperature_c:.1f} °C"
+        trouble = (f"  {link.text}", "bold $warning")
+        return Content.assemble(("✓ live ", "bold $success"), f" {link.name}  {numbers}{warm}", trouble)
+
+
+class FramedScreen(StageScreen):
+    """A subclass says what is `_now` and composes the `_inner` part."""
+
+    DEFAULT_CSS = """
+    FramedScreen EventLines { height: auto; max-height: 4; }
+    FramedScreen.-tall Banner { padding: 1 0; }
+    FramedScreen.-tall EventLines { height: 5; }
+    FramedScreen #inner { height: 1fr; }
+    """
+
+    def __init__(self, send: Callable[[OperatorCommand], None]) -> None:
+        super().__init__(send)
+        self.banner, self.events, self.link = Banner(), EventLines(keeps_reason=True), LinkLine()
+
+    def _body(self) -> ComposeResult:
+        yield self.banner
+        with Vertical(id="inner"):
+            yield from self._inner()
+        yield self.events
+        yield self.link
+
+    def _inner(self) -> ComposeResult:
+        """Lay out what is inside the frame."""
+        raise NotImplementedError
+
+    def _now(self, view: CalibrationView) -> BannerText:
+        """Return what the banner says."""
+        raise NotImplementedError
+
+    def _draw(self, view: CalibrationView) -> None:
+        now = self._now(view)
+        if not view.link.is_live and view.stage != "connecting":
+            now = replace(now, word=view.link.word or NO_DATA, symbol="✗", colour="$error")
+        self.banner.show(now)
+        self.events.show(tuple(event for event in view.events if event.text != now.hint))  # not shown twice
+        self.link.show(view.link)
+        self.link.set_class(not view.link.is_live, "silent")
+
+
+class WaitingScreen(FramedScreen):
+    """Says what is waited for."""
+
+    HELPS = {
+        "connecting": "The station opens the port, finds the frames and identifies the unit.\n\n"
+        "If no data arrive: is the IMU powered? Are port and baud rate correct?\n"
+        "Are A and B of the RS-422 pair swapped? c cancels.",
+        "solving": "The joint solve runs over all accepted steps. The IMU is no longer needed; all is on the "
+        "disk.",
+    }
+    DEFAULT_CSS = "WaitingScreen #text { height: auto; padding: 1 2; }"
+
+    def _inner(self) -> ComposeResult:
+        self.text = Static(id="text", markup=False)
+        yield self.text
+
+    def _now(self, view: CalibrationView) -> BannerText:
+        symbol = "∑" if view.stage == "solving" else "…"
+        return BannerText(view.stage.upper(), symbol, "$primary", view.line, view.hint)
+
+    def _draw(self, view: CalibrationView) -> None:
+        if view.stage in self.HELPS:  # else the wait is over, and a modal that is open keeps this under it
+            super()._draw(view)
+            self.text.update(self.HELPS[view.stage])

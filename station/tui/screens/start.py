@@ -11,16 +11,13 @@ from textual.widgets import Button, Input, OptionList, Select, Static
 from textual.widgets.option_list import Option
 
 from station.files.campaign_setup import Setup
-from station.guide.command import CommandVerb, OperatorCommand
 from station.guide.setup_view import StartView, UnfinishedCampaign
-from station.guide.view import CalibrationView
-from station.tui.durations_in_words import duration_in_words
-from station.tui.screens.ready import ReadyScreen
+from station.guide.view import CalibrationView, CommandVerb, OperatorCommand
+from station.tui.screens.modals import ReadyLines, ReadyScreen
 from station.tui.screens.stage import StageScreen
-from station.tui.setup_entries import seconds_needed
-from station.tui.widgets.ready_lines import ReadyLines
-from station.tui.widgets.setup_fields import SetupInput
-from station.tui.widgets.setup_form import SetupForm
+from station.tui.widgets.common import duration_in_words
+from station.tui.widgets.setup_entries import seconds_needed
+from station.tui.widgets.setup_form import SetupForm, SetupInput
 
 START_HELP = (
     "Press Enter to resume an unfinished campaign, or fill in the form and begin. Tab and shift+Tab go from field "
@@ -89,7 +86,7 @@ class StartScreen(StageScreen):
     DEFAULT_CSS = """
     StartScreen .heading { height: 1; padding: 0 2; color: $accent; text-style: bold; }
     StartScreen.-tall .heading { height: 3; padding: 1 2; }
-    StartScreen #said { height: auto; max-height: 4; padding: 0 2; color: $error; text-style: bold; }
+    StartScreen #message { height: auto; max-height: 4; padding: 0 2; color: $error; text-style: bold; }
     StartScreen #bottom { height: 1; padding: 0 2; }
     StartScreen #time { width: 1fr; text-wrap: nowrap; }
     StartScreen.-phone SetupForm .pair { height: 2; layout: vertical; }
@@ -106,10 +103,10 @@ class StartScreen(StageScreen):
         super().__init__(send)
         self.unfinished, self.form = UnfinishedList(), SetupForm()
         self.heading = Static("RESUME a campaign", classes="heading")
-        self.said, self.time = Static("", id="said", markup=False), Static("", id="time", markup=False)
+        self.message, self.time = Static("", id="message", markup=False), Static("", id="time", markup=False)
         self.ready = ReadyLines()
-        self._considered: Setup | None = None  # what the engine was told last of the form
-        self._waits = False  # to tell it
+        self._considered: Setup | None = None  # the set-up sent last to the engine
+        self._waits = False  # to send it
         self._typed = ""  # what is wrong in the field typed in last
         self._refused = ""
         self._looked = dict[str, str]()  # the addresses looked at last, by field
@@ -119,7 +116,7 @@ class StartScreen(StageScreen):
         yield self.unfinished
         yield Static("NEW campaign", classes="heading")
         yield self.form
-        yield self.said
+        yield self.message
         yield self.ready
         with Horizontal(id="bottom"):
             yield self.time
@@ -143,10 +140,10 @@ class StartScreen(StageScreen):
         self._say()
 
     def _say(self) -> None:
-        said = self._typed or self._refused
-        self.said.update(f"✗ {said}" if said else "")
-        self.said.display = bool(said)
-        self.ready.display = self.ready.value is not None and not said  # a form that is refused is not ready
+        text = self._typed or self._refused
+        self.message.update(f"✗ {text}" if text else "")
+        self.message.display = bool(text)
+        self.ready.display = self.ready.value is not None and not text  # a form that is refused is not ready
         self.time.update(self._how_long())
 
     def _how_long(self) -> str:
@@ -187,7 +184,7 @@ class StartScreen(StageScreen):
             self.set_timer(CONSIDER_S, self._consider)
 
     def _consider(self) -> None:
-        """Tell the engine what stands in the form, so that it says how ready that is."""
+        """Send the form to the engine, which answers how ready it is."""
         self._waits = False
         if (setup := self.form.setup()) != self._considered:
             self._considered = setup
@@ -197,9 +194,11 @@ class StartScreen(StageScreen):
         """Say what is wrong; of several that are missing only the labels."""
         missing = [name for name, problem in found.items() if problem.startswith("is needed")]
         labels = [self.form.fields[name].entry.label for name in missing]
-        said = [f"{', '.join(labels[:-1])} and {labels[-1]} are needed"] if len(missing) > 1 else []
-        said += [self._named(name, problem) for name, problem in found.items() if not said or name not in missing]
-        return "; ".join(said)
+        phrases = [f"{', '.join(labels[:-1])} and {labels[-1]} are needed"] if len(missing) > 1 else []
+        phrases += [
+            self._named(name, problem) for name, problem in found.items() if not phrases or name not in missing
+        ]
+        return "; ".join(phrases)
 
     def _named(self, name: str, problem: str) -> str:
         return f"{self.form.fields[name].entry.label} {problem}" if problem else ""
@@ -265,5 +264,5 @@ class StartScreen(StageScreen):
         self.confirm("Give up?", text, "Yes, cancel", "cancel", "start")
 
     def action_leave(self) -> None:
-        """Close; nothing was begun."""
+        """Close; nothing was started."""
         self.app.exit()

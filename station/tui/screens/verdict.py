@@ -1,27 +1,129 @@
-"""The end of a campaign: the verdict in a sentence, then the numbers; storing them is the operator's act."""
+"""The end of a campaign: the verdict and its numbers, which may be stored; or how it ended without one."""
 
 import os
 import webbrowser
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from textual.app import ComposeResult
 from textual.binding import Binding
 from textual.containers import Horizontal, ScrollableContainer, Vertical
+from textual.content import Content
+from textual.geometry import Size
 from textual.widgets import Static
 
-from station.guide.command import OperatorCommand
-from station.guide.view import CalibrationView
-from station.tui.screens.diagnosis import DiagnosisScreen
+from station.guide.view import CalibrationView, OperatorCommand, StageName, Verdict, VerdictRow
+from station.tui.screens.modals import DiagnosisScreen
 from station.tui.screens.stage import StageScreen
-from station.tui.widgets.number_table import NumberTable
-from station.tui.widgets.verdict_sentence import VerdictSentence
+from station.tui.widgets.common import ValueWidget
+
+DOUBTED = ("!", "$warning")
+VERDICT_LOOKS = {"PASS": ("✓", "$success"), "FAIL": ("✗", "$error"), "NOT_MEASURED": ("?", "$warning")}
+
+
+class VerdictSentence(ValueWidget[Verdict]):
+    """Stands alone at the top."""
+
+    DEFAULT_CSS = """
+    VerdictSentence { text-wrap: wrap; height: auto; min-height: 3; padding: 1 2; text-style: bold; }
+    VerdictSentence.PASS { background: $success 22%; }
+    VerdictSentence.FAIL { background: $error 22%; }
+    VerdictSentence.NOT_MEASURED, VerdictSentence.doubted { background: $warning 22%; }
+    """
+
+    def show(self, value: Verdict | None) -> None:
+        """Take another verdict."""
+        for word in VERDICT_LOOKS:
+            self.set_class(value is not None and value.word == word, word)
+        self.set_class(value is not None and _is_doubted(value), "doubted")
+        super().show(value)
+
+    def _drawn(self, verdict: Verdict) -> Content:
+        symbol, colour = DOUBTED if _is_doubted(verdict) else VERDICT_LOOKS[verdict.word]
+        plain = verdict.said or verdict.word.replace("_", " ")
+        sentence = verdict.sentence.removeprefix(f"{plain}: ")
+        return Content.assemble((f" {symbol} {plain} ", f"$background on {colour}"), f"  {sentence}")
+
+
+def _is_doubted(verdict: Verdict) -> bool:
+    return bool(verdict.doubt) and verdict.word == "PASS"
+
+
+TABLE_HEADER = ("parameter", "value", "U (95 %)", "u", "unit", "verdict", "limit", "change")
+RIGHT_COLUMNS = (1, 2, 3, 7)  # columns of numbers
+STD, VERDICT = TABLE_HEADER.index("u"), TABLE_HEADER.index("verdict")
+GAP, INDENT = "  ", "    "
+
+
+class NumberTable(ValueWidget[tuple[VerdictRow, ...]]):
+    """As high as it needs and as wide as there is room; put it where it can be scrolled down."""
+
+    DEFAULT_CSS = "NumberTable { width: 100%; height: auto; padding: 0 2; }"
+
+    def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
+        """Return how many lines there are at a width."""
+        return len(_table(self.value or (), width))
+
+    def _drawn(self, rows: tuple[VerdictRow, ...]) -> Content:
+        return Content("\n").join(_table(rows, self.content_size.width))
+
+
+def _table(rows: tuple[VerdictRow, ...], width: int) -> list[Content]:
+    looks = [VERDICT_LOOKS.get(row.verdict, ("", "")) for row in rows]
+    cells = [TABLE_HEADER, *(_cells(row, symbol) for row, (symbol, _) in zip(rows, looks, strict=True))]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    draw = _line if sum(widths) + len(GAP) * (len(widths) - 1) <= width else _stacked
+    colours = ["", *(colour for _, colour in looks)]
+    return [line for row, colour in zip(cells, colours, strict=True) for line in draw(row, widths, colour, width)]
+
+
+def _line(cells: tuple[str, ...], widths: list[int], colour: str, _: int) -> list[Content]:
+    """Draw a row in one line."""
+    if cells is TABLE_HEADER:
+        return [_aligned(cells, widths, range(len(TABLE_HEADER))).stylize("bold $muted")]
+    before, after = (_aligned(cells, widths, part) for part in (range(VERDICT), range(VERDICT + 1, len(cells))))
+    return [
+        Content(GAP).join([before, Content.styled(cells[VERDICT].ljust(widths[VERDICT]), f"bold {colour}"), after])
+    ]
+
+
+def _stacked(cells: tuple[str, ...], widths: list[int], colour: str, width: int) -> list[Content]:
+    """Draw the numbers of a row in one line, verdict, limit and change below as far as it has any.
+
+    u is omitted where it does not fit: U is shown.
+    """
+    numbers = _aligned(cells, widths, range(VERDICT))
+    if numbers.cell_length > width:
+        numbers = _aligned(cells, widths, [column for column in range(VERDICT) if column != STD])
+    if cells is TABLE_HEADER:
+        return [numbers.stylize("bold $muted")]
+    verdict, limit, change = cells[VERDICT:]
+    texts = [
+        Content.assemble((verdict, f"bold {colour}"), f"{GAP}limit {limit}") if verdict else Content(""),
+        Content(f"change {change}" if change else ""),
+    ]
+    parts = [part for part in texts if part]
+    together = Content(GAP).join(parts)
+    below = [together] if len(INDENT) + together.cell_length <= width else parts
+    return [numbers, *(Content(INDENT) + line for line in below if line)]
+
+
+def _aligned(cells: tuple[str, ...], widths: list[int], columns: Iterable[int]) -> Content:
+    return Content(
+        GAP.join(cells[k].rjust(widths[k]) if k in RIGHT_COLUMNS else cells[k].ljust(widths[k]) for k in columns)
+    )
+
+
+def _cells(row: VerdictRow, symbol: str) -> tuple[str, ...]:
+    verdict = f"{symbol} {row.verdict.replace('_', ' ')}".strip()
+    return row.name, row.value, row.expanded, row.sigma, row.unit, verdict, row.limit, row.change
+
 
 FACTS = {  # as they stand below each other: name and look
     "report": "", "stored": "good", "status": "", "residual": "", "change": "", "diagnosis": "",
     "warnings": "warning",
 }  # fmt: skip
-REPORT = "report"  # where a page finds it: `station.tui.web.guard.Guard.report`
+REPORT = "report"  # where a page finds it: `station.tui.web_server.Guard.report`
 
 
 class FactLine(Horizontal):
@@ -90,13 +192,13 @@ class VerdictScreen(StageScreen):
             return
         self.sentence.show(verdict)
         seal = verdict.stored_sha256[:16]
-        said = {
+        values = {
             "stored": seal and f"✓ in the database, sha256 {seal}",
             "status": ": ".join(part for part in (verdict.status, verdict.status_reason) if part),
             "residual": verdict.worst_residual, "change": verdict.change, "diagnosis": verdict.diagnosis,
             "warnings": "\n".join(f"! {warning}" for warning in verdict.warnings),
         }  # fmt: skip
-        for name, text in said.items():
+        for name, text in values.items():
             self.facts[name].say(text)
         self.table.show(verdict.rows)
 
@@ -131,12 +233,12 @@ class VerdictScreen(StageScreen):
         That is said among the facts: it covers nothing there.
         """
         report = self.view.verdict.report if self.view.verdict else ""
-        said = report or "no report was written"
+        text = report or "no report was written"
         if report and self.app.is_web:
             self.app.open_url(REPORT)
         elif report and not _is_opened(Path(report)):
-            said = f"no browser can be opened from here; open this file: {report}"
-        self.facts["report"].say(said)
+            text = f"no browser can be opened from here; open this file: {report}"
+        self.facts["report"].say(text)
         self.query_one("#scroll").scroll_home(animate=False)
 
     def action_diagnose(self) -> None:
@@ -161,3 +263,49 @@ def _is_opened(report: Path) -> bool:
     if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         return False
     return webbrowser.open(report.absolute().as_uri())
+
+
+ENDED_LOOKS: dict[StageName, tuple[str, str, str]] = {
+    "cancelled": (
+        "✗ CANCELLED", "$warning",
+        "All recordings stay as files in the folder; the database is unchanged.",
+    ),
+    "left": ("‖ LEFT", "$primary", "All accepted steps are safe; `station resume` continues from here."),
+    "failed": (
+        "✗ STOPPED", "$error",
+        "All accepted steps are safe; `station resume` continues after you correct this.",
+    ),
+}  # fmt: skip
+
+
+class EndedScreen(StageScreen):
+    """One sentence; any of the usual keys closes."""
+
+    HELPS = {stage: sentence for stage, (_, _, sentence) in ENDED_LOOKS.items()}
+    BINDINGS = [
+        Binding("enter", "leave", "Close", tooltip="close the program"),
+        Binding("escape,space,q,c", "leave", show=False),
+    ]
+    DEFAULT_CSS = """
+    EndedScreen #ended { align: center middle; height: 1fr; }
+    EndedScreen Static { width: 100%; max-width: 72; height: auto; }
+    """
+
+    def _body(self) -> ComposeResult:
+        self.text = Static()
+        with Vertical(id="ended"):
+            yield self.text
+
+    def _draw(self, view: CalibrationView) -> None:
+        word, colour, sentence = ENDED_LOOKS.get(view.stage, ENDED_LOOKS["failed"])
+        parts = [Content.styled(f" {word} ", f"bold $background on {colour}"), Content("")]
+        if view.stage == "cancelled" and not view.folder:
+            sentence = ""  # nothing was started
+        parts += [Content(text + "\n") for text in (view.error, view.line, sentence) if text]
+        if view.folder:
+            parts.append(Content.assemble(("folder  ", "$muted"), view.folder))
+        self.text.update(Content("\n").join(parts))
+
+    def action_leave(self) -> None:
+        """Close; there is nothing left to leave."""
+        self.app.exit()

@@ -1,15 +1,180 @@
 """The set-up of a new campaign: port, unit, cube, slab, site, operator, how long and how many."""
 
+from dataclasses import dataclass
+
 from textual.app import ComposeResult
-from textual.containers import Horizontal, VerticalScroll
+from textual.binding import Binding
+from textual.containers import Horizontal, Vertical, VerticalScroll
+from textual.content import Content
 from textual.events import DescendantBlur
-from textual.widgets import Static
+from textual.message import Message
+from textual.widgets import Input, Label, Select, Static
 
 from station.files.campaign_setup import Setup
-from station.guide.setup_view import PortCheck, StartView
-from station.tui.setup_entries import ENTRIES, problems, setup_of, texts_of
-from station.tui.widgets.probe_lines import AddressLook, LookLine
-from station.tui.widgets.setup_fields import PickList, SetupField
+from station.guide.setup_view import Choice, PortCheck, StartView
+from station.tui.widgets.common import ValueWidget
+from station.tui.widgets.setup_entries import ENTRIES, Entry, problems, setup_of, texts_of
+
+
+@dataclass(frozen=True, slots=True)
+class AddressLook:
+    """The address in the form, the newest look at one, whether another is under way; ``use``: what it is good for.
+
+    Of a receiver alone there is a ``use``.
+    """
+
+    url: str
+    check: PortCheck | None
+    is_under_way: bool
+    use: str = ""
+
+
+class LookLine(ValueWidget[AddressLook]):
+    """What was found at an address: a unit with rate, errors and noise, or a place; or why there is no telling."""
+
+    DEFAULT_CSS = """
+    LookLine { text-wrap: wrap; height: auto; min-height: 1; max-height: 4; margin-left: 13; }
+    LookLine#receiver { max-height: 3; }
+    """
+
+    def _drawn(self, look: AddressLook) -> Content:
+        check = look.check
+        if look.is_under_way:
+            port, receiver = "checking the port for two seconds", "checking the receiver for a few seconds"
+            return Content.styled(f"… {receiver if look.use else port}", "$muted")
+        if check is None or check.url != look.url:
+            text = "not checked yet: press Enter in the address, or ctrl+l" if look.url else ""
+            return Content.styled(text, "$muted")
+        if not check.is_good:
+            return Content.styled(f"✗ {check.text}", "bold $error")
+        if look.use:
+            return Content.assemble(("✓ ", "bold $success"), (check.text, "bold"), f"; {look.use}")
+        unit = f"{check.model or 'model unknown'} {check.serial or 'serial number unknown'}"
+        rate = "" if check.rate_hz is None else f", {check.rate_hz:.1f} Hz"
+        errors = f", {check.bad_frames} of {check.frames + check.bad_frames} frames bad"
+        return Content.assemble(
+            ("✓ ", "bold $success"), (f"{check.format}, {unit}", "bold"), f"{rate}{errors}",
+            f", noise {check.noise}" if check.noise else "",
+        )  # fmt: skip
+
+
+class SetupInput(Input):
+    """A line to type in; Enter takes effect before the next key is looked at, however quickly that is typed."""
+
+    BINDINGS = [Binding("enter", "take", show=False, priority=True)]
+
+    class Taken(Message):
+        """Enter was pressed in the line ``name``."""
+
+        def __init__(self, name: str) -> None:
+            super().__init__()
+            self.name = name
+
+    def __init__(self, entry: Entry, *, stays: bool) -> None:
+        super().__init__(
+            placeholder=entry.empty, compact=True, id=entry.name, select_on_focus=False,
+            validate_on=(),  # the form judges; textual would give each its styles once more for it
+        )  # fmt: skip
+        self._stays = stays
+
+    def check_consume_key(self, key: str, character: str | None) -> bool:
+        """Leave a question mark to the screen, which opens help, while nothing is typed."""
+        return super().check_consume_key(key, character) and bool(self.value or key != "question_mark")
+
+    def action_take(self) -> None:
+        """Say that it was entered, and go to the next line unless what was entered is looked at first."""
+        self.post_message(self.Taken(self.id or ""))
+        if not self._stays:
+            self.screen.focus_next()
+
+
+class SetupField(Horizontal):
+    """An entry of the set-up; a cross and the colour of errors while its text is wrong."""
+
+    DEFAULT_CSS = """
+    SetupField { height: 1; }
+    SetupField .label { width: 11; }
+    SetupField .mark { width: 2; color: $error; }
+    SetupField Input { width: 1fr; max-width: 24; }
+    SetupField.long Input { max-width: 100%; margin-right: 2; }
+    SetupField .unit { width: 6; padding-left: 1; color: $muted; }
+    SetupField.wrong .label { color: $error; text-style: bold; }
+    """
+
+    def __init__(self, entry: Entry, *, is_long: bool = False) -> None:
+        super().__init__(id=f"field-{entry.name}", classes="long" if is_long else "")
+        self.entry = entry
+        self.input = SetupInput(entry, stays=is_long)
+        self._mark = Label("", classes="mark")
+
+    def compose(self) -> ComposeResult:
+        """Lay out mark, label, input and unit."""
+        yield self._mark
+        yield Label(self.entry.label, classes="label")
+        yield self.input
+        if not self.has_class("long"):
+            yield Label(self.entry.unit, classes="unit")
+
+    def judge(self, problem: str) -> None:
+        """Mark the field as wrong or right."""
+        if bool(problem) != self.has_class("wrong"):  # a mark that is drawn again lays the whole screen out again
+            self.set_class(bool(problem), "wrong")
+            self._mark.update("✗" if problem else "")
+
+
+class PickList(Vertical):
+    """Choices of a set-up; ``value`` is the key chosen, empty for none. Tab passes over a list without choices."""
+
+    DEFAULT_CSS = """
+    PickList { height: auto; }
+    PickList Horizontal { height: 1; }
+    PickList .label { width: 11; margin-left: 2; }
+    PickList Select { width: 1fr; margin-right: 2; }
+    PickList .note { height: auto; margin-left: 13; color: $success; display: none; }
+    PickList .note.said { display: block; }
+    PickList .note.warns { color: $warning; text-style: bold; }
+    """
+
+    def __init__(self, name: str, label: str, prompt: str, none_prompt: str) -> None:
+        super().__init__(id=f"pick-{name}")
+        self.select: Select[str] = Select((), prompt=none_prompt, compact=True, id=name, disabled=True)
+        self._prompt, self._none_prompt = prompt, none_prompt
+        self._label, self._choices = label, tuple[Choice, ...]()
+        self._note = Label("", classes="note", markup=False)
+
+    def compose(self) -> ComposeResult:
+        """Lay out label, list and note."""
+        with Horizontal():
+            yield Label(self._label, classes="label")
+            yield self.select
+        yield self._note
+
+    @property
+    def value(self) -> str:
+        """The key chosen."""
+        return self.select.selection or ""
+
+    def offer(self, choices: tuple[Choice, ...]) -> None:
+        """Offer other choices; what was chosen stays if it still can be."""
+        if choices != self._choices:
+            chosen = self.value
+            self._choices = choices
+            self.select.disabled = not choices
+            self.select.prompt = self._prompt if choices else self._none_prompt
+            self.select.set_options((choice.title, choice.key) for choice in choices)
+            self.choose(chosen)
+
+    def choose(self, key: str) -> None:
+        """Choose by key; nothing is chosen by a key that is not there."""
+        self.select.value = key if key in {choice.key for choice in self._choices} else Select.NULL
+
+    def explain(self) -> None:
+        """Say what must be known about the choice: a warning, or that all is well."""
+        note, warns = next(((c.note, c.warns) for c in self._choices if c.key == self.value), ("", False))
+        self._note.update(f"{'!' if warns else '✓'} {note}" if note else "")
+        self._note.set_class(bool(note), "said")
+        self._note.set_class(warns, "warns")
+
 
 FIELD_PAIRS = (
     ("latitude_deg", "longitude_deg"),
@@ -104,9 +269,9 @@ class SetupForm(VerticalScroll, can_focus=False):
             self._fill_unit(name)
 
     def _fill_unit(self, name: str) -> None:
-        field, said = self.fields[name].input, getattr(self._check, name, "")
-        field.value = said or field.value
-        field.disabled = bool(said)
+        field, sent = self.fields[name].input, getattr(self._check, name, "")
+        field.value = sent or field.value
+        field.disabled = bool(sent)
 
     def texts(self) -> dict[str, str]:
         """Return what stands in the fields."""

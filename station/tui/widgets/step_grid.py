@@ -6,8 +6,8 @@ from textual.content import Content
 
 from procedures.frames import POSITIONS, position_name
 from station.guide.view import StepState, StepView
-from station.tui.orientation import faces, is_counter_clockwise, start_of
-from station.tui.widgets.redrawn_on_change import ValueWidget
+from station.tui.widgets.common import ValueWidget
+from station.tui.widgets.orientation import faces, is_counter_clockwise, start_of
 
 FACE_COLUMNS = ("X up", "X down", "Y up", "Y down", "Z up", "Z down")
 TURNS = 2  # the row of the turns
@@ -115,7 +115,7 @@ def _counted(name: str, superseded: int, width: int) -> str:
     if not superseded:
         return name
     dense = name[0] + name[1:].replace(" ", "")
-    return next((said for each in (name, dense) if len(said := f"{each} +{superseded}") <= width), name)
+    return next((text for each in (name, dense) if len(text := f"{each} +{superseded}") <= width), name)
 
 
 def cell_of(step: StepView) -> GridCell:

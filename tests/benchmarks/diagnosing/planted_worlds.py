@@ -9,8 +9,8 @@ import numpy as np
 
 from drivers.simulated.truth import Truth
 from procedures.campaign.campaign import Campaign
-from procedures.diagnosis.residual_rows import Evidence
 from procedures.effects import EFFECTS
+from procedures.evidence.residual_rows import Evidence
 from tests.benchmarks.diagnosing.designs import DESIGNS, unit
 from tests.benchmarks.diagnosing.outside import outside
 from tests.benchmarks.diagnosing.plants import PLANTS, drawn_sizes

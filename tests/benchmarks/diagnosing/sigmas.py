@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.calibration.joint_calibration import fit
-from procedures.diagnosis.candidates import Candidates
-from procedures.diagnosis.residual_rows import evidence_of
 from procedures.effects import EFFECTS
+from procedures.evidence.candidates import Candidates
+from procedures.evidence.residual_rows import evidence_of
 from tests.benchmarks.diagnosing.designs import DESIGNS, clock_sigma, unit
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.result import Diagnosis
+from procedures.inference.result import Diagnosis
 from tests.benchmarks.diagnosing.coefficients import error_of
 from tests.benchmarks.diagnosing.designs import CERTIFIED, DESIGNS, unit
 from tests.benchmarks.diagnosing.outside import outside
@@ -34,7 +34,7 @@ def planted(name: str, sigmas: Sigmas, seed: int) -> Outcome:
     diagnosis = diagnose(made.make(truth, seed, ()))
     found = [f for f in diagnosis.findings if f.effect == plant.effect]
     groups = [f for f in diagnosis.findings if plant.effect in {f.effect, *f.aliases}]
-    is_alone = any(f.confidence != "ambiguous" for f in found)
+    is_alone = any(f.confidence != "possible" for f in found)
     word = "right" if is_alone else "group" if groups else "missed"
     if untrue(diagnosis, (plant.effect, *of_bench(plant.design))):
         word = "wrong"
@@ -45,7 +45,7 @@ def nothing(design: str, seed: int) -> Outcome:
     """Diagnose a campaign with nothing planted."""
     made = DESIGNS[design]
     diagnosis = diagnose(made.make(unit(seed, **made.truth), seed, ()))
-    claims = [f for f in diagnosis.findings if f.kind == "instrument" and f.confidence != "ambiguous"]
+    claims = [f for f in diagnosis.findings if f.kind == "instrument" and f.confidence != "possible"]
     return Outcome("false alarm" if claims else "odd" if untrue(diagnosis, of_bench(design)) else "right")
 
 

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.linear_model import Term, fit_linear
-from procedures.diagnosis.residual_rows import Evidence
 from procedures.discovery.discover import Discovery, discover
 from procedures.effects.effect import INSTRUMENT
+from procedures.evidence.linear_model import Term, fit_linear
+from procedures.evidence.residual_rows import Evidence
 from tests.benchmarks.discovering.laws import Law
 from tests.benchmarks.discovering.planting import Drawn, bare_evidence, beside_model, size_of
 from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, truth_of

@@ -18,8 +18,8 @@ from fixtures_db.stored_calibrations import accept_calibration, verify_chain
 from station import cli
 from station.exit_codes import BUG, explain
 from station.files.sha256sums import verify_folder
-from station.guide.folder_recorder import FolderRecorder
-from station.guide.interrupted_campaigns import reopen
+from station.guide.campaign.folder_recorder import FolderRecorder
+from station.guide.campaign.interrupted_campaigns import reopen
 from station.stream.recorder.accepted_step_writer import CampaignRecorder, open_campaign
 from tests.benchmarks.failing_disks.failing_disk import NAMES, SYNCS, WRITES, FailingDisk
 from tests.fixtures_db.factory import facts, solution

@@ -25,8 +25,8 @@ from station.exit_codes import exit_code
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.mcap_files import read_step
 from station.files.sha256sums import SHA256SUMS, verify_folder
-from station.guide.folder_recorder import FolderRecorder
-from station.guide.interrupted_campaigns import reopen
+from station.guide.campaign.folder_recorder import FolderRecorder
+from station.guide.campaign.interrupted_campaigns import reopen
 from station.stream.recorder.accepted_step_writer import CampaignRecorder
 from tests.benchmarks.kills import STEPS, record
 from tests.benchmarks.power_cuts.more_workloads import GUIDED

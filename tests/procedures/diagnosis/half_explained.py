@@ -7,8 +7,8 @@ import numpy as np
 
 from drivers.simulated.effects import Planted, PlantedEffect, Stimulus, TriadInput
 from procedures.campaign.campaign import Campaign
-from procedures.diagnosis.result import Diagnosis
 from procedures.frames import AXES
+from procedures.inference.result import Diagnosis
 from procedures.uncertainty.budget import budget
 from procedures.uncertainty.sources import GivenValues, Unexplained
 from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, truth_of

@@ -7,11 +7,11 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import CampaignFits, fit
-from procedures.diagnosis.candidates import Candidate, Candidates
-from procedures.diagnosis.linear_model import Term
-from procedures.diagnosis.residual_rows import KINDS, Evidence, evidence_of
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Columns, Effect, Excitation, ExcitationStep
+from procedures.evidence.candidates import Candidate, Candidates
+from procedures.evidence.linear_model import Term
+from procedures.evidence.residual_rows import KINDS, Evidence, evidence_of
 from tests.benchmarks.diagnosing.designs import DESIGNS, unit
 
 

@@ -6,9 +6,9 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, RateTable, Site
-from procedures.diagnosis import averaged_points
-from procedures.diagnosis.averaged_points import FEW_ROWS, averaged
 from procedures.diagnosis.diagnose import diagnose
+from procedures.evidence import rate_points
+from procedures.evidence.rate_points import FEW_ROWS, averaged
 
 PLATEAUS = [0, 10, -10, 20, -20, 40, -40, 60, -60, 80, -80, 100, -100, 150, -150, 0]
 NOISE = 1.2e-3  # deg/s
@@ -34,7 +34,7 @@ def told(one: RateTable) -> FloatArray:
 
 
 def told_by_all_rows(one: RateTable) -> FloatArray:
-    with mock.patch.object(averaged_points, "FEW_ROWS", 10_000):
+    with mock.patch.object(rate_points, "FEW_ROWS", 10_000):
         return told(one)
 
 

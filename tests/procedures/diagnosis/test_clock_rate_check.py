@@ -3,9 +3,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from procedures.anomalies.clock_rate_check import find_clock, with_true_clock
 from procedures.calibration.joint_calibration import report, solve
 from procedures.campaign.campaign import clock_rate
-from procedures.diagnosis.clock_rate_check import find_clock, with_true_clock
 from procedures.diagnosis.diagnose import diagnose
 from procedures.uncertainty import sources
 from procedures.uncertainty.budget import budget, with_clock
@@ -82,7 +82,7 @@ def test_positive_is_fast_and_the_correction_gives_the_scale_factor_back() -> No
 
 def test_a_period_that_is_not_the_stated_one_names_both_explanations() -> None:
     (found,), _ = find_clock([replace(BASE, nominal_period=0.0198)])
-    assert found.confidence == "ambiguous"
+    assert found.confidence == "possible"
     assert found.aliases == ("imu.sample_period_s",)
     assert found.value[0] == pytest.approx(1e6 * (0.02 / 0.0198 - 1))
     assert find_clock([replace(BASE, nominal_period=0.020001)]) == ((), ())

@@ -10,8 +10,8 @@ from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.calibration.joint_calibration import CampaignFits, fit
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.result import Diagnosis, Finding
 from procedures.effects.term.effect_of_term import TermEffect
+from procedures.inference.result import Diagnosis, Finding
 from station.files.campaign_folder.campaign_reading import read_campaign
 from tests.benchmarks.diagnosing.designs import WARM, certified, plain, repeated, two_speeds, unit
 from tests.benchmarks.diagnosing.outside import outside
@@ -25,7 +25,7 @@ def finding_of(found: Diagnosis, name: str) -> Finding:
 
 
 def is_claimed(finding: Finding) -> bool:
-    return finding.kind == "instrument" and finding.confidence != "ambiguous"
+    return finding.kind == "instrument" and finding.confidence != "possible"
 
 
 def level(seed: int) -> Truth:
@@ -37,7 +37,7 @@ def test_a_clean_unit_on_a_true_bench_is_consistent() -> None:
     found = diagnose(certified(level(0), 0))
     assert found.verdict == "consistent"
     assert found.findings == ()
-    assert len(found.tried) > 10
+    assert len(found.probabilities) > 10
     assert all(each.before == each.after for each in found.errors)
 
 
@@ -45,11 +45,13 @@ def test_a_recorded_campaign_of_a_faulty_bench_names_the_bench_alone() -> None:
     folder = DATA / "campaigns/bench_only"
     if not folder.is_dir():
         pytest.skip(f"no shared data at {DATA}: set STATION_DATA")
-    findings = diagnose([read_campaign(folder).campaign]).findings
-    groups = [{each.effect, *each.aliases} for each in findings]
-    assert any("slab.tilt" in group for group in groups)
-    assert any({"fixture.parallelism", "fixture.face_tilt"} & group for group in groups)
-    assert not any(is_claimed(each) for each in findings)
+    found = diagnose([read_campaign(folder).campaign])
+    assert not any(is_claimed(each) for each in found.findings)
+    assert found.verdict == "consistent"  # slab and faces are parameters of the model
+    sigma = np.sqrt(np.diag(found.solution.covariance))
+    tilts = [i for i, name in enumerate(found.solution.names) if name.startswith(("slab", "fixture"))]
+    assert tilts
+    assert np.isfinite(sigma[tilts]).all()
 
 
 TWO = {"accelerometer.relaxation": {"x": 6e-6, "tau_s": 20.0}, **LEANING}
@@ -59,7 +61,7 @@ def test_two_effects_at_once_are_both_named_with_their_sizes() -> None:
     found = diagnose(certified(unit(5, effects=TWO), 5))
     for name in TWO:
         finding = finding_of(found, name)
-        assert set(finding.aliases) <= {"gyroscope.magnetic", "accelerometer.bias_drift"}
+        assert all(alias.startswith("a function of") for alias in finding.aliases)
         sizes = np.array([TWO[name].get(key, 0.0) for key in finding.coefficients])
         if name == "gyroscope.g_sensitivity":
             assert np.max(np.abs(finding.value - sizes) / finding.std) < 4
@@ -151,26 +153,24 @@ K2 = {"accelerometer.quadratic": {"x": 4e-5}}  # 27 sigma under the certificate
 
 
 @cache
-def quadratic(is_certified: bool) -> Finding:
-    make = certified if is_certified else plain
-    findings = diagnose(make(unit(7, effects=K2), 7)).findings
+def quadratic() -> Finding:
+    findings = diagnose(certified(unit(7, effects=K2), 7)).findings
     return next(f for f in findings if "accelerometer.quadratic" in (f.effect, *f.aliases))
 
 
 def test_certified_quadratic_is_not_its_faces_though_they_look_alike() -> None:
-    finding = quadratic(True)
+    finding = quadratic()
     assert finding.effect == "accelerometer.quadratic"
-    assert set(finding.aliases) <= {"accelerometer.scale_asymmetry"}
+    alike = [finding.shares[name] for name in ("accelerometer.quadratic", "accelerometer.scale_asymmetry")]
+    assert sum(alike) > 0.9
     assert abs(finding.value[0] / finding.std[0]) > 15
     assert abs(finding.value[0] - 4e-5) < 4 * finding.std[0]
 
 
-def test_uncertified_quadratic_goes_by_the_name_of_its_faces() -> None:
-    finding = quadratic(False)
-    assert finding.kind == "bench"
-    assert finding.confidence == "ambiguous"
-    assert "accelerometer.quadratic" in finding.aliases
-    assert finding.separate_by
+def test_uncertified_quadratic_is_not_separable_and_says_what_separates_it() -> None:
+    found = diagnose(plain(unit(7, effects=K2), 7))
+    assert "free positions" in found.not_separable["accelerometer.quadratic"]
+    assert not any(is_claimed(each) for each in found.findings)
 
 
 # A known cause beside an unknown one: the first is named with its share, the rest is reported as unexplained
@@ -205,7 +205,7 @@ def test_seats_that_scatter_are_named_with_their_size() -> None:
     name, size = "placement.scatter", 3e-5
     diagnosis = diagnose(plain(unit(3, effects={name: {"value": size}}), 3))
     (scatter,) = (each for each in diagnosis.findings if each.effect in SCATTERS)
-    assert (scatter.effect, scatter.confidence, scatter.kind) == (name, "likely", "procedure")
+    assert (scatter.effect, scatter.kind) == (name, "procedure")
     assert abs(scatter.value[0] - size) < 4 * scatter.std[0]
     assert not instrument_findings(diagnosis)
 
@@ -214,8 +214,7 @@ def test_six_turns_that_close_worse_are_a_group_led_by_the_closure_and_widen_the
     truth = unit(3, effects={"procedure.closure": {"value": 0.08}})
     diagnosis = diagnose(plain(truth, 3))
     (closure,) = (each for each in diagnosis.findings if each.effect in SCATTERS)
-    assert (closure.effect, closure.confidence) == ("procedure.closure", "ambiguous")
-    assert "gyroscope.scale_asymmetry" in closure.aliases
+    assert closure.effect == "procedure.closure"
     assert "three times the revolutions" in closure.separate_by
     assert not instrument_findings(diagnosis)
     std = [s.gyroscope.scale_factor.std for s in (diagnosis.solution_before, diagnosis.solution)]

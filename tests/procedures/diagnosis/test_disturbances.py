@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 
 from drivers.simulated.truth import Truth
+from procedures.anomalies.disturbances import find_disturbances, rough_scale, without_disturbances
+from procedures.anomalies.disturbed_blocks import ChannelSamples, bent_strip_width, judge_blocks, strip_width
 from procedures.calibration.joint_calibration import solve
 from procedures.campaign.campaign import Campaign
-from procedures.diagnosis.constant_rate_check import bent_strip_width, strip_width
-from procedures.diagnosis.disturbances import find_disturbances, rough_scale, without_disturbances
-from procedures.diagnosis.disturbed_blocks import ChannelSamples, judge_blocks
 from tests.procedures.diagnosis.planted import lively, planted
 
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from procedures.anomalies.disturbed_soaks import QuietSoaks, without_knocks
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, Site, SoakRecord
 from procedures.counts.sample_records import RateSeries
-from procedures.diagnosis.disturbed_soaks import QuietSoaks, without_knocks
 
 RATE, SECONDS = 50, 900
 SIGMA = 0.01  # g and deg/s a sample
@@ -63,7 +63,7 @@ def test_what_one_sensor_alone_does_for_a_while_may_be_its_own() -> None:
     accel, gyro = noise(5)
     gyro[AT : AT + 3 * RATE, 2] += 6.0
     (finding,) = without_knocks([soak(accel, gyro)]).findings
-    assert finding.confidence == "ambiguous"
+    assert finding.confidence == "possible"
     assert finding.aliases == ("gyroscope.jump",)
 
 
@@ -119,7 +119,7 @@ def test_noise_that_grows_for_good_is_said_with_the_moment_and_left_in() -> None
     gyro[AT:, 2] *= 3.0
     found = without_knocks([soak(accel, gyro)])
     (finding,) = found.findings
-    assert (finding.confidence, finding.aliases) == ("ambiguous", ("gyroscope.noise",))
+    assert (finding.confidence, finding.aliases) == ("possible", ("gyroscope.noise",))
     assert finding.where["from_s"] == pytest.approx(400.0, abs=10.0)
     assert finding.value[0] == pytest.approx(2 * 3600 * SIGMA, rel=0.05)
     assert not lost(found)

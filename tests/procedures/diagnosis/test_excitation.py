@@ -10,8 +10,8 @@ from scipy.spatial.transform import Rotation
 from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import CampaignFits, fit
 from procedures.counts.sample_records import RateSeries
-from procedures.diagnosis.excitation import Bins, NodeBuilder, StepNodes, attitude, equal_bins, on_face
 from procedures.effects.effect import ExcitationStep
+from procedures.evidence.excitation import Bins, NodeBuilder, StepNodes, attitude, equal_bins, on_face
 from tests.procedures.diagnosis.planted import planted
 
 FIELD = (1.0, 30.0, -40.0)  # uT

@@ -7,27 +7,20 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from procedures.arrays import FloatArray, IntArray
+from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import CampaignFits, fit_reduced
 from procedures.calibration.reduced_steps import ReducedSteps, reduce_steps
-from procedures.diagnosis.candidates import Candidate
-from procedures.diagnosis.effect_selection import (
-    next_effect,
-    rank_effects,
-)
-from procedures.diagnosis.fit_without_rows import without_rows
-from procedures.diagnosis.held_out_errors import left_out_groups
-from procedures.diagnosis.linear_model import (
+from procedures.evidence.linear_model import (
     Term,
     fit_linear,
     predict_left_out,
     significance,
 )
-from procedures.diagnosis.residual_rows import Evidence, evidence_of
-from procedures.diagnosis.sign_flip_test import sign_flip_p
+from procedures.evidence.residual_rows import Evidence, evidence_of
+from procedures.inference.held_out_errors import left_out_groups
 from procedures.statistics.significance import log_chi2_sf
 from tests.benchmarks.diagnosing.designs import certified, unit
-from tests.procedures.diagnosis.redrawn import made_up, redrawn, seen_by, small
+from tests.procedures.diagnosis.redrawn import redrawn, seen_by, small
 
 
 def brute(evidence: Evidence, term: Term, keep: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -70,16 +63,6 @@ def test_held_out_is_what_really_leaving_each_group_out_and_fitting_again_gives(
     assert total == pytest.approx(expected, rel=1e-9)
 
 
-def test_a_fit_less_some_rows_is_the_fit_without_them() -> None:
-    evidence, term = small_with_term(4)
-    fit = fit_linear(evidence, [term], factor=np.ones(36))
-    rows: IntArray = np.arange(9, 12)
-    theta, C = brute(evidence, term, np.setdiff1d(np.arange(36), rows))
-    got = without_rows(fit, rows)
-    np.testing.assert_allclose(got.theta, theta, atol=1e-9)
-    np.testing.assert_allclose(got.covariance, C, atol=1e-9)
-
-
 @pytest.mark.parametrize("name", ["accelerometer.relaxation", "gyroscope.magnetic"])
 def test_p_of_what_is_not_there_is_uniform(name: str) -> None:
     _, evidence, pool = seen_by("certified")
@@ -91,65 +74,6 @@ def test_p_of_what_is_not_there_is_uniform(name: str) -> None:
     p = np.exp([t.log_p for t in tests])  # of two looks, the lesser twice: never less than uniform by much
     assert stats.kstest(p, "uniform", alternative="greater").pvalue > 1e-3
     assert np.mean(p < 0.5) > 0.15
-
-
-CANDIDATES = 30
-
-
-def pool_of(rng: np.random.Generator, evidence: Evidence) -> dict[str, list[Candidate]]:
-    return {
-        f"accelerometer.{i}": [made_up(evidence, rng.standard_normal((36, 1)), f"accelerometer.{i}")]
-        for i in range(CANDIDATES)
-    }
-
-
-def test_of_thirty_candidates_on_noise_five_in_a_hundred_runs_at_most_adopt_one() -> None:
-    rng, adopted, runs = np.random.default_rng(1), 0, 150
-    base = small(rng)
-    pool, left_out = pool_of(rng, base), left_out_groups(base)
-    for _ in range(runs):
-        evidence = redrawn(base, rng)
-        tried = rank_effects(evidence, pool)
-        assert len(tried) == CANDIDATES
-        adopted += next_effect(evidence, tried, (), left_out) is not None
-    assert adopted <= 0.05 * runs + 2 * np.sqrt(0.05 * 0.95 * runs)
-
-
-def test_one_term_of_eight_sigma_is_adopted() -> None:
-    rng, right, runs = np.random.default_rng(2), 0, 30
-    base = small(rng)
-    pool, left_out = pool_of(rng, base), left_out_groups(base)
-    for i in range(runs):
-        name = f"accelerometer.{i % CANDIDATES}"
-        way = pool[name][0]
-        size = 8 * np.sqrt(way.fit(base, (), np.ones(36)).coefficients()[1][0, 0])
-        evidence = redrawn(base, rng, way.term.H[:, 0] * size)
-        new = next_effect(evidence, rank_effects(evidence, pool), (), left_out)
-        right += new is not None and new.candidate.effect.name == name
-    assert right >= 0.96 * runs
-
-
-@pytest.mark.parametrize("width", [3.0])
-def test_of_noise_of_any_width_a_twentieth_stands_out(width: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(
-        "procedures.diagnosis.sign_flip_test.MIN_POWER", 0.0
-    )  # noise seldom looks like an effect to be told
-    monkeypatch.setattr("procedures.diagnosis.sign_flip_test.FLIPS", 199)
-    monkeypatch.setattr(
-        "procedures.diagnosis.linear_model.WIDENED_LOG_P", -np.inf
-    )  # a sigma that is wrong and stays so
-    rng, found = np.random.default_rng(2), []
-    for _ in range(300):
-        evidence = small(rng, 20)  # a fit with few rows to spare, as a campaign's is
-        evidence.residual[:] *= width * rng.standard_t(4, 36)  # and tails that are not normal
-        found.append(sign_flip_p(evidence, made_up(evidence, rng.standard_normal((36, 2))), ()))
-    p = np.array([each for each in found if each is not None])
-    assert len(p) == 300
-    assert np.mean(p <= 0.05) < 0.05 + 3 * np.sqrt(0.05 * 0.95 / 300)
-    assert np.mean(p <= 0.5) == pytest.approx(0.5, abs=0.12)
-
-
-SEEDS = range(3)
 
 
 @cache
@@ -207,6 +131,9 @@ def test_the_gyroscopes_fit_moves_by_what_the_design_says_of_dwells_and_turns(nu
     expected = np.zeros(len(std))
     expected[number] = 5.0
     np.testing.assert_allclose((after.joint.fit.x - before.fit.x) / std, expected, atol=0.05)
+
+
+SEEDS = range(3)
 
 
 def test_whitened_residuals_of_sound_campaigns_have_unit_variance() -> None:

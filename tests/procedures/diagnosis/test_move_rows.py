@@ -14,12 +14,12 @@ from procedures.calibration.reduced_steps import ReducedSteps, reduce_steps
 from procedures.calibration.solution_values import Solution
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.plan_steps import turn_steps
-from procedures.diagnosis.candidates import Candidates
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.linear_model import LinearFit, fit_linear
-from procedures.diagnosis.model_with_effects import BenchModel
-from procedures.diagnosis.residual_rows import Evidence, evidence_of
 from procedures.effects import EFFECTS
+from procedures.evidence.candidates import Candidates
+from procedures.evidence.linear_model import LinearFit, fit_linear
+from procedures.evidence.residual_rows import Evidence, evidence_of
+from procedures.inference.base_model import BenchModel
 
 PERIOD = 0.02
 

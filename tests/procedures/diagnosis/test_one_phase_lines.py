@@ -8,8 +8,8 @@ import pytest
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import SoakRecord
 from procedures.counts.sample_records import RateSeries
-from procedures.diagnosis.coherent_lines import CoherentLine, coherent_line
-from procedures.diagnosis.sample_blocks import SampleBlocks, sample_blocks
+from procedures.samples.sample_blocks import SampleBlocks, sample_blocks
+from procedures.samples.sample_lines import CoherentLine, coherent_line
 
 PERIOD, N = 0.1, 512  # four blocks of 128 samples a recording
 UNIT = {"gyroscope": np.ones(3), "accelerometer": np.ones(3)}

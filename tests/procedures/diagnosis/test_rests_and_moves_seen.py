@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, SequenceRecord, Site
 from procedures.counts.sample_records import RateSeries
-from procedures.diagnosis.rests_and_moves_seen import moves_seen, rests_seen
+from procedures.diagnosis.rotation_summary import moves_seen, rests_seen
 
 PERIOD, REST, MOVE = 0.01, 500, 200
 UNIT = {"accelerometer": 16384.0, "gyroscope": 131.0}

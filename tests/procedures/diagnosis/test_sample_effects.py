@@ -9,8 +9,8 @@ from scipy.signal import lfilter
 from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.campaign import Campaign, Site, SoakRecord
 from procedures.counts.sample_records import CountSeries, RateSeries
-from procedures.diagnosis.result import Finding
-from procedures.diagnosis.sample_effects import SampleEffects, sample_effects
+from procedures.inference.result import Finding
+from procedures.samples.sample_effects import SampleEffects, sample_effects
 
 N, PERIOD = 30_000, 0.01
 T = PERIOD * np.arange(1, N + 1)
@@ -70,7 +70,7 @@ def test_a_line_at_a_multiple_of_a_steady_motor_s_turns_may_be_the_motor_s(wraps
     gyro[:, 0] += 0.6 * np.cos(np.radians(2 * angle))
     (finding,) = found(soak(gyro, motor=angle % 360 if wraps else angle))
     assert {finding.effect, *finding.aliases} == {"disturbance.line", "auxiliary.periodic"}
-    assert finding.confidence == "ambiguous"
+    assert finding.confidence == "possible"
     assert finding.separate_by == "motor at another speed"
 
 

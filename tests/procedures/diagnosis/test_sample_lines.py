@@ -7,8 +7,8 @@ from scipy.signal import lfilter
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, Site, SoakRecord
 from procedures.counts.sample_records import RateSeries
-from procedures.diagnosis.result import Finding
-from procedures.diagnosis.sample_effects import sample_effects
+from procedures.inference.result import Finding
+from procedures.samples.sample_effects import sample_effects
 
 PERIOD, N, DEG_H = 0.1, 1000, 3600.0
 UNIT = {"gyroscope": np.ones(3), "accelerometer": np.ones(3)}

@@ -12,8 +12,8 @@ from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, Site, TurnRecord
 from procedures.counts.sample_records import RateSeries
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.result import Finding
-from procedures.diagnosis.sample_turns import periodic_in_turns
+from procedures.inference.result import Finding
+from procedures.samples.sample_turns import periodic_in_turns
 
 PERIOD, NOISE = 0.02, 0.02  # s, deg/s
 DEG_H = 3600.0

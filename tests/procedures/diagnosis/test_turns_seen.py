@@ -7,7 +7,7 @@ import pytest
 
 from procedures.campaign.campaign import Campaign, Fixture, ProcedureSigma, Site, TurnRecord
 from procedures.counts.sample_records import RateSeries
-from procedures.diagnosis.turns_seen import TurnSeen, left_open, pooled, turns_seen
+from procedures.diagnosis.rotation_summary import TurnSeen, left_open, pooled, turns_seen
 
 PERIOD, SCALE, BIAS, NOISE = 0.01, 1.013, 0.02, 0.01  # s; output/(deg/s), output, output a sample
 REST_S, SPEED = 15.0, 40.0  # s, deg/s

@@ -10,13 +10,13 @@ from drivers.simulated.bench_in_memory import simulate_campaign
 from procedures.calibration.joint_calibration import CampaignFits, fit_reduced
 from procedures.calibration.reduced_steps import ReducedSteps, reduce_steps
 from procedures.campaign.campaign import Campaign
-from procedures.diagnosis.candidates import Candidate, Candidates
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.refit import Refit, refit
-from procedures.diagnosis.residual_rows import evidence_of
-from procedures.diagnosis.result import Diagnosis, ResidualRms
 from procedures.diagnosis.validation_campaigns import validate
 from procedures.effects import EFFECTS
+from procedures.evidence.candidates import Candidate, Candidates
+from procedures.evidence.refit import Refit, refit
+from procedures.evidence.residual_rows import evidence_of
+from procedures.inference.result import Diagnosis, ResidualRms
 from procedures.uncertainty import sources
 from procedures.uncertainty.budget import ParameterBudget, budget
 from procedures.uncertainty.sources import GivenValues, Unexplained
@@ -64,7 +64,7 @@ def test_parallelism_holds_the_truth_whichever_seating_is_taken() -> None:
     found = diagnose(plain(truth, 11))
     (seating,) = [each for each in found.findings if each.effect == "placement.dwell"]
     assert set(np.atleast_1d(seating.where["position"])) == {7, 8}
-    assert not [each for each in found.findings if each.kind == "instrument" and each.confidence != "ambiguous"]
+    assert not [each for each in found.findings if each.kind == "instrument" and each.confidence != "possible"]
     faces = truth.faces_rad.reshape(3, 2, 2).sum(axis=1)
     off = (found.solution.parallelism.value - faces) / found.solution.parallelism.std
     assert np.all(np.abs(off) < 4)

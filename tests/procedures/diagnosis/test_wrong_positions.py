@@ -7,11 +7,15 @@ import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
+from procedures.anomalies.checks import check_campaigns
+from procedures.anomalies.wrong_positions import (
+    find_wrong_labels,
+    label_findings,
+    with_true_directions,
+    with_true_labels,
+)
 from procedures.calibration.joint_calibration import solve
 from procedures.campaign.campaign import Campaign
-from procedures.diagnosis.checks_before_effects import check_campaigns
-from procedures.diagnosis.wrong_positions import find_wrong_labels, label_findings, with_true_labels
-from procedures.diagnosis.wrong_turn_directions import with_true_directions
 from procedures.errors import WrongFace
 from tests.procedures.diagnosis.planted import lively, planted, with_reference_time
 

@@ -11,7 +11,7 @@ from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import fit_reduced
 from procedures.calibration.reduced_steps import ReducedSteps
 from procedures.campaign.plan_steps import turn_steps
-from procedures.diagnosis.residual_rows import evidence_of
+from procedures.evidence.residual_rows import evidence_of
 from procedures.frames import rotation_vector
 from procedures.twelve_positions.transfer_rotation import finer_moves
 from tests.procedures.effects.test_every_effect import CASES, UNIT, Baseline, carried_out, predicted

@@ -22,10 +22,10 @@ from procedures.campaign.campaign import ProcedureSigma
 from procedures.campaign.observations import TriadDwells
 from procedures.campaign.plan_steps import Turn
 from procedures.counts.sample_records import CountSeries, RateSeries
-from procedures.diagnosis.residual_rows import KINDS, Evidence, evidence_of
 from procedures.effects import EFFECTS
 from procedures.effects.effect import BENCH, INSTRUMENT, TAU, Effect, no_columns
 from procedures.effects.temperature_polynomial import orders_of
+from procedures.evidence.residual_rows import KINDS, Evidence, evidence_of
 from procedures.frames import TURN_START, rotation
 
 BY_NAME = {effect.name: effect for effect in EFFECTS}

@@ -11,8 +11,8 @@ from procedures.calibration.joint_calibration import fit_reduced
 from procedures.calibration.reduced_steps import reduce_steps
 from procedures.campaign.campaign import ProcedureSigma
 from procedures.campaign.plan_steps import turn_steps
-from procedures.diagnosis.residual_rows import Evidence, evidence_of
 from procedures.effects import EFFECTS
+from procedures.evidence.residual_rows import Evidence, evidence_of
 from tests.procedures.effects.test_every_effect import UNIT
 
 BY_NAME = {effect.name: effect for effect in EFFECTS}

@@ -6,7 +6,7 @@ from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.diagnose import diagnose
-from procedures.diagnosis.result import Diagnosis, Finding
+from procedures.inference.result import Diagnosis, Finding
 
 RMS_G = 0.03
 ACCELEROMETER, GYROSCOPE = (f"{triad}.vibration_rectification" for triad in ("accelerometer", "gyroscope"))

@@ -28,4 +28,4 @@ def board(
             parts.append(W)
             width += W.shape[1]
     W = np.hstack([*parts, np.zeros((len(y), 1))])
-    return Board(evidence, W, y, W, tuple(hypotheses), tuple(options))
+    return Board(evidence, W, y, W, tuple(hypotheses), tuple(options), np.eye(len(y)))

@@ -6,8 +6,8 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.counts.sample_records import RateSeries
-from procedures.diagnosis.channel_noise import ChannelNoise, noise_of
-from procedures.diagnosis.held_samples import held_channel
+from procedures.samples.channel_noise import ChannelNoise, noise_of
+from procedures.samples.held_samples import held_channel
 
 PERIOD = 0.01
 Generator = np.random.Generator

@@ -106,7 +106,7 @@ def test_diagnose_names_what_the_model_lacks(tmp_path: Path) -> None:
     assert run(["attitude", str(path), "--diagnose", "--json", str(said)]) == 0
     document = json.loads(said.read_text())
     found = document["diagnosis"]
-    assert found["format"] == "diagnosis/1"
+    assert found["format"] == "diagnosis/2"
     assert found["verdict"] == "established"
     assert found["findings"][0]["effect"] == "accelerometer.bias"
     assert found["findings"][0]["kind"] == "instrument"

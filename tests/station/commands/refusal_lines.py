@@ -117,7 +117,7 @@ LINES: dict[str, list[Step]] = {
             )),
             by="effects show effect.toml",
         ),
-        *(step for text in ("{", "[]", '{"format": "diagnosis/1", "findings": []}')
+        *(step for text in ("{", "[]", '{"format": "diagnosis/2", "findings": []}')
           for step in (("d.json", text), "effects adopt d.json --out law.toml")),
         "effects try effect.toml nowhere",
     ],

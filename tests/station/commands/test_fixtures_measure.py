@@ -18,7 +18,7 @@ from procedures.campaign.campaign import Fixture
 from procedures.frames import face_of
 from station import cli
 from station.files.campaign_folder.campaign_reading import read_campaign
-from station.guide.campaign_tables import cube_fixture
+from station.guide.campaign.campaign_tables import cube_fixture
 from tests.procedures.measured_units import values
 from tests.station.campaign_writing import write_campaign
 

@@ -184,11 +184,11 @@ def test_two_that_are_one_in_this_design_are_not_both_fitted(recorded: Recorded,
 def test_try_says_whether_a_campaign_shows_it(
     recorded: Recorded, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """The second fades in 300 s at the most, as a bias does that settles, and the law does not."""
+    """The second fades in 300 s at the most, and the law does not."""
     fading = tmp_path / "fading.toml"
     term = WARMING.replace("T * T_rate", "T * T_rate * exp(-t / tau)")
     fading.write_text(f'{term}shape.tau = {{unit = "s", low = 100, high = 300}}\n')
-    shown = {recorded.effect: "it is present, established", fading: "not accepted: gyroscope.bias_settling"}
+    shown = {recorded.effect: "it is present, established", fading: "not found: its probability is"}
     for file, words in shown.items():
         assert cli.run(["effects", "try", str(file), str(recorded.folder)]) == 0
         assert words in capsys.readouterr().out

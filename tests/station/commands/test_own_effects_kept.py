@@ -25,7 +25,7 @@ def test_an_effect_of_a_diagnosis_is_written_with_its_origin(
     entry = {"effect": file.name, "definition": file.text, "sha256": file.sha256}
     origin = {"model": "FOG-3", "serial": "S1", "files": {"campaign.toml": "ab" * 32}}
     document = {
-        "format": "diagnosis/1",
+        "format": "diagnosis/2",
         "findings": [{"effect": "slab.tilt"}, entry],
         "solution": {"provenance": origin},
     }

@@ -13,10 +13,9 @@ import pytest
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from station.files.campaign_setup import Setup
-from station.guide.command import OperatorCommand
+from station.guide.plain_screen import command_of
 from station.guide.setup_view import StartView
-from station.guide.text_lines import command_of
-from station.guide.view import CalibrationView
+from station.guide.view import CalibrationView, OperatorCommand
 from tests.station.commands.program import STATION, Program
 
 REFUSED = CalibrationView(stage="start", start=StartView(refused="/dev/x: no such port", refused_code=4))

@@ -20,7 +20,7 @@ from station import cli
 from station.errors import DataRefused
 from station.files.campaign_setup import Setup
 from station.files.scenario import read_scenario
-from station.guide.live_campaign import usual_steps
+from station.guide.campaign.campaign_start import usual_steps
 from station.guide.view import CalibrationView
 from station.stream.camera import read_description
 from tests.paths import ROOT

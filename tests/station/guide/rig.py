@@ -11,16 +11,14 @@ from drivers.wire import ALL_CHANNELS
 from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Dwell, Step
 from station.files.campaign_folder.plan_file import WantedRecord, read_no_moves, write_note
-from station.guide.asked_sigmas import sequel_of
-from station.guide.command import OperatorCommand
-from station.guide.folder_recorder import FolderRecorder
-from station.guide.guide import Guide
-from station.guide.interrupted_campaigns import reopen
-from station.guide.resumed_campaign import NO_ACCEPTED_STEPS, AcceptedSteps, read_accepted_steps
-from station.guide.sequential_campaign import SequentialCampaign
-from station.guide.stage_context import BenchFacts, StageContext
-from station.guide.step_checklist import Checklist
-from station.guide.view import CalibrationView
+from station.guide.campaign.accepted_steps import NO_ACCEPTED_STEPS, AcceptedSteps, read_accepted_steps
+from station.guide.campaign.checklist import Checklist
+from station.guide.campaign.folder_recorder import FolderRecorder
+from station.guide.campaign.interrupted_campaigns import reopen
+from station.guide.campaign.sequential_campaign import SequentialCampaign, sequential_plan
+from station.guide.stages.guide import Guide
+from station.guide.stages.stage_context import BenchFacts, StageContext
+from station.guide.view import CalibrationView, OperatorCommand
 from station.stream.live.live_feed import open_feed
 from station.stream.recorder.accepted_step_writer import open_campaign
 from tests.empty_database import empty_db
@@ -65,7 +63,7 @@ class GuideRig:
         if wanted is not None:
             write_note(self.folder, wanted)
         self.context = StageContext(
-            self.feed, Checklist(steps), self.facts, FolderRecorder(self.recorder), sequel=self._sequel()
+            self.feed, Checklist(steps), self.facts, FolderRecorder(self.recorder), planner=self._planner()
         )
         self.guide = Guide(self.context, warms_up=warms_up)
         self.seen: list[CalibrationView] = []
@@ -77,20 +75,20 @@ class GuideRig:
         done, steps = read_accepted_steps(self.folder), self.context.checklist.steps
         checklist = Checklist(steps, self.recorder.accepted, done.seconds, read_no_moves(self.folder))
         recorder = FolderRecorder(self.recorder)
-        self.context = StageContext(self.feed, checklist, self.facts, recorder, done, self._sequel(done))
+        self.context = StageContext(self.feed, checklist, self.facts, recorder, done, self._planner(done))
         self.guide = Guide(self.context, warms_up=False)
         self.said.clear()
 
-    def _sequel(self, done: AcceptedSteps = NO_ACCEPTED_STEPS) -> SequentialCampaign | None:
+    def _planner(self, done: AcceptedSteps = NO_ACCEPTED_STEPS) -> SequentialCampaign | None:
         tables = self.recorder.tables
-        return sequel_of(self.folder, tables.site, tables.procedure, self.facts.fixture, done)
+        return sequential_plan(self.folder, tables.site, tables.procedure, self.facts.fixture, done)
 
     def hands(self, command: str) -> None:
         answer = self.source.device.execute(command)
         assert answer.startswith("ok"), answer
 
-    def obey(self, verb: str, **what: str) -> None:
-        self.guide.obey(OperatorCommand.model_validate({"verb": verb, **what}))
+    def execute(self, verb: str, **what: str) -> None:
+        self.guide.execute(OperatorCommand.model_validate({"verb": verb, **what}))
 
     @property
     def view(self) -> CalibrationView:

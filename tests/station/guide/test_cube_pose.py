@@ -105,7 +105,7 @@ def test_a_position_that_stood_4_deg_off_is_named_at_once_and_done_again(rig: Ma
     assert told
     assert float(told[1]) == pytest.approx(4.0, abs=1.0)
     assert view.done == 7
-    guided.obey("answer", key="r")
+    guided.execute("answer", key="r")
     guided.run(lambda v: v.stage == "place" and "set position 7 along the marks" in v.hint)
     guided.rest(20)
     assert guided.view.step("dwell_07").attempts == 1  # not where it stands

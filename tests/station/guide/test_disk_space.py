@@ -21,12 +21,12 @@ from station.files.campaign_setup import Setup
 from station.files.mcap_files import BY_OUTPUT, StepWriter
 from station.files.mcap_files.gnss_file import FixWriter
 from station.files.mcap_files.schemas import RAW_TOPIC
-from station.guide import held_up
-from station.guide.disk_space import JOURNAL_BYTES, STEP_BYTES, disk_for, disk_needed, refuse_full
+from station.guide import server
+from station.guide.campaign.campaign_start import usual_steps
+from station.guide.campaign.disk_space import JOURNAL_BYTES, STEP_BYTES, disk_for, disk_needed, refuse_full
 from station.guide.engine import CalibrationEngine
-from station.guide.held_up import HeldUpWatch
-from station.guide.live_campaign import usual_steps
 from station.guide.options import CalibrationOptions
+from station.guide.server import StallNotice
 from station.guide.view import CalibrationView
 from station.stream.reader import Chunk
 from station.stream.reader.journal import Journal
@@ -103,13 +103,13 @@ def test_what_cannot_be_closed_either_is_said_once(
 
 @pytest.fixture(autouse=True)
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(held_up, "HELD_UP_S", 0.05)
-    monkeypatch.setattr(held_up, "LOOK_S", 0.01)
+    monkeypatch.setattr(server, "STALL_S", 0.05)
+    monkeypatch.setattr(server, "LOOK_S", 0.01)
 
 
 def test_a_round_that_lasts_is_said_and_no_other() -> None:
     view, seen = CalibrationView(stage="dwell", line="position 3", hint="still"), list[CalibrationView]()
-    with HeldUpWatch(lambda: view, seen.append) as watch:
+    with StallNotice(lambda: view, seen.append) as watch:
         with watch.round():
             until(lambda: bool(seen))
         told = len(seen)
@@ -129,6 +129,6 @@ def test_what_says_itself_what_it_does_is_left_alone(stage: str) -> None:
         looks.append(1)
         return view
 
-    with HeldUpWatch(shown, seen.append) as watch, watch.round():
+    with StallNotice(shown, seen.append) as watch, watch.round():
         until(lambda: len(looks) > 10)
     assert seen == []

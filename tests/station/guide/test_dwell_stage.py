@@ -92,7 +92,7 @@ def test_where_the_earth_rate_does_not_tell_it_is_asked(rig: Make) -> None:
     guided.run(lambda v: "accepted when the heading" in v.hint)  # the dwell is complete and waits
     guided.rest(30)
     assert guided.view.done == 0
-    guided.obey("answer", key="6")
+    guided.execute("answer", key="6")
     guided.run(guided.done(1))
     assert guided.view.gates.heading in {"as you answered", ""}
     assert [d.position for d in read_campaign(guided.folder).campaign.dwells] == [6]
@@ -102,12 +102,12 @@ def test_a_cube_that_is_in_neither_position_is_set_down_again(rig: Make) -> None
     guided = rig(dwells(5, seconds=10.0), replace(Truth.example(3), latitude_deg=89.5))
     guided.hands("place 5 8")
     guided.run(lambda v: v.question is not None)
-    guided.obey("answer", key="n")
+    guided.execute("answer", key="n")
     view = guided.run(lambda v: v.question is None)
     assert (view.stage, view.hint) == ("place", "set the cube down along the marks on the surface plate")
     guided.hands("place 5 8")
     guided.run(lambda v: v.question is not None)
-    guided.obey("answer", key="5")
+    guided.execute("answer", key="5")
     guided.run(guided.done(1))
 
 
@@ -181,7 +181,7 @@ def test_a_lost_frame_splits_a_dwell(rig: Make) -> None:
 def test_a_step_done_again_supersedes_and_keeps_the_old_file(rig: Make) -> None:
     guided = rig(dwells(1, 2))
     guided.run(guided.done(1))
-    guided.obey("redo")
+    guided.execute("redo")
     assert guided.view.wanted == "dwell_01"
     assert guided.view.step("dwell_01").state == "redo"
     view = guided.run(lambda v: v.step("dwell_01").attempts == 2)  # where it stands, nobody need lift it
@@ -200,11 +200,11 @@ def test_a_pause_keeps_what_was_accepted_and_records_nothing(rig: Make, when: st
         guided.hands("place 1 5")
     guided.run(at(when) if when != "dwell" else after(10.0))
     before = guided.view.accepted_s
-    guided.obey("pause")
+    guided.execute("pause")
     view = guided.rest(60)
     assert (view.stage, view.hint) == ("paused", "p goes on")
     assert (view.done, view.accepted_s) == (0, before)
-    guided.obey("go_on")
+    guided.execute("go_on")
     guided.run(guided.done(1))
     assert np.min(np.diff(accepted_seconds(guided))) >= 0
 

@@ -18,11 +18,10 @@ from drivers.simulated.truth import Truth
 from fixtures_db.database import Database, open_db
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_setup import Setup
-from station.guide.client import EngineConnection
-from station.guide.command import OperatorCommand
-from station.guide.start_choices import unfinished_campaigns
-from station.guide.start_engine import EngineOptions, engine_process
-from station.guide.view import CalibrationView
+from station.guide.client import EngineConnection, engine_process
+from station.guide.options import EngineOptions
+from station.guide.start_screen import unfinished_campaigns
+from station.guide.view import CalibrationView, OperatorCommand
 from tests.patience import HANG_S, paced
 
 SPEED = 100.0

@@ -20,12 +20,10 @@ from fixtures_db.database import Database
 from station.errors import CannotWrite
 from station.exit_codes import exit_code
 from station.files.campaign_setup import Setup
-from station.guide.command import OperatorCommand
 from station.guide.engine import REFUSALS, CalibrationEngine
 from station.guide.headless import run_headless
-from station.guide.options import CalibrationOptions
-from station.guide.start_engine import EngineOptions
-from station.guide.view import CalibrationView
+from station.guide.options import CalibrationOptions, EngineOptions
+from station.guide.view import CalibrationView, OperatorCommand
 from tests.empty_database import empty_db
 from tests.patience import HANG_S
 
@@ -128,7 +126,7 @@ def begun(name: str, folder: Path, database: Database) -> Begun:
         setup = made.setup.model_copy(update=where)
         begin = OperatorCommand(verb="begin", setup=setup)
         engine = CalibrationEngine(database, CalibrationOptions(folder, asks=False), lambda view: None)
-        engine.obey(begin)
+        engine.execute(begin)
         engine.close()
         made_folder = (folder / "c").exists()
         options = EngineOptions(root=folder, setup=setup, asks=False, warms_up=False, first=begin)

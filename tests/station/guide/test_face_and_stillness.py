@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from procedures.frames import FACES, face_normal, rotation
-from station.guide.dwell_attempt import OTHERWISE, OTHERWISE_BLOCKS, DwellAttempt
-from station.guide.face_and_stillness import BlockLook, FaceAndStillnessGate, opposite_faces
+from station.guide.checks.dwell_attempt import CHANGED_BLOCKS, POSITION_CHANGED, DwellAttempt
+from station.guide.checks.face_and_stillness import BlockLook, FaceAndStillnessGate, opposite_faces
 from station.stream.live.stillness import Block
 
 
@@ -58,7 +58,7 @@ def test_seconds_in_which_the_cube_was_still_lowered_are_dropped_by_those_that_f
         one.take(block(number, rate), LOOK)
         if one.is_complete:
             break
-    one.forget_restless(lambda each: True)
+    one.drop_unstill(lambda each: True)
     assert [each.first for each in one.kept][:1] == [SAMPLES]
     assert not one.is_complete
 
@@ -66,12 +66,12 @@ def test_seconds_in_which_the_cube_was_still_lowered_are_dropped_by_those_that_f
 def test_a_dwell_that_began_before_the_cube_stood_begins_again_instead_of_waiting_for_ever() -> None:
     one = dwelling(60)
     said = [one.take(block(i, rate), LOOK) for i, rate in enumerate([*[LOWERED] * 8, *[REST] * 30])]
-    assert OTHERWISE in said
-    assert said.index(OTHERWISE) == 8 + OTHERWISE_BLOCKS - 1
+    assert POSITION_CHANGED in said
+    assert said.index(POSITION_CHANGED) == 8 + CHANGED_BLOCKS - 1
 
 
 @pytest.mark.parametrize("disturbed", [1, 4])
 def test_a_short_bump_is_no_other_stand(disturbed: int) -> None:
     one = dwelling(60)
     rates = [*[REST] * 10, *[LOWERED] * disturbed, *[REST] * 20]
-    assert OTHERWISE not in [one.take(block(i, rate), LOOK) for i, rate in enumerate(rates)]
+    assert POSITION_CHANGED not in [one.take(block(i, rate), LOOK) for i, rate in enumerate(rates)]

@@ -11,9 +11,9 @@ from procedures.campaign.plan_steps import Dwell, turn_steps
 from station.files.campaign_folder.campaign_schema import read_campaign_toml
 from station.files.campaign_folder.plan_file import keep_plan, write_note
 from station.files.campaign_setup import Setup
-from station.guide.command import OperatorCommand
 from station.guide.engine import CalibrationEngine
 from station.guide.options import CalibrationOptions
+from station.guide.view import OperatorCommand
 from station.results.kept_tilted_dwells import doubt_of
 from tests.empty_database import empty_db
 from tests.station.guide.stored import recorded
@@ -48,7 +48,7 @@ def resumed(folder: Path, database: Database, url: str = "") -> CalibrationEngin
     engine = CalibrationEngine(
         database, CalibrationOptions(folder.parent, Setup(url=url), warms_up=False), lambda view: None
     )
-    engine.obey(OperatorCommand(verb="resume", folder=str(folder)))
+    engine.execute(OperatorCommand(verb="resume", folder=str(folder)))
     engine.round()
     return engine
 
@@ -59,10 +59,10 @@ def test_it_goes_to_the_verdict_without_its_port_and_can_be_stored(folder: Path,
     assert (engine.view.unit, engine.view.done) == ("SIM-FOG3 SIM-7", 12)
     assert engine.view.verdict.diagnosis_text
     assert not engine.is_busy
-    engine.obey(OperatorCommand(verb="redo", step="dwell_03"))
+    engine.execute(OperatorCommand(verb="redo", step="dwell_03"))
     assert engine.view.stage == "verdict"
     assert "/dev/ttyNONE" in engine.view.events[-1].text  # refused, and nothing changed
-    engine.obey(OperatorCommand(verb="store"))
+    engine.execute(OperatorCommand(verb="store"))
     assert engine.view.stage == "stored"
     engine.close()
     with database.read() as session:

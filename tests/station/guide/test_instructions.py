@@ -13,9 +13,9 @@ from drivers.simulated.imu import COUNT_PER_G_S, COUNT_PER_RAD
 from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import Dwell, Step, as_repeats, dwell_steps, turn_steps
 from station import cli
-from station.guide.placing_stage import LEARNING
+from station.guide.plain_screen import PlainScreen
 from station.guide.simulated_operator import SimulatedOperator
-from station.guide.text_lines import PlainScreen
+from station.guide.stages.placement_stage import LEARNING
 from station.guide.view import CalibrationView
 from tests.station.guide.rig import GuideRig, dwells
 

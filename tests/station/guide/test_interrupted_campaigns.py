@@ -18,10 +18,15 @@ from station.files.atomic_file import new_folder
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.plan_file import keep_plan
 from station.files.sha256sums import verify_folder
-from station.guide.folder_lock import FolderInUse, folder_lock
-from station.guide.interrupted_campaigns import cancel_campaign, reopen
-from station.guide.start_choices import unfinished_campaigns
-from station.guide.unfinished_beginning import clear_unfinished, has_row, is_unfinished
+from station.guide.campaign.folder_lock import FolderInUse, folder_lock
+from station.guide.campaign.interrupted_campaigns import (
+    cancel_campaign,
+    clear_unfinished,
+    has_row,
+    is_unfinished,
+    reopen,
+)
+from station.guide.start_screen import unfinished_campaigns
 from station.stream.connected_unit import Unit
 from station.stream.recorder import accepted_step_writer as recording
 from station.stream.recorder.accepted_step_writer import write_tables

@@ -13,8 +13,8 @@ from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.plan_file import read_plan, write_plan
 from station.files.campaign_setup import Setup
-from station.guide.instruction_words import instruction
-from station.guide.live_campaign import usual_steps
+from station.guide.campaign.campaign_start import usual_steps
+from station.guide.wording import instruction
 from tests.station.guide.rig import GuideRig, dwells
 
 Make = Callable[..., GuideRig]
@@ -114,7 +114,7 @@ def test_a_redone_repeat_replaces_itself_alone_also_after_a_kill(rig: Make) -> N
         ("dwell_01_repeat", ["dwell_01.mcap", "dwell_02.mcap", "dwell_01_repeat_2.mcap"]),
         ("dwell_01", ["dwell_02.mcap", "dwell_01_repeat_2.mcap", "dwell_01_2.mcap"]),
     ):
-        guided.obey("redo", step=redone)
+        guided.execute("redo", step=redone)
         guided.hands("place 1 8")
         guided.run(lambda v, name=redone: v.step(name).attempts == 2)
         assert files(guided) == left

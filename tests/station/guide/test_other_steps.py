@@ -20,13 +20,12 @@ from station.calibrated.calibration_choice import AppliedCalibration
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.sha256sums import verify_folder
-from station.guide import folder_recorder
-from station.guide.calibration_so_far import calibration_so_far
-from station.guide.instruction_words import instruction
-from station.guide.interrupted_campaigns import reopen
-from station.guide.monitored_words import laws_in_words
-from station.guide.resumed_campaign import read_accepted_steps
+from station.guide.campaign import folder_recorder
+from station.guide.campaign.accepted_steps import read_accepted_steps
+from station.guide.campaign.folder_recorder import interim_calibration
+from station.guide.campaign.interrupted_campaigns import reopen
 from station.guide.view import CalibrationView
+from station.guide.wording import instruction, laws_in_words
 from station.stream.connected_unit import Unit
 from tests.refusals import refused
 from tests.station.campaign_writing import write_campaign
@@ -155,7 +154,7 @@ def calibrated(monkeypatch: pytest.MonkeyPatch) -> None:
     def found(folder: Path, database: str, unit: Unit, wire: WireFormat) -> AppliedCalibration:
         return AppliedCalibration(calibration_of(TRUTH), None, InUse("by hand"))
 
-    monkeypatch.setattr(folder_recorder, "calibration_so_far", found)
+    monkeypatch.setattr(folder_recorder, "interim_calibration", found)
 
 
 @pytest.mark.usefixtures("calibrated")
@@ -218,11 +217,11 @@ def test_the_campaigns_own_steps_are_the_calibration_as_soon_as_they_determine_o
     folder.mkdir()
     write_campaign(folder, simulate_campaign(truth, 7, dwell_s=10.0), truth.sample_period_s)
     unit = Unit(truth.model, truth.serial, truth.sample_period_s)
-    found = calibration_so_far(folder, database, unit, COUNTS)
+    found = interim_calibration(folder, database, unit, COUNTS)
     assert found.in_use.text == "this campaign"
     assert found.document is not None
     for name, k in (("accelerometer", truth.accel_k), ("gyroscope", truth.gyro_k)):
         assert found.document[name]["scale_factor"]["value"] == pytest.approx(k.tolist(), rel=1e-3)
     (folder / "campaign.toml").unlink()
     with refused(DataRefused, ErrorCode.CALIBRATION):
-        calibration_so_far(folder, database, unit, COUNTS)
+        interim_calibration(folder, database, unit, COUNTS)

@@ -22,9 +22,9 @@ from procedures.campaign.campaign import FaceCertificate
 from procedures.frames import FACES
 from station.files.campaign_folder.plan_file import write_note
 from station.files.campaign_setup import Setup
-from station.guide.live_campaign import site_table, usual_steps
-from station.guide.prior_knowledge import read_prior_knowledge
-from station.guide.readiness import readiness
+from station.guide.campaign.campaign_start import usual_steps
+from station.guide.campaign.campaign_tables import site_table
+from station.guide.campaign.readiness import read_prior_knowledge, readiness
 from station.guide.setup_view import PortCheck, Readiness
 from station.results import campaign_results as module
 from station.results.campaign_results import CampaignResults, make_results, store
@@ -151,5 +151,5 @@ def test_what_is_not_known_before_the_port_was_looked_at_is_said_to_be_so(bench:
         ready = readiness(setup, facts, check)
         assert ready.can_pass is None
         assert ready.can_certify
-        assert ready.said[0] == "can end in PASS: not known before the unit's model is known"
+        assert ready.outcomes[0] == "can end in PASS: not known before the unit's model is known"
         assert ready.lines[0].state == "note"

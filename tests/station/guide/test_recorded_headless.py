@@ -21,10 +21,10 @@ from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML
 from station.files.campaign_setup import Setup
 from station.files.sha256sums import SHA256SUMS, append_hash, sha256_of
-from station.guide.copied_effects import copy_effects
+from station.guide.campaign.campaign_tables import copy_effects
 from station.guide.headless import record_headless
+from station.guide.options import EngineOptions
 from station.guide.simulated_operator import SimulatedOperator
-from station.guide.start_engine import EngineOptions
 from tests.fixtures_db.factory import unprotect
 from tests.patience import paced
 from tests.refusals import refused

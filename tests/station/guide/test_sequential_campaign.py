@@ -10,10 +10,9 @@ from procedures.campaign.plan_steps import Dwell
 from procedures.planning.campaign_design import CampaignDesign, Placement
 from procedures.planning.least_time import NextPlacement
 from station.files.campaign_folder.plan_file import WantedRecord
-from station.guide import sequential_campaign
-from station.guide.accepted_dwell import AcceptedDwell
-from station.guide.measured_noise import NOISE_S
-from station.guide.sequential_campaign import SequentialCampaign
+from station.guide.campaign import sequential_campaign
+from station.guide.campaign.accepted_steps import AcceptedDwell
+from station.guide.campaign.sequential_campaign import NOISE_S, SequentialCampaign
 from tests.procedures.planning.bench_of_moves import HALVES, bench, order, unit
 from tests.station.guide.rig import GuideRig
 
@@ -57,7 +56,7 @@ def test_the_guide_asks_for_what_comes_next_ends_a_dwell_that_is_enough_and_stop
     assert guided.view.limits[0].text.startswith("gyroscope bias ")
     assert any("of 0.0200 deg/h, about 2 min left" in text for text in guided.texts)
     assert guided.texts[-1].endswith("all targets are met")
-    guided.obey("more")
+    guided.execute("more")
     assert guided.view.wanted == "dwell_05"
 
 
@@ -68,7 +67,7 @@ def test_a_campaign_that_is_resumed_goes_on_and_a_step_done_again_counts_once(ru
         guided.run(guided.done(i + 1))
     guided.resume()
     assert guided.view.wanted == "dwell_03"
-    guided.obey("redo", step="dwell_01")
+    guided.execute("redo", step="dwell_01")
     guided.hands("place 1 8")
     guided.run(lambda view: view.step("dwell_01").attempts == 2)
     assert guided.view.wanted == "dwell_03"
@@ -90,7 +89,7 @@ def test_a_unit_of_which_nothing_is_known_shows_its_noise_in_the_first_two_minut
     guided.resume()
     assert guided.view.limits[0].text.startswith("gyroscope bias ")
     assert guided.view.wanted == "dwell_02"
-    noise, truth = guided.context.sequel.noise, guided.truth
+    noise, truth = guided.context.planner.noise, guided.truth
     assert np.median(noise.gyro_white) == pytest.approx(truth.gyro_arw_deg_rt_s, rel=0.5)
     white = truth.accel_noise_g * np.sqrt(truth.sample_period_s)
     assert np.median(noise.accel_white) == pytest.approx(white, rel=0.5)

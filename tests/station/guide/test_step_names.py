@@ -5,8 +5,8 @@ from collections.abc import Callable
 
 import pytest
 
-from station.guide.step_names import files_as_steps, for_people, gap_in_words, step_typed
-from station.guide.text_lines import verdict_lines
+from station.guide.plain_screen import verdict_lines
+from station.guide.step_names import files_as_steps, gap_in_words, step_named, without_file_names
 from station.stream.stream_events import Event
 from tests.station.guide.rig import GuideRig
 from tests.station.tui import views
@@ -41,7 +41,7 @@ def test_files_and_names_of_steps_become_words(filed: str, said: str) -> None:
     ],
 )  # fmt: skip
 def test_a_step_is_meant_by_what_people_type(typed: str, step: str) -> None:
-    assert step_typed(files_as_steps(typed), views.steps(0)) == step
+    assert step_named(files_as_steps(typed), views.steps(0)) == step
 
 
 def test_a_gap_that_the_guide_made_is_called_what_it_is_and_lost_samples_are_not() -> None:
@@ -64,7 +64,7 @@ def test_views_for_people_name_no_file() -> None:
             "verdict": views.PASSED.verdict.model_copy(update={"warnings": ("dwell_04.mcap: damaged",)}),
         }
     )  # fmt: skip
-    shown = for_people(view)
+    shown = without_file_names(view)
     texts = [shown.line, shown.hint, shown.error, shown.events[0].text, *verdict_lines(shown.verdict)[:6]]
     assert not [text for text in texts if FILED.search(text)]
     assert shown.steps == view.steps

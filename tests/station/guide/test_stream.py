@@ -10,7 +10,7 @@ from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
 from procedures.error_codes import ErrorCode
 from station.files.campaign_folder.campaign_reading import read_campaign
-from station.guide.resumed_campaign import read_accepted_steps
+from station.guide.campaign.accepted_steps import read_accepted_steps
 from station.stream.connected_unit import UnitChanged
 from tests.refusals import refused
 from tests.station.guide.rig import GuideRig, dwells

@@ -14,7 +14,7 @@ from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.campaign_schema import read_campaign_toml
-from station.guide.seating_watch import FIRST_ON_FACE
+from station.guide.checks.seating import FIRST_ON_FACE
 from station.guide.view import CalibrationView
 from tests.refusals import refused
 from tests.station.guide.rig import GuideRig
@@ -143,7 +143,7 @@ def test_a_turn_the_wrong_way_is_taken_as_the_other_one_if_the_operator_says_so(
     if when == "after it":
         guided.rest(90)
         assert guided.view.done == 0
-    guided.obey("answer", key="y")
+    guided.execute("answer", key="y")
     view = guided.run(guided.done(1))
     assert view.step("turn_x_minus").attempts == 1
     assert view.wanted == "turn_x_plus"
@@ -214,7 +214,7 @@ def test_the_operator_may_state_a_wider_closure_which_is_recorded_as_that_act(ri
     turn(guided, "+")
     off_by(guided, "-", 0.5)
     guided.run(lambda v: v.question is not None)
-    guided.obey("answer", key="w")
+    guided.execute("answer", key="w")
     guided.run(lambda _: guided.guide.is_complete)
     loaded = read_campaign(guided.folder)
     stated = loaded.tables.procedure

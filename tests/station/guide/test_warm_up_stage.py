@@ -38,10 +38,10 @@ def test_a_heating_unit_waits_and_says_how_long(rig: Make) -> None:
 
 def test_a_skipped_warm_up_is_recorded_and_widens_the_sigma(rig: Make) -> None:
     guided = rig(dwells(1, seconds=20.0), HEATING, warms_up=True)
-    guided.obey("skip_warm_up")
+    guided.execute("skip_warm_up")
     assert guided.view.stage == "warm_up"  # not before anything is known
     guided.rest(100)
-    guided.obey("skip_warm_up")
+    guided.execute("skip_warm_up")
     guided.run(guided.done(1))
     procedure = read_campaign_toml(guided.folder)[0].procedure
     assert procedure.unsettled_gyro_deg_h > 0.01

@@ -26,8 +26,8 @@ from station.files.atomic_file import replace_file
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.plan_file import write_note
 from station.files.campaign_setup import Setup
-from station.guide.interrupted_campaigns import cancel_campaign
-from station.guide.outcome import verdict_view
+from station.guide.campaign.interrupted_campaigns import cancel_campaign
+from station.guide.campaign.verdict import verdict_view
 from station.results import campaign_results as module
 from station.results.campaign_results import make_results, store
 from station.results.certificate.model_statement import diagnosis_said

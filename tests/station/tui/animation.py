@@ -15,10 +15,9 @@ from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from station.demo.example_bench import GRAVITY_STD, add_example
 from station.files.campaign_setup import Setup
-from station.guide.command import OperatorCommand
 from station.guide.headless import run_headless
-from station.guide.start_engine import EngineOptions
-from station.guide.view import CalibrationView
+from station.guide.options import EngineOptions
+from station.guide.view import CalibrationView, OperatorCommand
 from tests.station.tui.screenshots import FOLDER, portable
 from tests.station.tui.session import SMALL, screens
 

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 from textual.pilot import Pilot
 
-from station.guide.command import OperatorCommand
-from station.guide.view import CalibrationView
+from station.guide.view import CalibrationView, OperatorCommand
 from station.tui.app import StationApp
 
 SMALL, LARGE = (80, 24), (120, 40)
@@ -15,7 +14,7 @@ PHONE = (46, 48)
 
 
 class MemorySession:
-    """A `station.guide.command.CalibrationSession` without an engine: holds a view, keeps what was sent."""
+    """A `station.guide.view.CalibrationSession` without an engine: holds a view, keeps what was sent."""
 
     def __init__(self, view: CalibrationView) -> None:
         self.view = view

@@ -5,10 +5,9 @@
 
 import sys
 
-from station.guide.command import OperatorCommand
-from station.guide.view import CalibrationView
+from station.guide.view import CalibrationView, OperatorCommand
 from station.stream.stream_events import Event
-from station.tui.run import run_screens
+from station.tui import run_screens
 from tests.paths import ROOT
 from tests.station.tui.session import MemorySession
 from tests.station.tui.views import LEFT, VIEWS

@@ -2,9 +2,8 @@
 
 import pytest
 
-from station.guide.command import OperatorCommand
-from station.guide.view import CalibrationView
-from station.tui.screens.confirm import ConfirmScreen
+from station.guide.view import CalibrationView, OperatorCommand
+from station.tui.screens.modals import ConfirmScreen
 from station.tui.widgets.step_grid import GridCursor
 from tests.station.tui import views
 from tests.station.tui.session import LARGE, screens

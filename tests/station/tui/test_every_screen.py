@@ -7,12 +7,10 @@ from textual.widgets import Footer
 
 from station.guide.view import CalibrationView, StageName
 from station.tui.screens import screen_for
-from station.tui.screens.confirm import ConfirmScreen
-from station.tui.screens.help import HelpScreen
+from station.tui.screens.modals import ConfirmScreen, HelpScreen
 from station.tui.screens.stage import RUNNING, TooSmall
-from station.tui.widgets.event_lines import EventLines
-from station.tui.widgets.number_table import NumberTable
-from station.tui.widgets.redrawn_on_change import ValueWidget
+from station.tui.screens.verdict import NumberTable
+from station.tui.widgets.common import EventLines, ValueWidget
 from tests.station.tui import views
 from tests.station.tui.session import LARGE, PHONE, SMALL, Screens, screens
 

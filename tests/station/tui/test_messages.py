@@ -8,7 +8,7 @@ from textual.widget import Widget
 
 from drivers.errors import DriverError, LinkLost, LinkSilent, PortBusy, PortDenied, WrongFormat
 from station.errors import DataRefused, cannot_write
-from station.guide.guide import trouble_of
+from station.guide.stages.guide import trouble_of
 from station.guide.view import CalibrationView, StageName
 from station.stream.connected_unit import UnitChanged
 from station.stream.stream_events import Event
@@ -104,7 +104,7 @@ async def test_the_end_and_the_set_up_say_errors_whole() -> None:
             start = start_views.START.start.model_copy(update={"refused": str(error)})
             await seen.show(start_views.START.model_copy(update={"start": start}))
             await seen.pilot.pause()
-            assert words(str(error)) in said_in(seen, seen.app.screen.query_one("#said"))
+            assert words(str(error)) in said_in(seen, seen.app.screen.query_one("#message"))
 
 
 async def test_a_question_is_whole_with_its_choices() -> None:

@@ -9,10 +9,7 @@ from textual.events import Key
 from station.guide.setup_view import Choice
 from station.guide.view import CalibrationView, OperatorQuestion
 from station.tui.screens import screen_for
-from station.tui.screens.confirm import ConfirmScreen
-from station.tui.screens.help import HelpScreen
-from station.tui.screens.modal import Modal
-from station.tui.screens.question import QuestionScreen
+from station.tui.screens.modals import ConfirmScreen, HelpScreen, Modal, QuestionScreen
 from station.tui.screens.stage import RUNNING
 from tests.station.tui import views
 from tests.station.tui.session import LARGE, SMALL, screens

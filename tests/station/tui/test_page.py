@@ -5,11 +5,11 @@ import re
 import pytest
 from textual.binding import Binding
 
-from station.guide.guide import trouble_of
+from station.guide.stages.guide import trouble_of
 from station.tui.app import StationApp
 from station.tui.screens import SCREENS, screen_for
 from station.tui.screens.campaign import STAGE_LOOKS
-from station.tui.screens.framed import NO_DATA
+from station.tui.screens.stage import NO_DATA
 from station.tui.widgets.step_grid import STEP_LOOKS
 from tests.paths import ROOT
 from tests.station.tui import views

@@ -4,13 +4,11 @@ import pytest
 from textual.events import Key
 
 from station.files.campaign_setup import Setup
-from station.guide.command import OperatorCommand
 from station.guide.setup_view import Choice, PortCheck, Readiness, ReadyLine, StartView
-from station.guide.view import CalibrationView
-from station.tui.screens.help import HelpScreen
-from station.tui.screens.ready import ReadyScreen
+from station.guide.view import CalibrationView, OperatorCommand
+from station.tui.screens.modals import HelpScreen, ReadyScreen
 from station.tui.screens.start import CONSIDER_S
-from station.tui.setup_entries import ENTRIES, problems, setup_of, texts_of
+from station.tui.widgets.setup_entries import ENTRIES, problems, setup_of, texts_of
 from tests.station.tui import start_views
 from tests.station.tui.session import Screens, screens
 
@@ -27,7 +25,7 @@ def of_start(**update: object) -> CalibrationView:
 
 
 def said(seen: Screens) -> str:
-    return seen.app.screen.said.render().plain
+    return seen.app.screen.message.render().plain
 
 
 async def fill(seen: Screens, name: str, text: str) -> None:

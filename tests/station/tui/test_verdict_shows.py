@@ -3,7 +3,7 @@
 import pytest
 
 from station.guide.view import VerdictRow
-from station.tui.screens.diagnosis import DiagnosisScreen
+from station.tui.screens.modals import DiagnosisScreen
 from station.tui.screens.verdict import VerdictScreen
 from tests.station.tui import views
 from tests.station.tui.session import LARGE, SMALL, screens

@@ -16,8 +16,8 @@ from procedures.campaign.plan_steps import Dwell, turn_steps
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.plan_file import write_plan
 from station.files.campaign_setup import Setup
-from station.guide.client import EngineConnection
-from station.guide.start_engine import EngineOptions, engine_process
+from station.guide.client import EngineConnection, engine_process
+from station.guide.options import EngineOptions
 from station.guide.view import CalibrationView
 from station.tui.app import StationApp
 from tests.patience import HANG_S, paced

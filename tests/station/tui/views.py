@@ -1,8 +1,8 @@
 """Views made by hand: a campaign as a technician sees it. Tests and screenshots show them."""
 
 from drivers.errors import LinkSilent
-from station.guide.guide import trouble_of
 from station.guide.setup_view import Choice
+from station.guide.stages.guide import trouble_of
 from station.guide.view import (
     CalibrationView,
     GatesView,

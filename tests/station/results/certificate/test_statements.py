@@ -10,7 +10,7 @@ import pytest
 
 from fixtures_db.database import open_db
 from fixtures_db.model_limits import Limit
-from procedures.diagnosis.result import Verdict
+from procedures.inference.result import Verdict
 from procedures.twelve_positions.bench_parameters import SLAB_TILT_RANGE_RAD
 from procedures.uncertainty.sources import SOURCES
 from station.errors import DataRefused
@@ -83,7 +83,7 @@ def test_what_was_judged_then_is_judged_now_and_what_has_no_value_is_not_measure
     assert conformity({}, {}) is None
 
 
-QUADRATIC = {"effect": "accelerometer.quadratic", "confidence": "ambiguous", "aliases": ["fixture.parallelism"]}
+QUADRATIC = {"effect": "accelerometer.quadratic", "confidence": "possible", "aliases": ["fixture.parallelism"]}
 WARNING = "the residual is larger (chi-square 90 at 30): the uncertainties are too small; run `station diagnose`"
 K2 = "accelerometer.quadratic"
 

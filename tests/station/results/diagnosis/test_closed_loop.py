@@ -44,7 +44,7 @@ def test_counts_at_another_temperature_come_out_right(warmed: Diagnosed) -> None
 
 def test_an_instrument_effect_in_doubt_is_not_carried(warmed: Diagnosed, monkeypatch: pytest.MonkeyPatch) -> None:
     found = closed_loop.diagnose([one.campaign for one in read_for_solve([warmed.folder])])
-    doubted = tuple(replace(each, confidence="ambiguous") for each in found.findings)
+    doubted = tuple(replace(each, probability=0.6) for each in found.findings)
     monkeypatch.setattr(closed_loop, "diagnose", lambda campaigns, declared: replace(found, findings=doubted))
     closed = close_loop(read_for_solve([warmed.folder]))
     assert closed.effects == ()

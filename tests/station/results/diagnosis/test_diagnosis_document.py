@@ -8,8 +8,8 @@ import pytest
 from matplotlib.figure import Figure
 
 from procedures.campaign.campaign import Campaign, Fixture, ProcedureSigma, Site
-from procedures.diagnosis.result import Because
 from procedures.diagnosis.single_channels import SingleChannel
+from procedures.inference.result import Because
 from procedures.statistics.allan_deviation import NoiseTerm
 from procedures.statistics.line_fits import CorrelatedLine
 from procedures.units import DEG_H_PER_DEG_S
@@ -132,9 +132,9 @@ def test_the_rows_of_each_sensor_are_drawn_before_and_after() -> None:
 
 
 def test_a_reason_of_several_findings_is_stated_once() -> None:
-    walk = {"code": Because.WALK, "what": "gyroscope.jump"}
-    curve = {"code": Because.CURVE, "what": "gyroscope.jump"}
+    walk = {"code": Because.NAMELESS, "what": "a random walk", "value": 0.9}
+    curve = {"code": Because.NAMELESS, "what": "a function of time", "value": 0.8}
     document = {"log10_p": -9.0, "verdict": "unexplained", "findings": [], "reasons": [walk, curve, walk, walk]}
     sentence = verdict_sentence(document)
     assert sentence.count("random walk") == 1
-    assert sentence.count("smooth curve") == 1
+    assert sentence.count("a function of time") == 1

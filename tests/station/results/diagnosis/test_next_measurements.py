@@ -18,7 +18,7 @@ AS_IT_IS = ("+x", "+y", "+z")
 
 
 def ambiguous(effect: str, *aliases: str, **where: object) -> dict[str, object]:
-    return {"effect": effect, "kind": "instrument", "confidence": "ambiguous", "aliases": aliases, "where": where}
+    return {"effect": effect, "kind": "instrument", "confidence": "possible", "aliases": aliases, "where": where}
 
 
 def test_the_table_holds_no_effect_that_the_catalogue_does_not() -> None:

@@ -66,7 +66,7 @@ def test_points_of_a_table_are_drawn_at_their_own_rate_and_temperature_in_deg_s(
     found = diagnose([loaded.campaign])
     page = section_html(diagnosis_document(found, [loaded]), None)
     assert "gyroscope scale factor z" in page  # what the summary says the page says
-    assert "</code>, u^3." in page
+    assert "gyroscope.scale_nonlinearity" in page
     panels = residual_panels(found)
     assert len(panels) == 2
     for panel, along in zip(panels, (points.reference, points.temperature), strict=True):

@@ -8,7 +8,7 @@ import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
-from procedures.diagnosis.channel_noise import channel_noise
+from procedures.samples.channel_noise import channel_noise
 from procedures.statistics.spectrum import Line
 from procedures.units import DEG_H_PER_DEG_S
 from station.results.noise.noise_json import averaged, channel_document

@@ -192,7 +192,9 @@ def test_a_campaign_is_diagnosed_again_and_what_changed_is_said(
     assert same["gained"] == same["lost"] == same["changed"] == []
     document = json.loads(file.read_text())
     document["verdict"] = "established"
-    document["findings"] = [{**document["findings"][0], "effect": "gyroscope.magnetic"}]
+    document["findings"] = [
+        {"effect": "gyroscope.magnetic", "kind": "instrument", "confidence": "established", "aliases": []}
+    ]
     file.write_text(json.dumps(document))
     command = ["resolve", str(folder), "--workers", "1", "--out", str(tmp_path / "kept")]
     capsys.readouterr()

@@ -79,15 +79,15 @@ def compared(now: tuple[str, list[dict[str, Any]]], before: tuple[str, list[dict
 
 
 def test_what_came_what_went_and_what_is_surer_is_said() -> None:
-    before = [finding("slab.tilt"), finding("accelerometer.quadratic", "ambiguous", "fixture.parallelism")]
+    before = [finding("slab.tilt"), finding("accelerometer.quadratic", "possible", "fixture.parallelism")]
     now = [finding("accelerometer.quadratic"), finding("gyroscope.magnetic", "likely")]
     entry = compared(("likely", now), ("ambiguous", before))
     assert list(diagnosis_remarks(entry)) == [
         "diagnosis: ambiguous before, likely now",
         "found now: gyroscope.magnetic, likely",
         "no more found: slab.tilt, established",
-        "accelerometer.quadratic: ambiguous (or fixture.parallelism) before, established now",
+        "accelerometer.quadratic: possible (or fixture.parallelism) before, established now",
     ]
     assert entry["diagnosis"]["changed"] == [
-        {"effect": "accelerometer.quadratic", "before": "ambiguous (or fixture.parallelism)", "now": "established"}
+        {"effect": "accelerometer.quadratic", "before": "possible (or fixture.parallelism)", "now": "established"}
     ]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from textual.pilot import Pilot
 
 from station.monitor.view import MonitorVerb, MonitorView
-from station.tui.monitor.app import MonitorApp
+from station.tui.monitor_screen import MonitorApp
 
 SMALL, LARGE = (80, 24), (120, 40)
 

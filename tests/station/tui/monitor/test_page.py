@@ -8,8 +8,7 @@ from textual.binding import Binding
 from station.attitude.live_readings import MotionState
 from station.monitor.text_lines import MONITOR_KEYS
 from station.monitor.view import ALARMS
-from station.tui.monitor.app import MonitorApp
-from station.tui.monitor.screen import MonitorScreen
+from station.tui.monitor_screen import MonitorApp, MonitorScreen
 from tests.paths import ROOT
 from tests.station.tui.monitor.screenshots import PICTURES, picture
 

@@ -6,9 +6,8 @@ from dataclasses import replace
 import pytest
 
 from station.locate.location import Location
-from station.tui.monitor.horizon_picture import horizon_picture
-from station.tui.monitor.map_picture import map_picture
-from station.tui.monitor.widgets import line_dots
+from station.tui.monitor_pictures import horizon_picture, map_picture
+from station.tui.monitor_widgets import line_dots
 
 
 def ground(roll: float, pitch: float) -> list[list[bool]]:

@@ -5,12 +5,12 @@ from collections.abc import Callable
 import pytest
 from textual.widgets import Footer
 
-from station.tui.monitor.app import MonitorApp
-from station.tui.screens.confirm import ConfirmScreen
-from station.tui.widgets.event_lines import EventLines
-from station.tui.widgets.redrawn_on_change import ValueWidget
+from station.tui.monitor_screen import MonitorApp
+from station.tui.screens.modals import ConfirmScreen
+from station.tui.widgets.common import EventLines, ValueWidget
 from tests.station.monitor.views import VIEWS
-from tests.station.tui.monitor.session import LARGE, SMALL, MemorySession, Shown, shown
+from tests.station.tui.animation import shown
+from tests.station.tui.monitor.session import LARGE, SMALL, MemorySession, Shown
 
 LOOKS = [  # the usual ones are the pictures of docs/how-to/monitor.md, see test_page.py
     ("waiting", SMALL, ""), ("alarming", SMALL, ""), ("blind", SMALL, ""), ("resting", SMALL, "question_mark"),

@@ -7,8 +7,7 @@ from urllib.parse import quote, urlsplit
 
 import pytest
 
-from station.tui.web import serve
-from station.tui.web.errors import PortTaken
+from station.tui.web import PortTaken, serve
 from tests.patience import HANG_S
 from tests.station.tui.web.engine import WebServer
 

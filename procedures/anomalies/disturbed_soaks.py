@@ -1,0 +1,246 @@
+"""Knocks and wrong rows within soaks: short stretches that are livelier than the soak's own quiet.
+
+They are looked for as in dwells (`procedures.anomalies.disturbances`), cut out and said. What lasts longer, or
+comes so often that little would be left, is a state of the soak and stays in: effects may go with it.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from procedures.anomalies.channel_faults import changed_noise, clipped_channels, frozen_stretches
+from procedures.anomalies.disturbances import (
+    CHANNEL_LABELS,
+    Disturbance,
+    find_disturbances,
+    rough_scale,
+    without_disturbances,
+)
+from procedures.arrays import FloatArray, IntArray
+from procedures.campaign.campaign import Campaign, RestRecord
+from procedures.campaign.observations import channel
+from procedures.counts.sample_records import Series
+from procedures.evidence.rate_points import STD_PER_MAD
+from procedures.frames import AXES, TRIADS
+from procedures.inference.result import EffectTest, Finding
+
+BESIDE_S = 10.0  # either side of a stretch, against which it is held
+MIN_BESIDE = 100  # samples
+APART = 10  # the part of a stretch that is left between it and what it is held against
+MIN_LIVELINESS = 1.5  # rms over that beside it, from which on a channel shows a disturbance
+STEP_SIGMAS = 5.0  # by which the levels before and after must differ for a step
+MIN_STEP = 0.3  # of the rms in between, that they must differ by as well
+LOUD = 8.0  # sigma of a sample that is far off by itself
+MAX_ROWS = 5  # far off, of a stretch that is wrong rows and no knock
+ONE_NUMBER = 1e-3  # of how far it is off, within which it is one: less the line that goes on beneath it
+TINY = 1e-300
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Deviation:
+    """A channel's samples (n,) in a stretch less their surroundings, over ``sigma`` of these [output].
+
+    ``step`` is by how much the level after it is off that before it [sigma of a sample], ``step_sigmas`` the same
+    over its own sigma; 0 at the end of a recording.
+    """
+
+    channel: str
+    samples: FloatArray
+    sigma: float
+    step: float
+    step_sigmas: float
+
+    @property
+    def is_lively(self) -> bool:
+        """Say whether the stretch is livelier than what surrounds it."""
+        return _rms(self.samples) > MIN_LIVELINESS
+
+    @property
+    def is_step(self) -> bool:
+        """Say whether it does not come back: a jump, which is no knock."""
+        excess = np.sqrt(max(_rms(self.samples) ** 2 - 1, 0.0))
+        return bool(self.step_sigmas > STEP_SIGMAS and self.step > MIN_STEP * excess)
+
+
+def wrong_rows(found: Sequence[Deviation]) -> IntArray:
+    """Return the rows (m,) of a stretch, from its first, that are far off where nothing else is lively.
+
+    None where there are more than `MAX_ROWS`, which are not one number: then it is a knock.
+    """
+    samples = np.stack([each.samples for each in found], axis=1)
+    is_far = np.max(np.abs(samples), axis=1) > LOUD
+    is_quiet = all(_rms(each.samples[~is_far]) < MIN_LIVELINESS for each in found)
+    loudest = samples[is_far][:, np.argmax(np.max(np.abs(samples), axis=0))]
+    is_few = len(loudest) <= MAX_ROWS or float(np.ptp(loudest)) < ONE_NUMBER * float(np.max(np.abs(loudest)))
+    return np.flatnonzero(is_far if is_quiet and is_few else np.zeros_like(is_far))
+
+
+def _rms(samples: FloatArray) -> float:
+    return float(np.sqrt(np.mean(samples**2))) if len(samples) else 0.0
+
+
+def deviations_in(series: Series, found: Disturbance) -> list[Deviation]:
+    """Return what every channel of a recording does in a disturbed stretch."""
+    length = max(round(BESIDE_S / series.period), MIN_BESIDE)
+    apart = (found.end - found.first) // APART  # the disturbance may go on a little beyond what was found of it
+    before = slice(max(found.first - apart - length, 0), max(found.first - apart, 0))
+    after = slice(found.end + apart, found.end + apart + length)
+    told = list[Deviation]()
+    for triad in TRIADS:
+        if (samples := channel(series, triad)) is None:
+            continue
+        for axis, name in enumerate(CHANNEL_LABELS[triad]):
+            x = np.asarray(samples[:, axis], dtype=np.float64)
+            told.append(_deviation(name, x[before], x[found.first : found.end], x[after], apart))
+    return told
+
+
+def _deviation(name: str, before: FloatArray, inside: FloatArray, after: FloatArray, apart: int) -> Deviation:
+    """Hold a stretch's samples against a line of one slope and two levels through those ``apart`` beside it."""
+    t = np.arange(len(inside), dtype=np.float64)
+    t_beside = np.concatenate([np.arange(-len(before), 0) - apart, len(inside) + apart + np.arange(len(after))])
+    A = np.stack([t_beside < 0, t_beside >= 0, t_beside], axis=1).astype(np.float64)
+    values = np.concatenate([before, after])
+    R = np.linalg.pinv(A)
+    first, last, slope = R @ values
+    off = values - A @ [first, last, slope]
+    sigma = STD_PER_MAD * float(np.median(np.abs(off))) or float(off.std()) or TINY  # a coarse, a dead channel
+    if len(before) == 0 or len(after) == 0:
+        line = (last if len(after) else first) + slope * t
+        return Deviation(name, (inside - line) / sigma, sigma, 0.0, 0.0)
+    line, step = (first + last) / 2 + slope * t, abs(float(last - first)) / sigma
+    return Deviation(name, (inside - line) / sigma, sigma, step, step / float(np.linalg.norm(R[1] - R[0])))
+
+
+MAX_KNOCK_S = 30.0  # that is cut as one
+MAX_CUT_SHARE = 0.2  # of a soak
+MAX_NAMED = 3  # of a soak, each for itself; of more the surest, and how many others there are
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class QuietSoaks:
+    """Campaigns whose soaks are without their knocks, what was found, and the test that was made."""
+
+    campaigns: tuple[Campaign, ...]
+    findings: tuple[Finding, ...]
+    tests: tuple[EffectTest, ...]
+
+
+def without_knocks(campaigns: Sequence[Campaign]) -> QuietSoaks:
+    """Return one unit's campaigns with the short disturbed stretches of their soaks cut out."""
+    soaks = [_of_soaks(campaign) for campaign in campaigns]
+    frozen = list(frozen_stretches(soaks))
+    alive = without_disturbances(soaks, frozen)
+    found, tests = find_disturbances(alive, are_soaks=True)
+    kept = list(_short(alive, found))
+    quiet = without_disturbances(alive, kept)
+    put_back = tuple(_put_back(one, other) for one, other in zip(campaigns, quiet, strict=True))
+    told = [*(each.finding for each in frozen), *_named(alive, kept)]
+    lasting = [*clipped_channels(quiet), *(list(_states(alive, found)) or changed_noise(quiet))]
+    return QuietSoaks(put_back, (*told, *lasting), tests)
+
+
+def _of_soaks(campaign: Campaign) -> Campaign:
+    """Return a campaign whose soaks are its rests, and which has nothing else."""
+    rests = tuple(RestRecord(soak.name, soak.up, soak.series) for soak in campaign.soaks)
+    return replace(campaign, dwells=(), turns=(), rests=rests, soaks=(), moves=(), sequences=())
+
+
+def _put_back(campaign: Campaign, quiet: Campaign) -> Campaign:
+    soaks = zip(campaign.soaks, quiet.rests, strict=True)
+    return replace(campaign, soaks=tuple(replace(soak, series=rest.series) for soak, rest in soaks))
+
+
+def _short(soaks: Sequence[Campaign], found: Sequence[Disturbance]) -> Iterator[Disturbance]:
+    """Yield what is short and comes back to where it began, of soaks of which most is quiet."""
+    for _, rest, here in _by_soak(soaks, found):
+        yield from _cut_of(rest, here)
+
+
+def _cut_of(rest: RestRecord, here: Sequence[Disturbance]) -> list[Disturbance]:
+    """Return what is to be cut out of a soak; nothing where that were too much of it."""
+    short = [_narrowed(rest, each) for each in here if _is_short(rest, each) and not _is_step(rest, each)]
+    return short if sum(each.end - each.first for each in short) <= MAX_CUT_SHARE * len(rest.series) else []
+
+
+def _states(soaks: Sequence[Campaign], found: Sequence[Disturbance]) -> Iterator[Finding]:
+    """Yield what lasts, or comes so often that it stays in, the surest of each soak and how many others there are.
+
+    Of one sensor alone it may be its own noise.
+    """
+    for _, rest, here in _by_soak(soaks, found):
+        is_cut = bool(_cut_of(rest, here))
+        stays = [each for each in here if not _is_step(rest, each) and not (is_cut and _is_short(rest, each))]
+        if not stays:
+            continue
+        each = min(stays, key=_log_p)
+        lively = [one for one in deviations_in(rest.series, each) if one.is_lively]
+        triad = "accelerometer" if each.finding.unit == "g" else "gyroscope"
+        others: dict[str, object] = {"others": len(stays) - 1} if len(stays) > 1 else {}
+        finding = replace(each.finding, where={**each.finding.where, **others})
+        own = finding.or_else(f"{triad}.noise")
+        yield finding if len(lively) > 1 else own
+
+
+def _by_soak(
+    soaks: Sequence[Campaign], found: Sequence[Disturbance]
+) -> Iterator[tuple[Campaign, RestRecord, list[Disturbance]]]:
+    for number, campaign in enumerate(soaks):
+        for step, rest in enumerate(campaign.rests):
+            yield campaign, rest, [each for each in found if (each.campaign, each.step) == (number, step)]
+
+
+def _log_p(found: Disturbance) -> float:
+    return 0.0 if found.finding.log_p is None else found.finding.log_p
+
+
+def _is_short(rest: RestRecord, found: Disturbance) -> bool:
+    return 0 < found.end - found.first <= MAX_KNOCK_S / rest.series.period
+
+
+def _is_step(rest: RestRecord, found: Disturbance) -> bool:
+    return found.end > found.first and any(one.is_step for one in deviations_in(rest.series, found))
+
+
+def _named(soaks: Sequence[Campaign], kept: Sequence[Disturbance]) -> Iterator[Finding]:
+    """Yield a finding for each of a soak's disturbances, of many the surest for all."""
+    for campaign, rest, here in _by_soak(soaks, kept):
+        here.sort(key=_log_p)
+        others: dict[str, object] = {"others": len(here) - 1} if len(here) > MAX_NAMED else {}
+        for each in here[: 1 if others else MAX_NAMED]:
+            finding = _told(campaign, rest, each)
+            yield replace(finding, where={**finding.where, **others})
+
+
+def _narrowed(rest: RestRecord, found: Disturbance) -> Disturbance:
+    """Return a disturbance that is wrong rows as these alone: nothing about them is lost."""
+    rows = wrong_rows(deviations_in(rest.series, found))
+    if not len(rows):
+        return found
+    return replace(found, first=found.first + int(rows[0]), end=found.first + int(rows[-1]) + 1)
+
+
+def _told(campaign: Campaign, rest: RestRecord, found: Disturbance) -> Finding:
+    """Return the finding of a disturbance; of one that is a row or two by how far these are off.
+
+    What one sensor alone shows for longer may be its own: noise that switches between two levels does so.
+    """
+    finding, seen = found.finding, deviations_in(rest.series, found)
+    if not len(rows := wrong_rows(seen)):
+        triad = "accelerometer" if finding.unit == "g" else "gyroscope"
+        is_alone = sum(each.is_lively for each in seen) == 1
+        return finding.or_else(f"{triad}.jump") if is_alone else finding
+    loudest = max(seen, key=lambda each: float(np.max(np.abs(each.samples[rows]))))
+    triad = next(triad for triad, names in CHANNEL_LABELS.items() if loudest.channel in names)
+    k = rough_scale(campaign, triad) * (rest.series.period if campaign.counts else 1.0)
+    at = int(rows[np.argmax(np.abs(loudest.samples[rows]))])
+    of_triad = [each for each in seen if each.channel in CHANNEL_LABELS[triad]]
+    sigma = np.array([one.sigma for one in of_triad])
+    off = sigma * [one.samples[at] for one in of_triad]
+    where = {"file": rest.name, "channel": loudest.channel, "at_s": float(rest.series.t[found.first + at])}
+    unit, alive = "g" if triad == "accelerometer" else "deg/h", np.flatnonzero(sigma > TINY)
+    return replace(
+        finding, coefficients=tuple(AXES[axis] for axis in alive), value=(off / k)[alive], std=(sigma / k)[alive],
+        unit=unit, where=where, shape="a wrong row",
+    )  # fmt: skip

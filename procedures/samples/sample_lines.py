@@ -1,0 +1,298 @@
+"""Lines that come again in every recording, or whose frequency wanders, as that of a dither driven with noise.
+
+Such a line has no phase to fit, but a power. So recordings are cut into pieces, first as long as a recording, then
+ever shorter ones, in which a wandering line still stands; the periodograms of all pieces, each over its own
+background, are summed, of one sensor or of a triad's together. Under noise of any colour and variance a sum of B
+over its neighbours' is F distributed with 2 B degrees of freedom. A resonance that noise drives stands out as
+well. But its power in a piece is exponentially distributed, that of a line, rho times the noise, by the noncentral
+chi-square of 2 degrees of freedom. In shorter pieces the likelihood of this must be `MIN_ODDS` that of the other;
+in whole recordings, which resolve most resonances, at least not as much less.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from scipy.fft import next_fast_len, rfft
+from scipy.optimize import minimize_scalar
+from scipy.special import ive
+
+from procedures.arrays import BoolArray, FloatArray, IntArray
+from procedures.frames import AXES, TRIADS
+from procedures.inference.result import Finding, probability_of
+from procedures.samples.sample_blocks import Fitted, SampleBlocks, Scores, fit_scores, scores_of
+from procedures.samples.sample_phases import Phase
+from procedures.statistics.significance import log_chi2_sf, log_f_sf
+from procedures.statistics.spectrum import (
+    MAX_LOG_P,
+    MEDIAN_OF_EXPONENTIAL,
+    MIN_PERIODS,
+    WINDOW_BINS,
+    background_of,
+    without_straight_line,
+)
+from procedures.units import DEG_H_PER_DEG_S
+
+EFFECT = "disturbance.line"
+MIN_PIECE, SHORTER, MIN_PIECES = 512, 4, 6  # samples; times, from one length to the next; pieces
+WHOLE = 0.98  # of a part, so that parts of nearly one length give a piece each
+NEAR = 12  # neighbours on either side that tell what noise has
+NEIGHBOURS_DOF = 10.0  # of their median, for each piece: 18 values that hang together under Hann's window
+MIN_ODDS = 20.0
+MIN_SHARE = 1e-3  # of a sensor's variance
+SEPARATE = "another sample rate, and another bench"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Pieces:
+    """A sensor's pieces: ``power`` (b, m), what noise has there (b, m), and the variance within pieces."""
+
+    power: FloatArray
+    background: FloatArray
+    variance: float
+
+    def square(self, at: int) -> FloatArray:
+        """Return the square of a line's amplitude at a bin, in each piece (b,)."""
+        near, length = slice(at - 2, at + 3), 2 * (self.power.shape[1] - 1)
+        found: FloatArray = 4 / length * np.sum(self.power[:, near] - self.background[:, near], axis=1)
+        return found
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Line:
+    """A line at a bin of pieces of ``length`` samples of some sensors, and ln p, all that was tried counted."""
+
+    sensors: tuple[int, ...]
+    length: int
+    pieces: int
+    at: int
+    log_p: float
+
+
+def repeated_lines(blocks: SampleBlocks, is_usable: Sequence[bool], names: list[str]) -> Iterator[Finding]:
+    """Yield the strongest such line of each triad."""
+    parts = np.array([part.stop - part.start for channels in blocks.channels for part in channels[0].parts])
+    lengths = _lengths(parts)
+    for triad in TRIADS:
+        sensors = [i for i, each in enumerate(blocks.sensors) if each.triad == triad and is_usable[i]]
+        groups = {(s,) for s in sensors} | {tuple(sensors)} if sensors else set[tuple[int, ...]]()
+        found = list[tuple[_Line, dict[int, _Pieces]]]()
+        for length in lengths:
+            pieces = {s: _pieces(blocks, s, length) for s in sensors}
+            least = -np.log(MIN_ODDS) if length > 0.9 * np.median(parts) else np.log(MIN_ODDS)
+            lines = (_line(pieces, group, length, len(groups) * len(lengths), least) for group in sorted(groups))
+            found += [(line, pieces) for line in lines if line is not None and line.log_p < MAX_LOG_P]
+        if found:
+            yield from _findings(blocks, triad, *min(found, key=lambda each: each[0].log_p), names)
+
+
+def _lengths(parts: IntArray) -> list[int]:
+    """Return the even lengths [samples] of pieces: of parts (p,), the long ones and all, and shorter."""
+    typical = {float(np.median(parts[parts >= parts.max() / 2])), float(np.median(parts))}
+    found = sorted((int(WHOLE * n) for n in typical), reverse=True)
+    while found[-1] // SHORTER >= MIN_PIECE:
+        found.append(found[-1] // SHORTER)
+    return [n // 2 * 2 for n in found if n >= MIN_PIECE and np.sum(parts // n) >= MIN_PIECES]
+
+
+def _line(
+    pieces: dict[int, _Pieces], sensors: tuple[int, ...], length: int, tries: int, least: float
+) -> _Line | None:
+    """Return the strongest line of some sensors together; None where a resonance may be it, by ``least`` odds."""
+    ratio = np.concatenate([pieces[s].power / pieces[s].background for s in sensors])
+    begin = int(MIN_PERIODS)
+    total = ratio.sum(axis=0)
+    over = total / _neighbours(total)
+    over[:begin], over[-WINDOW_BINS:] = 0.0, 0.0
+    at, count = int(np.argmax(over)), len(ratio)
+    log_p = log_f_sf(float(over[at]), 2 * count, NEIGHBOURS_DOF * count) + np.log((len(over) - begin) * tries)
+    noise = total[at] / over[at] / count
+    odds = sum(_odds_of_line(pieces[s].power[:, at] / pieces[s].background[:, at] / noise) for s in sensors)
+    if odds < least:
+        return None
+    return _Line(sensors, length, count // len(sensors), at, min(float(log_p), 0.0))
+
+
+def _pieces(blocks: SampleBlocks, sensor: int, length: int) -> _Pieces:
+    window = 0.5 - 0.5 * np.cos(2 * np.pi * (np.arange(length) + 0.5) / length)
+    parts = [(channels[sensor].rate, part) for channels in blocks.channels for part in channels[sensor].parts]
+    level = without_straight_line(np.concatenate([_cut(rate[part], length) for rate, part in parts]))
+    power = np.abs(np.fft.rfft(level * window)) ** 2 / float(window @ window)
+    return _Pieces(power, background_of(power, int(MIN_PERIODS)), float(np.mean(level**2)))
+
+
+def _cut(rate: FloatArray, length: int) -> FloatArray:
+    """Return the pieces (b, length) of a part (n,), in its unit, but for what is left at its end."""
+    return rate[: len(rate) // length * length].reshape(-1, length)
+
+
+def _neighbours(total: FloatArray) -> FloatArray:
+    """Return the median (m,) of what stands about each value (m,), but for those that its own line reaches."""
+    padded = np.pad(total, NEAR, mode="reflect")
+    steps: IntArray = np.array([k for k in range(-NEAR, NEAR + 1) if abs(k) > WINDOW_BINS])
+    found: FloatArray = np.median(padded[NEAR + np.arange(len(total))[:, None] + steps], axis=1)
+    return np.maximum(found, np.finfo(float).tiny)
+
+
+def _odds_of_line(power: FloatArray) -> float:
+    """Return ln odds of one amplitude over a resonance by powers (b,), of which noise has 1."""
+    rho = float(power.mean()) - 1
+    if rho <= 0:
+        return 0.0
+    of_line = -((np.sqrt(power) - np.sqrt(rho)) ** 2) + np.log(ive(0, 2 * np.sqrt(rho * power)))  # I0 e^-x
+    of_resonance = -power / (1 + rho) - np.log(1 + rho)
+    return float(np.sum(of_line - of_resonance))
+
+
+def _findings(
+    blocks: SampleBlocks, triad: str, line: _Line, pieces: dict[int, _Pieces], names: list[str]
+) -> Iterator[Finding]:
+    """Yield the finding of a line that is a large enough share of a sensor's variance."""
+    squares = {s: pieces[s].square(line.at) for s in line.sensors}
+    shares = {s: float(each.mean()) / 2 / pieces[s].variance for s, each in squares.items()}
+    told = [s for s, share in shares.items() if share > MIN_SHARE]
+    if not told:
+        return
+    factor, unit = (DEG_H_PER_DEG_S, "deg/h") if triad == "gyroscope" else (1.0, "g")
+    amplitude = np.array([np.sqrt(squares[s].mean()) for s in told])
+    std = np.array([squares[s].std() for s in told]) / np.sqrt(line.pieces) / (2 * amplitude)
+    seconds = line.length * blocks.period
+    stretches = f"{line.at / seconds:.4g} +- {0.5 / seconds:.2g} Hz in {line.pieces} stretches of {seconds:.4g} s"
+    yield Finding(
+        EFFECT, "procedure", tuple(triad[0] + AXES[blocks.sensors[s].axis] for s in told), factor * amplitude,
+        factor * std, unit, {"file": names}, probability_of(line.log_p),
+        SEPARATE, line.log_p, f"{stretches}; it may be any multiple of {1 / blocks.period:.5g} Hz away",
+        share=min(max(shares.values()), 1.0),
+    )  # fmt: skip
+
+
+MAX_COHERENT_LOG_P = np.log(1e-3)
+MAX_LOG_P_OF_BLOCKS = np.log(1e-4)  # of this frequency alone, by what the blocks say of it
+MAX_SPAN = 2**22  # samples from the first to the last
+PARTS_OF_A_SAMPLE = 16  # to which recordings must stand on one grid, to be transformed together
+PADDING = 2  # times as many frequencies as samples
+SPREAD, ABOUT = 1.5, 24.0  # over a recording's length: left out about a line, and the noise about it, either way
+PERIODS_OF_A_BLOCK = 3.0  # that a block holds of a line at the least: of a slower one its own line takes much
+OVERSAMPLED = 1.5  # by which finer frequencies find more than independent ones
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CoherentLine:
+    """A line as a phase of time, and what it does to each sensor that it is of, by number."""
+
+    phase: Phase
+    hertz: float
+    fitted: dict[int, Fitted]
+
+
+def coherent_line(blocks: SampleBlocks, is_usable: Sequence[bool]) -> CoherentLine | None:
+    """Return the likeliest line of recordings with one clock; None where none stands out, or there is but one."""
+    if len(blocks.channels) < 2:
+        return None
+    triads = [[i for i, s in enumerate(blocks.sensors) if s.triad == triad and is_usable[i]] for triad in TRIADS]
+    groups = [group for group in triads if group] + [[i] for group in triads for i in group if len(group) > 1]
+    spectra = _spectra(blocks, [i for group in triads for i in group])
+    if spectra is None or not groups:
+        return None
+    power, span = spectra
+    tried = np.log(len(groups) * OVERSAMPLED * span / 2)
+    found = [
+        (*_stands_out(blocks, np.sum([power[i] for i in group], axis=0), len(group)), group) for group in groups
+    ]
+    log_p, at, group = min(found, key=lambda each: each[0])
+    if log_p + tried > MAX_COHERENT_LOG_P:
+        return None
+    hertz = _refined(blocks, group, at / (2 * (len(power[group[0]]) - 1) * blocks.period), span)
+    phase = Phase("time", 1 / hertz, tuple(hertz * channels[0].series.t for channels in blocks.channels))
+    scores = scores_of(blocks, lambda number, part: phase.columns(number, part, 1))
+    fits = {i: fit for i in group if (fit := fit_scores(scores, i)) is not None and fit.share > 0}
+    held = min((fit.log_p for fit in fits.values()), default=0.0)
+    if held + np.log(len(group)) > MAX_LOG_P_OF_BLOCKS or not _is_of_one_phase(blocks, scores, list(fits)):
+        return None
+    return CoherentLine(phase, hertz, {i: replace(fit, log_p=float(log_p + tried)) for i, fit in fits.items()})
+
+
+def _is_of_one_phase(blocks: SampleBlocks, scores: Scores, sensors: Sequence[int]) -> bool:
+    """Say whether recordings by themselves, each with a phase of its own, explain no more than noise would."""
+    numbers = np.array([which for which, _ in blocks.blocks])
+    for sensor in sensors:
+        variance = float(scores.squares[:, sensor].sum()) / blocks.rates[:, :, 0].size
+        parts = [numbers == which for which in np.unique(numbers)]
+        own = [_explained(scores, sensor, here) for here in parts]
+        more = (sum(own) - _explained(scores, sensor, np.ones(len(numbers), dtype=bool))) / variance
+        if log_chi2_sf(more, 2 * (len(parts) - 1)) < MAX_COHERENT_LOG_P:
+            return False
+    return True
+
+
+def _explained(scores: Scores, sensor: int, here: BoolArray) -> float:
+    """Return the squares that cosine and sine explain of a sensor in some blocks, marked (b,)."""
+    gram, score = scores.gram[here].sum(axis=0)[:2, :2], scores.score[here].sum(axis=0)[:2, sensor]
+    return float(score @ np.linalg.solve(gram, score))
+
+
+def _spectra(blocks: SampleBlocks, sensors: Sequence[int]) -> tuple[dict[int, FloatArray], int] | None:
+    """Return each sensor's power over its noise, and the samples from first to last; None without one clock."""
+    times = [channels[0].series.t for channels in blocks.channels]
+    order = sorted(range(len(times)), key=lambda i: times[i][0])
+    if any(times[j][0] <= times[i][-1] for i, j in pairwise(order)):
+        return None
+    first, period = times[order[0]][0], blocks.period
+    span = round((times[order[-1]][-1] - first) / period) + 1
+    if span > MAX_SPAN:
+        return None
+    length = next_fast_len(PADDING * span, real=True)
+    length += length % 2
+    turns = np.arange(length // 2 + 1) / length
+    groups = dict[int, list[tuple[int, slice, int]]]()
+    for number, (which, part) in enumerate(blocks.blocks):
+        begin = (times[which][part.start] - first) / period
+        fine = round(begin * PARTS_OF_A_SAMPLE)
+        groups.setdefault(fine % PARTS_OF_A_SAMPLE, []).append((number, part, fine // PARTS_OF_A_SAMPLE))
+    found = dict[int, FloatArray]()
+    for sensor in sensors:
+        total = np.zeros(len(turns), dtype=complex)
+        for fine, pieces in groups.items():
+            laid = np.zeros(length)
+            for number, part, at in pieces:
+                laid[at : at + part.stop - part.start] = blocks.rates[number, :, sensor]
+            total += rfft(laid) * np.exp(-2j * np.pi * turns * fine / PARTS_OF_A_SAMPLE)
+        power = np.abs(total) ** 2
+        found[sensor] = power / float(np.median(power))
+    return found, span
+
+
+def _stands_out(blocks: SampleBlocks, power: FloatArray, sensors: int) -> tuple[float, int]:
+    """Return ln p of the frequency that stands out most of ``power`` (m,), and its number."""
+    per_hertz = 2 * (len(power) - 1) * blocks.period
+    longest = max(len(channels[0].rate) for channels in blocks.channels) * blocks.period
+    about, spread = (max(int(per_hertz * size / longest), 2) for size in (ABOUT, SPREAD))
+    chunks = np.array_split(power, max(len(power) // (2 * about), 1))
+    coarse = np.concatenate([np.full(len(each), np.median(each)) for each in chunks])
+    over = power / np.maximum(coarse, np.finfo(float).tiny)
+    slowest = max(MIN_PERIODS / longest, PERIODS_OF_A_BLOCK / (blocks.rates.shape[1] * blocks.period))
+    over[: int(per_hertz * slowest)] = 0.0  # what is slower was taken off with each block's line
+    at = int(np.argmax(over))
+    near = np.concatenate((power[max(at - about, 0) : max(at - spread, 0)], power[at + spread : at + about]))
+    if not len(near):
+        return 0.0, at
+    median = MEDIAN_OF_EXPONENTIAL if sensors == 1 else sensors - 1 / 3  # of a gamma distribution
+    recorded = sum(len(channels[0].rate) for channels in blocks.channels) * blocks.period
+    independent = len(near) / per_hertz * recorded
+    ratio = float(power[at] / np.median(near)) * median / sensors
+    return log_f_sf(ratio, 2 * sensors, max(sensors * independent, 2.0)), at
+
+
+def _refined(blocks: SampleBlocks, sensors: Sequence[int], hertz: float, span: int) -> float:
+    """Return the frequency [Hz] near one at which the sensors' power is largest."""
+    middles = [blocks.channels[which][0].series.t[part] for which, part in blocks.blocks]
+
+    def less(at: float) -> float:
+        turning = [np.exp(-2j * np.pi * at * t) for t in middles]
+        total = sum(wave @ e for wave, e in zip(turning, blocks.rates[:, :, list(sensors)], strict=True))
+        return -float(np.sum(np.abs(total) ** 2))
+
+    step = 1 / (PADDING * span * blocks.period)
+    found = minimize_scalar(less, bounds=(hertz - step, hertz + step), method="bounded", options={"maxiter": 15})
+    return float(found.x)

@@ -1,0 +1,143 @@
+"""Is this the unit that the campaign began with? Asked where the device sends no serial number.
+
+On one face the accelerometers' count rates hold scale factor and bias whichever way the cube points, and the
+upright gyroscope's hold its bias and the vertical part of the Earth rate. A unit switched on again repeats them to
+`MAX_ACCELEROMETER_CHANGE` and `MAX_GYROSCOPE_CHANGE`; another unit of its model seldom comes as near in all.
+"""
+
+from collections.abc import Callable
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+
+from procedures.frames import AXES
+from station.files.campaign_folder.plan_file import UnitRecord
+from station.guide.checks.face_and_stillness import BlockLook
+from station.guide.setup_view import Choice
+from station.guide.stages.stage import Stage
+from station.guide.stages.stage_context import StageContext
+from station.guide.view import OperatorQuestion
+from station.stream.connected_unit import UnitChanged
+from station.stream.live.stillness import MIN_VARIANCE, TICKS_PER_BLOCK, Block
+
+MAX_ACCELEROMETER_CHANGE = 1e-3  # of g: turn-on repeatability of bias and scale factor together
+MAX_GYROSCOPE_CHANGE = 0.3  # of the greatest gyro rate at rest
+MAX_NOISE_RATIO = 2.0  # ratio of sigmas
+MAX_PERIOD_DIFFERENCE = (
+    2e-2  # relative: where a device sends no time it was measured for 3 s, by a busy machine to 1 %
+)
+
+
+class Sameness(NamedTuple):
+    """Whether it is the same unit, and why, in words."""
+
+    answer: Literal["yes", "no", "unsure"]
+    text: str
+
+
+def same_unit(before: UnitRecord, now: UnitRecord) -> Sameness:
+    """Say whether the unit connected ``now`` is the one of ``before``.
+
+    The wire's serial number decides where both have one. Else it is ``yes`` if rates and noise agree on the same
+    face: evidence, no proof, so that the operator should be asked still.
+    """
+    if before.serial_from_wire and now.serial_from_wire:
+        if (before.model, before.serial) == (now.model, now.serial):
+            return Sameness("yes", f"it sends serial number {now.serial}, as at the start of the campaign")
+        text = f"it sends {now.model} {now.serial}, the campaign started with {before.model} {before.serial}"
+        return Sameness("no", text)
+    if abs(now.period / before.period - 1) > MAX_PERIOD_DIFFERENCE:
+        text = f"it sends every {now.period:.6g} s, the campaign's unit every {before.period:.6g} s"
+        return Sameness("no", text)
+    if before.rate is None or before.noise is None or now.rate is None or now.noise is None:
+        return Sameness("unsure", "it sends no serial number, and no dwell is recorded yet to compare with")
+    rate, other = np.array(now.rate), np.array(before.rate)
+    if (here := _face(rate)) != (there := _face(other)):
+        text = f"it rests with {here}; put it down with {there}, as in the campaign's first dwell, to compare"
+        return Sameness("unsure", text)
+    noise, other_noise = (np.maximum(np.array(each), MIN_VARIANCE) for each in (now.noise, before.noise))
+    if unlike := _differences(rate, other, noise, other_noise):
+        return Sameness("unsure", f"different from the campaign's first dwell: {', '.join(unlike)}")
+    return Sameness("yes", "it sends no serial number, but its rates and noise match the first dwell")
+
+
+def _face(rate: np.ndarray[tuple[int], np.dtype[np.float64]]) -> str:
+    upright = int(np.argmax(np.abs(rate[3:])))
+    return f"IMU {AXES[upright]} {'up' if rate[3 + upright] > 0 else 'down'}"
+
+
+def _differences(*arrays: np.ndarray[tuple[int], np.dtype[np.float64]]) -> list[str]:
+    """Say what differs more than switching off and on explains; arrays (6,): rates now, then, noise now, then."""
+    rate, other, noise, other_noise = arrays
+    upright = int(np.argmax(np.abs(other[3:])))
+    shift = (rate - other)[3:] / abs(other[3 + upright])
+    parts = [
+        f"accelerometer {AXES[i]} by {shift[i] * 1e3:+.1f} mg"
+        for i in range(3)
+        if abs(shift[i]) > MAX_ACCELEROMETER_CHANGE
+    ]
+    turn_on = MAX_GYROSCOPE_CHANGE * np.abs(other[:3]).max() + 5 * np.sqrt(
+        TICKS_PER_BLOCK * (noise + other_noise)[upright]
+    )
+    if abs(rate[upright] - other[upright]) > turn_on:
+        parts.append(f"gyro {AXES[upright]} {rate[upright]:.4g} instead of {other[upright]:.4g} counts/s")
+    ratio = np.sqrt(noise / other_noise)
+    for i in np.flatnonzero((ratio > MAX_NOISE_RATIO) | (ratio < 1 / MAX_NOISE_RATIO)).tolist():
+        triad = "gyro" if i < 3 else "accelerometer"
+        parts.append(f"noise of {triad} {AXES[i % 3]} {ratio[i]:.2g} times as large")
+    return parts
+
+
+RECOGNITION_BLOCKS = 10
+
+
+class UnitRecognitionStage(Stage):
+    """Compares ten seconds at rest with the campaign's first dwell, then asks."""
+
+    def __init__(self, context: StageContext, before: UnitRecord, then: Callable[[StageContext], Stage]) -> None:
+        super().__init__(context)
+        self._before, self._then = before, then
+        self._blocks: list[Block] = []
+        self._text, self._answer, self._hint = "", "", ""
+
+    def take(self, block: Block, look: BlockLook) -> Stage:
+        """Take a second of the stream."""
+        self._hint = look.hindrance
+        if self._answer == "y":
+            return self._then(self._context)
+        if self._text:
+            return self
+        self._blocks = [] if look.hindrance else [*self._blocks, block]
+        if len(self._blocks) == RECOGNITION_BLOCKS:
+            self._compare()
+        return self
+
+    def answer(self, key: str) -> None:
+        """Take the operator's word; raise `UnitChanged` if it is another unit."""
+        if key == "n":
+            raise UnitChanged(self._context.feed.address.name, "another unit", self._before.serial)
+        self._answer = key
+
+    def interrupted(self) -> Stage:
+        """Look again."""
+        return UnitRecognitionStage(self._context, self._before, self._then)
+
+    def shown(self) -> dict[str, Any]:
+        """Return the question, once there is something to say."""
+        line = f"is this {self._before.model} {self._before.serial}?"
+        shown = {"stage": "settle", "line": line, "hint": self._hint or "leave the cube at rest"}
+        choices = (Choice(key="y", title="yes, it is"), Choice(key="n", title="no, it is another"))
+        question = OperatorQuestion(text=f"{line} {self._text}", choices=choices) if self._text else None
+        return shown | {"question": question}
+
+    def _compare(self) -> None:
+        rate = np.mean([block.rate for block in self._blocks], axis=0)
+        seen = {"rate": tuple(rate.tolist()), "noise": tuple(self._context.gate.stillness.noise.tolist())}
+        found = same_unit(self._before, self._before.model_copy(update={**seen, "serial_from_wire": False}))
+        if not self._context.bench.asks:
+            if found.answer != "yes":
+                raise UnitChanged(
+                    self._context.feed.address.name, f"a unit that {found.text}", self._before.serial
+                )
+            self._answer = "y"
+        self._text = f"It sends no serial number; {found.text}."

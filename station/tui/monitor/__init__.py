@@ -1,1 +1,0 @@
-"""The screen of `station monitor`: draws a `station.monitor.view.MonitorView` and sends verbs, nothing else."""
