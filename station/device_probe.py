@@ -18,11 +18,12 @@ from drivers.port_interface import Port
 from drivers.ports import open_port, wire_of
 from drivers.wire import FORMATS, FrameCounters, WireFormat
 from procedures.counts.sample_records import SampleBlock
-from station.stream.device_addresses import receiver_address
-from station.stream.gnss.gnss_feed import GnssFeed
-from station.stream.live.silent_channels import SilentChannels
-from station.stream.reader import Chunk, GapMark
-from station.text.plural import plural
+from station.stream.connected_unit import receiver_address
+from station.stream.gnss_feed import GnssFeed
+from station.stream.live.stream_trouble import SilentChannels
+from station.stream.reader import Chunk
+from station.stream.reader.messages import StreamGap
+from station.text import plural
 
 READ_BYTES = 65536
 
@@ -118,7 +119,7 @@ class _Direct:
         self.bytes = 0
         self.up_to_ns = 0
 
-    def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
+    def poll(self, timeout_s: float) -> list[Chunk | StreamGap]:
         data = self._port.read(READ_BYTES)
         self.bytes += len(data)
         self.up_to_ns = time.time_ns()

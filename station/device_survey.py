@@ -132,7 +132,7 @@ def recognise_bytes(port: SurveyedPort, data: bytes, seconds: float) -> Surveyed
 
 def _mavlink(port: SurveyedPort, data: bytes, seconds: float) -> SurveyedPort | None:
     from drivers.mavlink.decoder import MavlinkDecoder  # pymavlink: only where a port needs it
-    from station.stream.gnss.gnss_feed import site_in_words
+    from station.stream.gnss_feed import site_in_words
 
     decoder = MavlinkDecoder()
     fixes = [one for one in decoder.feed(data, time.monotonic_ns()) if isinstance(one, GnssFix)]

@@ -31,7 +31,7 @@ EXIT_CODES = {
     "station.results.certificate.signing.errors.NoTimeStamp": 4,
     "station.results.cluster.work_item.NoCluster": 2,
     "station.results.cluster.work_item.ClusterLost": 4,
-    "station.sending.output.BadAddress": 2,
+    "station.sending.outputs.BadAddress": 2,
     "station.tui.web.CannotServe": 2,
     "procedures.optional_libraries.ExtraMissing": 2,
     "procedures.errors.NotObservable": 5,

@@ -14,9 +14,8 @@ from matplotlib.figure import Figure
 from procedures.arrays import FloatArray
 from station.files.fusion_folder import FusionLog, read_fusion
 from station.locate.imu_source import by_imu
-from station.locate.location_json import distances
-from station.locate.odometry_source import by_odometry
-from station.locate.result import Located
+from station.locate.locate_folder import by_odometry, distances
+from station.locate.outer_layer import Located
 from tests.benchmarks.kitti import write_kitti
 from tests.benchmarks.locate import OUTAGE, SILENT, drawn
 from tests.paths import DATA

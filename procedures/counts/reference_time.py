@@ -151,8 +151,8 @@ def _sessions(known: Sequence[Piece]) -> list[int]:
     found = [0]
     for (t, behind), (later, after) in pairwise(known):
         leap = abs(float(np.median(after) - np.median(behind)))
-        is_anew = later[0] <= t[-1] or leap > MAX_CLOCK_LEAP_S + MAX_CLOCK_DRIFT * (later[-1] - t[0])
-        found.append(found[-1] + is_anew)
+        is_restarted = later[0] <= t[-1] or leap > MAX_CLOCK_LEAP_S + MAX_CLOCK_DRIFT * (later[-1] - t[0])
+        found.append(found[-1] + is_restarted)
     return found
 
 

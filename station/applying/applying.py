@@ -23,12 +23,11 @@ from station.calibrated.applied_calibration import CalibrationModel
 from station.calibrated.remaining_uncertainty import lacking
 from station.calibration import Calibrated, Calibration, calibration_of
 from station.errors import DataRefused
-from station.files.atomic_file import refuse_own, write_json
+from station.files.atomic_file import refuse_own, write_file_pair, write_json
 from station.files.calibration_document import doubts
+from station.files.sample_arrays import SampleColumns
 from station.files.sample_files import writer_for
-from station.files.sample_files.sample_file import SampleColumns
-from station.files.write_file_pair import write_file_pair
-from station.text.plural import plural
+from station.text import plural
 
 EVERY_S = 1.0  # on a terminal
 EVERY_LINE_S = 10.0  # elsewhere, a line each

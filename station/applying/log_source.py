@@ -15,13 +15,12 @@ from procedures.error_codes import ErrorCode
 from procedures.recordings.time_decision import evidence_rows, may_be_clock
 from station.applying.source import Samples, Stated, Times, channels_by_column
 from station.errors import DataRefused
-from station.files.log_blocks import open_blocks
-from station.files.log_blocks.log_blocks import Block, LogBlocks
 from station.files.logs.header_guesses import guessed_time, split_unit
-from station.files.logs.log_columns import LogColumns, ToldColumns, choose_columns
-from station.files.logs.second_clocks import CLOCK_ROWS, compare_clocks
-from station.files.logs.time_units import unit_of_time
+from station.files.logs.log_columns import ColumnOptions, LogColumns, choose_columns
+from station.files.logs.time_units import CLOCK_ROWS, compare_clocks, unit_of_time
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW, TEMPERATURE_UNITS, outputs_per_unit
+from station.files.tables.reader import open_table
+from station.files.tables.table import Block, TableReader
 
 MAX_TIMES_OFF = 1.25  # of a scale factor from what a unit makes it: two units differ by more
 MAX_RATE_OFF = 1e-2  # relative
@@ -72,14 +71,14 @@ def refuse_other_rate(t: FloatArray, column: str, rate_hz: float, name: str) -> 
 class LogSource:
     """A log whose columns are known; ``rate_hz`` where it has no time."""
 
-    blocks_of: LogBlocks
+    blocks_of: TableReader
     found: LogColumns
     auxiliary: dict[str, str]
     rate_hz: float | None
     stated: Stated
 
     @classmethod
-    def open(cls, file: Path, stated: ToldColumns) -> "LogSource":
+    def open(cls, file: Path, stated: ColumnOptions) -> "LogSource":
         """Open a log.
 
         Raises
@@ -88,7 +87,7 @@ class LogSource:
             If the file or a column that was stated is not there, there are no outputs or no time, or two channels
             would be one column.
         """
-        table = open_blocks(file)
+        table = open_table(file)
         names = [name for name in table.head.columns if name.startswith(AUXILIARY)]
         asked = dict.fromkeys(table.head.name_of(key) for key in stated.auxiliary)
         raw = replace(stated, unit_gyro=stated.unit_gyro or RAW, unit_accel=stated.unit_accel or RAW,
@@ -166,7 +165,7 @@ class LogSource:
         return unit.linear(block.columns[self.found.time]) * unit.seconds
 
 
-def _stamps(blocks: LogBlocks, column: str, whole: bool) -> FloatArray:
+def _stamps(blocks: TableReader, column: str, whole: bool) -> FloatArray:
     """Return as many finite stamps (n,) as a decision about their unit needs; of the whole log, also the last."""
     first, last, is_enough = np.empty(0), np.empty(0), False
     with closing(blocks.read([column])) as read:
@@ -182,7 +181,7 @@ def _stamps(blocks: LogBlocks, column: str, whole: bool) -> FloatArray:
     return np.concatenate((first, last[last > first[-1:]])) if whole else first
 
 
-def _compare_clocks(blocks: LogBlocks, found: LogColumns, is_told: bool) -> None:
+def _compare_clocks(blocks: TableReader, found: LogColumns, is_told: bool) -> None:
     """Compare the clocks of as many rows as of a log that is read whole."""
     if found.time is None or not found.clocks:
         return
@@ -211,7 +210,7 @@ def _lines(block: Block, before: int) -> Sequence[int]:
 
 def step_source(file: Path, stated: Stated) -> LogSource:
     """Open a step's CSV file of campaign/1; ``told`` is what the campaign says."""
-    columns = ToldColumns(time="t_s", gyro=None, accel=None, unit_time="s")
+    columns = ColumnOptions(time="t_s", gyro=None, accel=None, unit_time="s")
     found = LogSource.open(file, columns)
     if not any(found.found.gyro) and not any(found.found.accel):
         raise DataRefused(file, 1, "no outputs", "gx, gy, gz or ax, ay, az", code=ErrorCode.COLUMNS)

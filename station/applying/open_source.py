@@ -12,7 +12,7 @@ from station.applying.recording_source import RawSource, RecordingSource
 from station.applying.source import Samples, Source, Stated, Times
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML, read_campaign_toml
-from station.files.logs.log_columns import ToldColumns
+from station.files.logs.log_columns import ColumnOptions
 from station.files.mcap_files.reader import sample_messages, topic_messages
 from station.files.mcap_files.schemas import RAW_TOPIC
 from station.files.opening import open_inside
@@ -79,7 +79,7 @@ RECORDING = "recording.mcap"
 KEPT = "session_*.mcap"  # of `station stream --folder`
 
 
-def open_source(path: Path, columns: ToldColumns, serial: str | None) -> Source:
+def open_source(path: Path, columns: ColumnOptions, serial: str | None) -> Source:
     """Open a campaign's folder, one of `station record` or `station stream`, an MCAP file or a log.
 
     ``columns`` is what was stated of a log, ``serial`` the unit's serial number where the recording has none.

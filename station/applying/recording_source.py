@@ -21,7 +21,8 @@ from station.errors import DataRefused
 from station.files.mcap_files.reader import sample_messages, topic_messages
 from station.files.mcap_files.schemas import COUNTS, MESSAGES, RAW, RAW_TOPIC
 from station.stream.live.live_feed import LiveFeed, open_feed
-from station.stream.reader import Chunk, GapMark
+from station.stream.reader import Chunk
+from station.stream.reader.messages import StreamGap
 
 BLOCK = 2**13
 
@@ -185,7 +186,7 @@ class _FileChunks:
         self._size, kind = 0, MESSAGES[RAW]
         self._messages = topic_messages(file, {RAW_TOPIC: kind.FromString}, *cut)
 
-    def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
+    def poll(self, timeout_s: float) -> list[Chunk | StreamGap]:
         """Return the next chunk; raise `ReplayEnded` after the last."""
         if (message := next(self._messages, None)) is None:
             raise ReplayEnded(self.address.name, self._size)

@@ -1,5 +1,6 @@
-"""`attitude/1` and the CSV of an attitude track; docs/reference/file-formats.md."""
+"""Attitude results: `attitude/1` and the CSV of a track, a tuning (`tuning/1`), a diagnosis of residuals."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -8,23 +9,39 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_estimate import AttitudeEstimate
 from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.diagnosis.attitude_diagnosis import AttitudeDiagnosis
 from procedures.attitude.forward_right_down import inclination, roll_pitch_of
+from procedures.attitude.gain_tuning import GainTuning
 from procedures.frames import wrapped
 from procedures.units import DEG_H_PER_DEG_S
 from station.files.atomic_file import replace_file
-from station.text.plural import plural
+from station.results.diagnosis.diagnosis_json import (
+    FORMAT,
+    error_document,
+    finding_document,
+    probabilities_document,
+)
+from station.results.diagnosis.diagnosis_text import coefficient_rows
+from station.results.diagnosis.diagnosis_wording import (
+    OTHERS_TITLE,
+    alternatives_said,
+    both,
+    confidence_said,
+    other_terms,
+)
+from station.text import plural
 
-FORMAT = "attitude/1"
+ATTITUDE_FORMAT = "attitude/1"
 AXES_UNIT = "rad/s"
 
 
 def attitude_document(log: AttitudeLog, track: AttitudeEstimate, direction: str = "forwards") -> dict[str, Any]:
-    """Return a track as `attitude/1`: JSON-ready, what was not estimated left out; ``direction`` as asked for."""
+    """Return a track as `attitude/1`: JSON-ready, what was not estimated omitted; ``direction`` as asked for."""
     bias: dict[str, Any] = {"value": track.gyro_bias.tolist(), "unit": AXES_UNIT}
     if track.gyro_bias_std is not None:
         bias["std"] = track.gyro_bias_std.tolist()
     document: dict[str, Any] = {
-        "format": FORMAT, "aid": track.aid, "direction": direction, "parameters": dict(track.parameters),
+        "format": ATTITUDE_FORMAT, "aid": track.aid, "direction": direction, "parameters": dict(track.parameters),
         "rows": len(log.t), "gaps": [list(gap) for gap in log.gaps], "gyro_bias_rad_s": bias,
     }  # fmt: skip
     if (rms := rms_deg(log, track.down)) is not None:
@@ -101,3 +118,94 @@ def _of_gaps(log: AttitudeLog) -> list[str]:
         return []
     longest = max(end - start for start, end in gaps)
     return [f"{plural(len(gaps), 'gap')} in t_s, the first at {gaps[0][0]:.6g} s, the longest of {longest:.3g} s"]
+
+
+TUNING_FORMAT = "tuning/1"
+BAR_WIDTH = 40  # characters
+
+
+def tuning_document(tuning: GainTuning, aid: str, by_tau: bool) -> dict[str, Any]:
+    """Return a tuning as `tuning/1`, JSON-ready."""
+    curve = []
+    for gains, rms, folds in zip(tuning.candidates, tuning.rms, tuning.by_fold, strict=True):
+        point = {"k1": gains.k1, "k2": gains.k2, "rms_deg": _deg(rms), "by_stretch_deg": [_deg(x) for x in folds]}
+        curve.append({"tau_s": 2 / gains.k1} | point if by_tau else point)
+    best = {name: curve[tuning.best][name] for name in ("tau_s", "k1", "k2") if name in curve[tuning.best]}
+    warnings = ["the best value is at the end of the grid"] if tuning.at_edge else []
+    return {
+        "format": TUNING_FORMAT, "aid": aid, "rows": tuning.rows, "chosen": best,
+        "rms_deg": _deg(tuning.rms[tuning.best]), "held_out_rms_deg": _deg(tuning.held_out),
+        "chosen_without_stretch": [curve[i].get("tau_s", [curve[i]["k1"], curve[i]["k2"]]) for i in tuning.picked],
+        "curve": curve, "warnings": warnings,
+    }  # fmt: skip
+
+
+def tuning_text(document: dict[str, Any]) -> str:
+    """Return the curve with a bar per point, and what was chosen."""
+    curve = document["curve"]
+    least, most = (f([point["rms_deg"] for point in curve]) for f in (min, max))
+    lines = [f"error against truth, aid {document['aid']}, {document['rows']} rows"]
+    for point in curve:
+        name = (
+            f"tau {point['tau_s']:7.3g} s" if "tau_s" in point else f"K1 {point['k1']:7.4f} K2 {point['k2']:7.5f}"
+        )
+        share = np.log(point["rms_deg"] / least) / np.log(most / least) if most > least else 0.0
+        mark = " <- least" if point["rms_deg"] == least else ""
+        lines.append(f"{name}  {point['rms_deg']:8.4f} deg {'#' * (1 + round(share * (BAR_WIDTH - 1)))}{mark}")
+    chosen = document["chosen"]
+    option = (
+        f"--tau {chosen['tau_s']:.4g}" if "tau_s" in chosen else f"--k1 {chosen['k1']:.4g} --k2 {chosen['k2']:.4g}"
+    )
+    lines.append(f"chosen: {option}; on held-out stretches {document['held_out_rms_deg']:.4f} deg rms")
+    return "\n".join([*lines, *(f"warning: {warning}" for warning in document["warnings"])])
+
+
+def _deg(angle: float) -> float:
+    return float(np.degrees(angle))
+
+
+METHOD = "the last 40 % of the log, held out"
+MAX_OTHERS = 6
+EFFECT_TITLES = {
+    "consistent": "No further error term was detected in this log.",
+    "established": "The model lacks {names}.",
+    "likely": "The model probably lacks {names}.",
+    "ambiguous": "An error term was detected, but this log cannot determine which: see the alternatives.",
+    "unexplained": "The findings do not predict the rest of the log: the error is unexplained.",
+}
+
+
+def attitude_diagnosis_document(trace: AttitudeDiagnosis) -> dict[str, Any]:
+    """Return a trace as the parts of `diagnosis/2` that it has."""
+    doubtful = [each.separate_by for each in trace.findings if each.confidence == "possible"]
+    return {
+        "format": FORMAT, "verdict": trace.verdict,
+        "findings": [finding_document(each) for each in trace.findings],
+        "error": [error_document(each, METHOD) for each in trace.errors],
+        "probabilities": probabilities_document(trace.probabilities),
+        "next_measurement": "; ".join(dict.fromkeys(doubtful)),
+    }  # fmt: skip
+
+
+def attitude_diagnosis_text(document: Mapping[str, Any]) -> str:
+    """Return the verdict, the findings with 1 sigma, the error before and after, and what was tried."""
+    names = both([finding["effect"] for finding in document["findings"]]) if document["findings"] else ""
+    lines = [f"{document['verdict'].upper()}. {EFFECT_TITLES[document['verdict']].format(names=names)}"]
+    for number, finding in enumerate(document["findings"], 1):
+        lines += [
+            "",
+            f"{number}. {finding['effect']} ({finding['kind']})",
+            f"   {confidence_said(finding)}",
+        ]
+        lines += [f"   {name:<9} {value:<44} {size:>12}" for name, value, size in coefficient_rows(finding)]
+        if finding["aliases"]:
+            lines.append(f"   it may also be: {alternatives_said(finding)}")
+            lines.append(f"   to separate them: {finding['separate_by']}")
+    for error in document["error"]:
+        lines += ["", f"error, rms {error['unit']}: {error['quantity']}"]
+        for title, name in (("in the rows used", ""), (error["method"], "held_out_")):
+            if f"{name}before" in error and f"{name}after" in error:
+                lines.append(f"   {error[f'{name}before']:.4f} -> {error[f'{name}after']:.4f}  {title}")
+    if others := other_terms(document):
+        lines += ["", OTHERS_TITLE, *(f"   {name:<44} {p}" for name, p in others[:MAX_OTHERS])]
+    return "\n".join(lines)

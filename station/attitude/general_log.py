@@ -15,17 +15,19 @@ from station.attitude.attitude_log import (
     MAX_FORCE_M_S2,
     MAX_RATE_RAD_S,
     SAMPLE_PERIOD_RANGE_S,
+    LogPlace,
+    check_motion,
+    check_upright,
     is_attitude_log,
     read_log,
 )
-from station.attitude.log_checks import LogPlace, check_motion, check_upright
 from station.calibrated.output_frame import DEFAULT_AXES, body_axes
 from station.errors import DataRefused
-from station.files.columns import TRIADS
-from station.files.logs import read_log as read_table
-from station.files.logs.log_columns import LogColumns, ToldColumns, choose_columns
+from station.files.logs.log_columns import ColumnOptions, LogColumns, choose_columns
 from station.files.logs.log_data import log_data
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, outputs_per_unit
+from station.files.tables.reader import read_table
+from station.files.tables.strict_csv import TRIADS
 
 CONVENTIONS = ("force", "gravity")
 LEVEL_SHARE = 0.7  # of gravity along the axis that is to point up, at the start: within 45 deg of it
@@ -33,7 +35,7 @@ LEVEL_SHARE = 0.7  # of gravity along the axis that is to point up, at the start
 
 @dataclass(frozen=True, slots=True)
 class ReadLog:
-    """A log in forward-right-down, what was guessed of it and what had to be done, in words."""
+    """A log in forward-right-down, what was guessed of it and what had to be done, as text."""
 
     log: AttitudeLog
     guesses: Sequence[str] = ()
@@ -41,26 +43,26 @@ class ReadLog:
 
 
 def read_any_log(
-    path: Path, told: ToldColumns | None, axes: FloatArray | None = None, convention: str | None = None
+    path: Path, stated: ColumnOptions | None, axes: FloatArray | None = None, convention: str | None = None
 ) -> ReadLog:
-    """Read a log; as attitude-log/1 if its header is that and ``told`` is None.
+    """Read a log; as attitude-log/1 if its header is that and ``stated`` is None.
 
     ``axes`` (3, 3) takes the sensor's axes to forward-right-down, None is `DEFAULT_AXES`, of attitude-log/1 its
     own. ``convention`` is what accelerometers read at rest: "force" upwards, "gravity" downwards; None is force,
-    and a log that then is upside down all along, or at its start where nobody told ``axes``, is refused.
+    and a log that then is upside down all along, or at its start where nobody stated ``axes``, is refused.
 
     Raises
     ------
     DataRefused
-        If it cannot be read, a unit is neither told nor to be found, or its motion contradicts it.
+        If it cannot be read, a unit is neither stated nor to be found, or its motion contradicts it.
     """
     is_guessed = False
-    if told is None and is_attitude_log(path):
+    if stated is None and is_attitude_log(path):
         notes = list[str]()
         found = ReadLog(read_log(path, notes), notes=notes)
         place = LogPlace(path, lambda row: row + 2)
     else:
-        found, place = _general(path, told or ToldColumns())
+        found, place = _general(path, stated or ColumnOptions())
         if axes is None:
             is_guessed, axes = True, body_axes(DEFAULT_AXES)
             found = replace(
@@ -74,10 +76,10 @@ def read_any_log(
     return replace(found, log=log)
 
 
-def _general(path: Path, told: ToldColumns) -> tuple[ReadLog, LogPlace]:
-    chosen = choose_columns(read_table(path), told)
+def _general(path: Path, stated: ColumnOptions) -> tuple[ReadLog, LogPlace]:
+    chosen = choose_columns(read_table(path), stated)
     _refuse_missing(chosen)
-    data, origin, notes = log_data(chosen, told.rate_hz, path.name)
+    data, origin, notes = log_data(chosen, stated.rate_hz, path.name)
     t = data.columns["t_s"]
     _refuse_slow(chosen, t)
     place = LogPlace(path, units_by_option=True)

@@ -16,7 +16,7 @@ from procedures.frames import TRIADS
 from station.calibrated import InUse
 from station.errors import DataRefused
 from station.files.calibration_document import FORMAT, doubts, parsed_calibration, read_calibration
-from station.stream.recorder.connected_unit import Unit
+from station.stream.connected_unit import Unit
 
 DAY_S = 86400.0
 

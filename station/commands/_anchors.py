@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from station.commands._options import signing_libraries
-from station.text.plural import plural
+from station.text import plural
 
 if TYPE_CHECKING:
     from sqlalchemy.orm import Session

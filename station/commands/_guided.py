@@ -22,8 +22,8 @@ from pydantic import BaseModel, ValidationError
 
 from station.commands._options import option
 from station.exit_codes import CANCELLED
-from station.files.setup import Setup
-from station.files.toml_reading import expected_of
+from station.files.campaign_setup import Setup
+from station.files.toml_file import expected_of
 from station.guide.client import EngineConnection
 from station.guide.view import ENDED_STAGES, VERDICT_STAGES, CalibrationView, OperatorCommand
 
@@ -124,7 +124,7 @@ def _refuse_addresses(options: "EngineOptions") -> None:
     BadDeviceUrl, HandsLost
         What is wrong with an address.
     """
-    from station.stream.device_addresses import imu_address, receiver_address
+    from station.stream.connected_unit import imu_address, receiver_address
 
     first = options.first
     setup, url = (first.setup if first and first.setup else options.setup), first.url if first else ""

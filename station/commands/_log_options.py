@@ -12,7 +12,7 @@ from station.commands._options import option, refused_as
 if TYPE_CHECKING:
     from station.files.campaign_folder.loaded_campaign import LoadedCampaign
     from station.files.logs.log_campaign import LogCampaign
-    from station.files.logs.log_columns import ToldColumns
+    from station.files.logs.log_columns import ColumnOptions
     from station.files.logs.means_table import MeansTable
 
 Time = Annotated[str | None, option("--time", "COL", "Of a log: column of time, by name or number from 1.")]
@@ -77,9 +77,9 @@ class LogOptions:
         if told := [name for name, value in self.given.items() if value is not None]:
             raise typer.BadParameter(f"--{told[0].replace('_', '-')} is for logs, but these are campaign folders")
 
-    def columns(self) -> "ToldColumns":
+    def columns(self) -> "ColumnOptions":
         """Return what they say of a log's columns; a usage error where a unit is none."""
-        from station.files.logs.log_columns import ToldColumns
+        from station.files.logs.log_columns import ColumnOptions
         from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, outputs_per_unit, time_unit
 
         say = self.given.get
@@ -88,7 +88,7 @@ class LogOptions:
                 outputs_per_unit(say(name) or "raw", known)
         with refused_as("--unit-time"):
             time_unit(say("unit_time") or "s")
-        return ToldColumns(
+        return ColumnOptions(
             time=say("time"), gyro=_several(say("gyro")), accel=_several(say("accel")),
             temperature=say("temperature"), auxiliary=_several(say("aux")) or (), reference=say("reference"),
             utc=say("utc"),
@@ -99,8 +99,8 @@ class LogOptions:
     def read(self, files: Sequence[Path]) -> "LogCampaign":
         """Read logs as one campaign; a usage error where an option is wrong, `DataRefused` where a log is."""
         from procedures.campaign.campaign import UNKNOWN
-        from station.files.logs.log_campaign import ToldLogs, campaign_of_logs
-        from station.files.logs.step_kinds import check_kinds
+        from station.files.logs.log_campaign import LogOptions, campaign_of_logs
+        from station.files.logs.log_steps import check_kinds
 
         say = self.given.get
         kinds = tuple(say("as") or ())
@@ -109,7 +109,7 @@ class LogOptions:
         columns = self.columns()
         return campaign_of_logs(
             files,
-            ToldLogs(
+            LogOptions(
                 columns, kinds, latitude_deg=say("latitude"), uses_latitude="latitude" in self.given,
                 serial=say("serial") or UNKNOWN,
             ),
@@ -124,8 +124,8 @@ def means_of_logs(files: Sequence[Path], told: LogOptions) -> "MeansTable | None
     DataRefused
         If it was told to be one and is none.
     """
-    from station.files.logs import read_log
     from station.files.logs.means_table import KIND, is_means_table, means_of
+    from station.files.tables.reader import read_table
 
     kinds = told.given.get("as") or ()
     if KIND in kinds and len(files) > 1:
@@ -135,7 +135,7 @@ def means_of_logs(files: Sequence[Path], told: LogOptions) -> "MeansTable | None
     columns = told.columns()
     if not kinds and files[0].is_file() and files[0].stat().st_size > MAX_MEANS_BYTES:
         return None
-    table = read_log(files[0])
+    table = read_table(files[0])
     if not kinds and not is_means_table(table, columns):
         return None
     found = means_of(table, columns)
@@ -169,7 +169,7 @@ def read_logs(files: Sequence[Path], told: LogOptions, folder: Path | None) -> "
 
         refuse_restless(found.loaded.campaign)
     if folder is not None:
-        from station.files.logs.campaign_writing import write_campaign
+        from station.files.logs.log_campaign import write_campaign
 
         write_campaign(folder, found)
         typer.echo(f"{folder}: campaign/1", err=True)

@@ -183,8 +183,12 @@ def _diagnosed(
 ) -> "tuple[AttitudeEstimate, dict[str, Any], str]":
     """Return the corrected attitude with its document and text, after the diagnosis."""
     from procedures.attitude.diagnosis.attitude_diagnosis import diagnose_attitude
-    from station.attitude.attitude_json import attitude_document, attitude_text
-    from station.attitude.diagnosis_json import attitude_diagnosis_document, attitude_diagnosis_text
+    from station.attitude.attitude_json import (
+        attitude_diagnosis_document,
+        attitude_diagnosis_text,
+        attitude_document,
+        attitude_text,
+    )
 
     traced = diagnose_attitude(read, aid, gains, gravity)
     document = attitude_document(read, traced.track) | {"diagnosis": attitude_diagnosis_document(traced)}
@@ -272,7 +276,7 @@ def tune(
         raise typer.BadParameter(f"{aid} needs {AID_COLUMN[aid]}, which {log} has not", param_hint="--aid")
     from procedures.attitude.gain_tuning import grid_of_gains, grid_of_taus
     from procedures.attitude.gain_tuning import tune as search
-    from station.attitude.tuning_json import tuning_document, tuning_text
+    from station.attitude.attitude_json import tuning_document, tuning_text
 
     found = search(read, aid, grid_of_gains() if gains else grid_of_taus(), gravity)
     document = tuning_document(found, aid, by_tau=not gains)

@@ -105,7 +105,7 @@ def calibrate(
 
     Example: station calibrate --device serial:///dev/ttyUSB0?format=counts --latitude 48.1
     """
-    from station.files.setup import Setup
+    from station.files.campaign_setup import Setup
     from station.guide.last_setup import load_setup
     from station.guide.options import EngineOptions
     from station.guide.view import OperatorCommand

@@ -93,7 +93,7 @@ def _closely(url: str, seconds: float) -> None:
         return
     from drivers.wire import ALL_CHANNELS
     from station.device_probe import probe_imu
-    from station.text.plural import plural
+    from station.text import plural
 
     imu = probe_imu(url, seconds)
     typer.echo(f"format    {imu.format}")

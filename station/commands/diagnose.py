@@ -68,9 +68,8 @@ def diagnose(
 
     Example: station diagnose log.csv --time t --gyro wx,wy,wz --unit-gyro deg/s --temperature temp
     """
-    from station.files.campaign_folder.campaign_effects import with_effects
     from station.files.campaign_folder.campaign_reading import read_campaign
-    from station.files.campaign_folder.loaded_campaign import check_one_unit
+    from station.files.campaign_folder.loaded_campaign import check_one_unit, with_effects
 
     told = _log_options.LogOptions({
         "time": time, "gyro": gyro, "accel": accel, "unit_gyro": unit_gyro, "unit_accel": unit_accel,
@@ -108,7 +107,7 @@ def _diagnose(
 ) -> None:  # fmt: skip
     from procedures.diagnosis.diagnose import diagnose as find  # scipy and kernels: not before the data are right
     from procedures.errors import NotObservable
-    from station.files.campaign_folder.campaign_effects import effects_of
+    from station.files.campaign_folder.loaded_campaign import effects_of
     from station.results.diagnosis.magnetic_field import with_magnetic_field
     from station.results.diagnosis.single_channels import channel_lines, channels_of
     from station.results.diagnosis.unsolvable_campaign import nothing_at_all, partial_document

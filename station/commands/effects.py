@@ -31,8 +31,8 @@ def list_(
     from fixtures_db.database import open_db
     from fixtures_db.user_effects import all_in_force, owner
     from procedures.effects import EFFECTS
-    from station.files.stored_effects import check_stored
-    from station.text.table import table_lines
+    from station.files.effect_file import check_stored
+    from station.text import table_lines
 
     with open_db(db) as database, database.read() as session:
         rows = [(one.name, owner(one.model, one.serial), one.effect_sha256[:12]) for one in all_in_force(session)]
@@ -61,8 +61,7 @@ def show(
     from fixtures_db.database import open_db
     from fixtures_db.user_effects import all_in_force, owner
     from procedures.effects import EFFECTS
-    from station.files.effect_file import read_effect, stored_effect
-    from station.files.stored_effects import check_stored
+    from station.files.effect_file import check_stored, read_effect, stored_effect
     from station.results.effects_text import effect_text, file_text
 
     if any(effect.name == name for effect in EFFECTS):

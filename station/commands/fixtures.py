@@ -110,8 +110,7 @@ def import_(
     from fixtures_db.errors import DatabaseError
     from fixtures_db.fixture_transfer import restore
     from station.errors import DataRefused
-    from station.files.fixture_files.csv_folder import read_csv
-    from station.files.fixture_files.toml_file import read_toml_file
+    from station.files.fixture_files import read_csv, read_toml_file
 
     tables = read_toml_file(file) if file.suffix == ".toml" else read_csv(file)
     try:
@@ -165,8 +164,7 @@ def export(
     from fixtures_db.database import open_db
     from fixtures_db.fixture_transfer import dump
     from station.files.atomic_file import replace_file
-    from station.files.fixture_files.csv_folder import write_csv
-    from station.files.fixture_files.toml_file import to_toml
+    from station.files.fixture_files import to_toml, write_csv
 
     with open_db(db) as database, database.read() as session:
         rows = dump(session)
@@ -229,7 +227,7 @@ def limits(
     from fixtures_db.database import open_db
 
     if example:
-        from station.files.limits_example import MODEL, example_limits
+        from station.files.limits_file import MODEL, example_limits
 
         typer.echo(example_limits(model or MODEL), nl=False)
         return
@@ -244,8 +242,8 @@ def limits(
 def _import(database: "OpenDatabase", model: str, file: Path) -> str:
     from fixtures_db.model_limits import set_limits
     from station.errors import DataRefused
-    from station.files.limits_toml import limits_in
-    from station.files.toml_reading import read_text_file
+    from station.files.limits_file import limits_in
+    from station.files.toml_file import read_text_file
 
     found, limits = limits_in(read_text_file(file), file)
     if found != model:

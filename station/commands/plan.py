@@ -130,7 +130,7 @@ def _plan(
     from procedures.planning.campaign_design import usual_design
     from procedures.planning.design_sigmas import as_good_as, with_all_solved
     from procedures.planning.least_time import least_time, most_in_time
-    from station.files.campaign_folder.plan_toml import write_plan
+    from station.files.campaign_folder.plan_file import write_plan
     from station.results.planning.plan_json import not_met, plan_document
     from station.results.planning.plan_text import plan_text
 

@@ -9,14 +9,14 @@ import typer
 
 from station.commands import Database
 from station.commands._options import argument, lengths, option, refused_as
-from station.text.plural import plural
+from station.text import plural
 
 if TYPE_CHECKING:
-    from station.stream.camera.camera_feed import CameraFeed
-    from station.stream.gnss.gnss_feed import GnssFeed
-    from station.stream.gnss.sample_rate import SampleRate
+    from station.stream.camera import CameraFeed
+    from station.stream.gnss_feed import GnssFeed
     from station.stream.live.live_feed import LiveFeed
-    from station.stream.wheel.wheel_feed import WheelFeed
+    from station.stream.sample_rate import SampleRate
+    from station.stream.wheel import WheelFeed
 
 
 def record(
@@ -71,16 +71,15 @@ def record(
         made(url)
         return
     from drivers.errors import ReplayEnded
-    from station.files.new_folder import journal_path, new_folder
-    from station.stream.camera.camera_feed import open_camera
-    from station.stream.camera.description import read_description
-    from station.stream.gnss.gnss_feed import open_gnss
-    from station.stream.gnss.sample_rate import SampleRate, host_sample_rate
+    from station.files.atomic_file import journal_path, new_folder
+    from station.stream.camera import open_camera, read_description
+    from station.stream.gnss_feed import open_gnss
     from station.stream.live.live_feed import no_recording, open_feed
     from station.stream.reader import Reader
     from station.stream.recorder import plain_recording
-    from station.stream.wheel.description import read_description as read_wheel
-    from station.stream.wheel.wheel_feed import open_wheel
+    from station.stream.sample_rate import SampleRate, host_sample_rate
+    from station.stream.wheel import open_wheel
+    from station.stream.wheel import read_description as read_wheel
 
     described = None if camera is None else read_description(camera)
     rolling = None if wheel is None else read_wheel(wheel)
@@ -118,7 +117,7 @@ def _watch(
     auxiliary: "Sequence[CameraFeed | WheelFeed]",
 ) -> Callable[[], None]:
     """Return what reports faults of each device on stderr when they begin and when they are over."""
-    from station.stream.live.trouble_lines import TroubleLog
+    from station.stream.live.stream_trouble import TroubleLog
 
     def log_of(name: str) -> TroubleLog:
         return TroubleLog(name, lambda text: typer.echo(text, err=True))

@@ -130,7 +130,7 @@ def simulate(
     from drivers.simulated.truth import Truth, truth_from
     from drivers.simulated.vehicle_track import load_track
     from drivers.wire import FORMATS
-    from station.files.faults_file import read_faults
+    from station.files.scenario_schema import read_faults
 
     if scenario is not None:
         _serve_scenario(scenario, context, camera_file)

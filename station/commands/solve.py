@@ -29,8 +29,8 @@ def solve(
     Example: station solve campaigns/2026-05-11 --json solution.json
     """
     from station.files.atomic_file import write_json
-    from station.files.campaign_folder.campaign_effects import with_effects
     from station.files.campaign_folder.campaign_reading import read_for_solve
+    from station.files.campaign_folder.loaded_campaign import with_effects
     from station.results.solution_json import solution_document
     from station.results.solution_text import solution_text
 

@@ -62,7 +62,7 @@ def stream(
     Example: station stream serial:///dev/ttyUSB0?format=counts --to foxglove --to udp:127.0.0.1:5005
     """
     if layout is not None:
-        from station.sending.foxglove_layout import write_layout
+        from station.sending.to_foxglove import write_layout
 
         write_layout(layout)
         typer.echo(f"{layout}: a layout; in Foxglove: Layouts, Import from file")

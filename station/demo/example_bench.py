@@ -19,8 +19,7 @@ from fixtures_db.schema import CubeRow, SiteRow, SlabLevelRow, SlabRow
 from procedures.campaign.campaign import FaceCertificate
 from procedures.frames import FACES
 from station.errors import DataRefused
-from station.files.limits_example import example_limits
-from station.files.limits_toml import limits_in
+from station.files.limits_file import example_limits, limits_in
 
 SOURCE = "simulated: nobody measured it"
 SIDE_MM = 400.0

@@ -25,7 +25,7 @@ from station.demo.device import demo_truth
 from station.demo.example_bench import GRAVITY_STD, ExampleBench, add_example
 from station.errors import CannotWrite, Incomplete, cannot_write
 from station.files.atomic_file import replace_file
-from station.files.setup import Setup
+from station.files.campaign_setup import Setup
 from station.guide.headless import record_headless
 from station.guide.options import CalibrationOptions
 from station.guide.simulated_operator import HandlingStyle, SimulatedOperator
@@ -33,7 +33,7 @@ from station.guide.view import CalibrationView
 from station.results.campaign_results import CampaignResults, make_results, store
 from station.results.certificate.issuing import issue
 from station.results.certificate.laboratory import Laboratory
-from station.stream.recorder.raw_check import check_raw_bytes
+from station.stream.recorder.sample_stream import check_raw_bytes
 from station.stream.stream_events import NewEvents
 
 MARK = ".station-demo"

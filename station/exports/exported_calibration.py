@@ -35,7 +35,7 @@ from station.calibrated.applied_effects import (
 )
 from station.calibrated.correction_inputs import DIRECTION, RATE, WARMTH, Triad
 from station.files.calibration_document import MAX_BYTES, parsed_calibration
-from station.files.toml_reading import read_text_file
+from station.files.toml_file import read_text_file
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -9,7 +9,7 @@ level = "0000..."                   # 64 zeros: there was none
 measurement = "0000..."             # of a cube by IMUs; may be missing
 issued = "7c31..."                  # the newest calibration certificate handed out
 signed = "0000..."                  # the newest signed file of one
-effect = "0000..."                  # of an effect of one's own, added or withdrawn
+effect = "0000..."                  # of a user-defined effect, added or withdrawn
 journal = "3a7d..."                 # the newest entry of the journal of all rows; not in older files
 entries = 412                       # and its number
 [[manifest]]
@@ -28,10 +28,8 @@ from typing import Literal
 from fixtures_db.hash_chain import GENESIS
 from fixtures_db.verification import Anchor
 from station.files.atomic_file import replace_file
-from station.files.fixture_files.toml_file import seal_of, sealed
-from station.files.text_fields import Sha256
-from station.files.toml_reading import TomlTable, read_tables
-from station.files.toml_writing import toml_text
+from station.files.fixture_files import seal_of, sealed
+from station.files.toml_file import Sha256, TomlTable, read_tables, toml_text
 
 
 class ManifestTable(TomlTable):

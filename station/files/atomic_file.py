@@ -1,16 +1,21 @@
-"""Files that are there whole or not at all: written aside, synced, then renamed into place.
+"""Files that are there whole or not at all: written under another name, synced, then renamed.
 
-What is read is not written over, nor one result by another.
+Also pairs of files, new folders and free names, and how often a growing file is flushed.
 """
 
 import json
 import os
 import secrets
-from collections.abc import Iterable, Mapping
+import shutil
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
-from fixtures_db.folder_on_disk import sync_folder
+from fixtures_db.folder_on_disk import make_folder, sync_folder
 from station.errors import CannotWrite, cannot_write
 
 
@@ -96,3 +101,99 @@ def refuse_own(outputs: Iterable[Path | None], inputs: Iterable[Path]) -> None:
         if path.resolve() in written and (path.is_file() or not path.exists()):  # a terminal takes both
             raise CannotWrite(path, "another result goes there")
         written.add(path.resolve())
+
+
+@contextmanager
+def write_file_pair(out: Path, beside: Path) -> Iterator[tuple[Path, Path]]:
+    """Give places to write a file, or a folder, and its companion to, under their names in a folder of their own.
+
+    At the end they are put in their places, unless something is raised. What stood next to ``out`` goes first, and
+    its companion comes last: one that is cut off leaves a file that nothing is said of, none that it is not of.
+
+    Raises
+    ------
+    CannotWrite
+        If a place cannot be written, or is a folder.
+    """
+    for path in (out, beside):
+        if path.is_dir():
+            raise CannotWrite(path, "a folder of this name is there")
+    aside = out.with_name(f".{out.name}.{secrets.token_hex(6)}.tmp")
+    try:
+        aside.mkdir()
+        yield aside / out.name, aside / beside.name
+        sync_folder(aside)
+        if beside.exists():
+            beside.unlink()
+            sync_folder(out.parent)  # or a power cut may leave it alongside the new one
+        for path in (out, beside):
+            os.replace(aside / path.name, path)
+            sync_folder(out.parent)
+    except OSError as error:
+        raise error if isinstance(error, CannotWrite) else cannot_write(out, error) from error
+    finally:
+        shutil.rmtree(aside, ignore_errors=True)
+
+
+@contextmanager
+def new_folder(
+    folder: Path, sign: str, is_free: Callable[[Sequence[str]], bool] = lambda names: not names
+) -> Iterator[Path]:
+    """Make a folder; take it away again, with all that came into it, if no file named ``sign`` did.
+
+    One that is there already must be empty, or ``is_free`` says of the names in it that they are what a killed
+    program had begun with; such a one is not taken away.
+
+    Raises
+    ------
+    CannotWrite
+        If it cannot be made or is not empty.
+    """
+    try:
+        make_folder(folder)
+        there = [file.name for file in folder.iterdir()]
+        if there and not is_free(there):
+            raise CannotWrite(folder, "it is not empty, expected a new folder")
+    except OSError as error:
+        if isinstance(error, CannotWrite):
+            raise
+        raise cannot_write(folder, error) from error
+    try:
+        yield folder
+    finally:
+        if not there and not (folder / sign).exists():
+            for file in folder.iterdir():
+                file.unlink()
+            folder.rmdir()
+
+
+def journal_path(folder: Path, name: str = "session") -> Path:
+    """Return where what is read from now on goes."""
+    return folder / f"{name}_{datetime.now(UTC):%Y%m%dT%H%M%S%fZ}.mcap"
+
+
+def free_path(folder: Path, name: str) -> Path:
+    """Return where ``name.mcap`` goes; ``name_2.mcap`` and so on where that is there already."""
+    numbered = chain([name], (f"{name}_{number}" for number in count(2)))
+    return next(path for stem in numbered if not (path := folder / f"{stem}.mcap").exists())
+
+
+class FlushInterval:
+    """Flushes every ``period_s``, or after as long as the last one took: else nothing else would be done."""
+
+    def __init__(self, period_s: float) -> None:
+        self._period_s = period_s
+        self._due = time.monotonic() + period_s
+
+    @property
+    def is_due(self) -> bool:
+        """Whether to flush now."""
+        return time.monotonic() >= self._due
+
+    @contextmanager
+    def flushing(self) -> Iterator[None]:
+        """Time a flush."""
+        began = time.monotonic()
+        yield
+        now = time.monotonic()
+        self._due = now + max(self._period_s, now - began)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
@@ -15,8 +15,20 @@ from procedures.effects.term.effect_of_term import MAX_PARAMETERS, MAX_TERMS, Pa
 from procedures.effects.term.units import parse_unit
 from procedures.errors import TermRefused
 from station.errors import DataRefused
-from station.files.text_fields import Sha256, matching
-from station.files.toml_reading import Key, TomlTable, line_of, line_of_keys, read_tables, read_text_file
+from station.files.toml_file import (
+    Key,
+    Sha256,
+    TomlTable,
+    line_of,
+    line_of_keys,
+    matching,
+    read_tables,
+    read_text_file,
+)
+
+if TYPE_CHECKING:
+    from sqlalchemy.orm import Session
+from station.errors import Altered
 
 FORMAT = "effect/1"
 MAX_BYTES = 2**16
@@ -85,7 +97,7 @@ class EffectFile:
 
     @property
     def is_only_proposed(self) -> bool:
-        """Say whether a search found it and no other data confirmed it yet."""
+        """Return whether a search found it and no other data confirmed it yet."""
         return self.origin is not None and self.origin.confidence == "proposed"
 
     @property
@@ -181,3 +193,14 @@ def _near(error: TermRefused) -> str:
     begin = max(error.at - MAX_SHOWN // 2, 0) if len(error.text) > MAX_SHOWN else 0
     part = error.text[begin : begin + MAX_SHOWN]
     return f"{'...' * (begin > 0)}{part}{'...' * (begin + MAX_SHOWN < len(error.text))}"
+
+
+def check_stored(session: "Session") -> None:
+    """Raise `Altered` if an event of effects, of whatever unit, is not what was stored.
+
+    Which effects are in force is then not known.
+    """
+    from fixtures_db.user_effects import verify_effects  # a solve without a database does not wait for SQL
+
+    for fault in verify_effects(session):
+        raise Altered(fault.row, fault.found, fault.expected, "restore the database from a copy")

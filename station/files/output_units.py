@@ -87,7 +87,7 @@ def temperature_unit(text: str) -> str | None:
 
 
 def is_unit(text: str) -> bool:
-    """Say whether a text is a unit of time, rate, force, temperature or an output."""
+    """Return whether a text is a unit of time, rate, force, temperature or an output."""
     known = (*TIME_UNITS, *GYRO_UNITS, *ACCEL_UNITS, RAW)
     return unit_named(text) in known or temperature_unit(text) is not None
 
@@ -140,3 +140,6 @@ def outputs_per_unit(unit: str, known: Mapping[str, float]) -> float | None:
             return value * known[per]
     first = next(iter(known))
     raise ValueError(f"found unit {unit!a}, expected one of {', '.join(known)}, {RAW}, or N/({first})")
+
+
+PLAUSIBLE_C = (-100.0, 400.0)  # degC: beyond it no IMU works; 0x7FFF in hundredths, a dead thermometer, is within

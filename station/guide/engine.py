@@ -20,7 +20,7 @@ from fixtures_db.errors import DatabaseError
 from procedures.errors import ProcedureError
 from station.errors import CannotWrite, DataRefused, DiskFull, StationError
 from station.exit_codes import exit_code
-from station.files.setup import Setup
+from station.files.campaign_setup import Setup
 from station.guide.last_setup import save_setup
 from station.guide.options import CalibrationOptions
 from station.guide.setup_view import PortCheck, Readiness, StartView
@@ -341,7 +341,7 @@ def _resumed(folder: Path, database: Database, options: CalibrationOptions) -> "
 
 def _port_of(folder: Path) -> str:
     """Return the port that a campaign had, empty if that is not known."""
-    from station.files.campaign_folder.notes import read_note
+    from station.files.campaign_folder.plan_file import read_note
 
     with contextlib.suppress(DataRefused, OSError):
         return (read_note(folder, Setup) or Setup()).url
@@ -349,7 +349,7 @@ def _port_of(folder: Path) -> str:
 
 
 def _is_planned_on_the_way(folder: Path) -> bool:
-    from station.files.campaign_folder.notes import NAMES, WantedRecord
+    from station.files.campaign_folder.plan_file import NAMES, WantedRecord
 
     return (folder / NAMES[WantedRecord]).is_file()
 

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from fixtures_db.database import Database
-from station.files.setup import Setup
+from station.files.campaign_setup import Setup
 from station.guide.campaign.campaign_start import begin
 from station.guide.engine import CalibrationEngine
 from station.guide.options import CalibrationOptions, EngineOptions

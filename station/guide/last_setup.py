@@ -9,7 +9,7 @@ from pydantic import ValidationError
 from drivers.address_guess import with_absolute_paths
 from station.errors import cannot_write
 from station.files.atomic_file import replace_file
-from station.files.setup import Setup
+from station.files.campaign_setup import Setup
 
 
 def setup_file() -> Path:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from station.files.setup import Setup
+from station.files.campaign_setup import Setup
 from station.guide.setup_view import FrozenValue
 from station.guide.view import OperatorCommand
 
@@ -78,9 +78,9 @@ class EngineOptions(FrozenValue):
             return replace(options, wanted=TargetUncertainties(self.until_limits, self.sigma, self.noise))
         if self.plan is None:
             return options
-        from station.files.campaign_folder import plan_toml  # a screen need not wait for it
+        from station.files.campaign_folder import plan_file
 
-        return replace(options, steps=plan_toml.read_plan(self.plan), imu_axes=plan_toml.read_mounting(self.plan))
+        return replace(options, steps=plan_file.read_plan(self.plan), imu_axes=plan_file.read_mounting(self.plan))
 
     def operator(self) -> "SimulatedOperator | None":
         """Return who moves the cube, None where a person does."""

@@ -7,7 +7,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict
 
-from station.files.setup import Setup
+from station.files.campaign_setup import Setup
 
 ReadyState = Literal["ready", "note", "lacks"]
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from fixtures_db.database import Database
 from fixtures_db.errors import DatabaseError
-from station.files.setup import Setup
+from station.files.campaign_setup import Setup
 from station.guide.options import CalibrationOptions
 from station.guide.setup_view import PortCheck, Readiness
 
@@ -77,7 +77,7 @@ def announce_readiness(
     campaign: "GuidedCampaign", database: Database, options: CalibrationOptions
 ) -> Readiness | None:
     """Tell the operator how a campaign can end whose unit has answered, before anything is recorded."""
-    from station.files.campaign_folder.notes import read_note
+    from station.files.campaign_folder.plan_file import read_note
 
     if (unit := campaign.unit_check()) is None:
         return None

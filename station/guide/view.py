@@ -6,7 +6,7 @@ sends an `OperatorCommand`. Angles in deg, rates in deg/s, times in s of the dev
 
 from typing import Literal, Protocol
 
-from station.files.setup import Setup
+from station.files.campaign_setup import Setup
 from station.guide.setup_view import Choice, FrozenValue, Readiness, StartView
 from station.stream.stream_events import Event
 

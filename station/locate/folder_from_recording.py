@@ -1,4 +1,4 @@
-"""A recording of IMU and GNSS made a fusion folder: calibrated, on the IMU's clock, level about the first fix."""
+"""A recording of IMU and GNSS as a fusion folder: calibrated, on the IMU's clock, level about the first fix."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -17,19 +17,18 @@ from station.calibrated.calibration_choice import AppliedCalibration, find_calib
 from station.calibrated.rates_and_forces import Sensors
 from station.errors import DataRefused
 from station.files.fusion_folder.fusion_writing import FusionRecording, WheelColumn, write_fusion
-from station.files.mcap_files.fix_reader import Record
+from station.files.mcap_files.gnss_file import Record
 from station.locate.imu_noise import MIN_REST_S, Rest, longest_rest, noise_densities
 from station.locate.live_alignment import joined_series
 from station.locate.monitor_interface import in_imu_axes
-from station.stream.camera.recorded_tracks import recorded_tracks
-from station.stream.gnss.fix_times import FixTimes
+from station.stream.camera import recorded_tracks
+from station.stream.gnss_times import FixTimes
 from station.stream.live.live_feed import LiveFeed, open_feed
-from station.stream.live.silent_channels import refuse_partial
-from station.stream.recorder.pulse_ages import PulseAges
-from station.stream.replay.gnss import read_recorded_fixes
-from station.stream.replay.imu import Replay
-from station.stream.wheel.recorded_speeds import recorded_speeds
-from station.text.plural import plural
+from station.stream.live.stream_trouble import refuse_partial
+from station.stream.recorder.sample_times import PulseAges
+from station.stream.replay import Replay, read_recorded_fixes
+from station.stream.wheel import recorded_speeds
+from station.text import plural
 
 BLOCK_S = 0.1
 # s: of fixes placed by pulses at the IMU's input, by their sender's clock, and by when they were read
@@ -53,7 +52,7 @@ def fusion_from_recording(url: str, folder: Path, asked: FusionOptions) -> list[
     Raises
     ------
     DataRefused
-        If the device does not measure six channels, there is no receiver's file beside it, no fix with a place in
+        If the device does not measure six channels, there is no receiver's file next to it, no fix with a place in
         it, or neither calibration nor scale.
     CannotWrite
         If the folder cannot be written.
@@ -63,9 +62,9 @@ def fusion_from_recording(url: str, folder: Path, asked: FusionOptions) -> list[
     file = Path(feed.address.name)
     times, imu, sensors = FixTimes(), *_calibrated(feed, applied)
     for host_ns, sample in feed.buffer.marks(feed.buffer.begin, feed.buffer.end):
-        times.mark_imu(host_ns, _device_s(feed, sample))
+        times.stamp_imu(host_ns, _device_s(feed, sample))
     for pulse_s in _pulses(feed):
-        times.mark_pulse(pulse_s)
+        times.stamp_pulse(pulse_s)
     origin, fixes = _placed(file, read_recorded_fixes(file), times, imu)
     counts = sensors.quanta() if feed.wire.output == "increments" else (0.0, 0.0)
     rest = longest_rest(imu, counts[1])
@@ -99,7 +98,7 @@ def _pulses(feed: LiveFeed) -> Iterator[float]:
 
 
 def _read(url: str, asked: FusionOptions) -> tuple[LiveFeed, AppliedCalibration]:
-    """Return a feed that has taken the whole of a recording; what came before a restart is let go."""
+    """Return a feed that has taken the whole of a recording; what came before a restart is discarded."""
     feed = open_feed(Replay(url, 0.0))
     unknown = UNKNOWN if feed.wire.identity is None else None
     try:
@@ -126,7 +125,7 @@ def _placed(file: Path, records: list[Record], times: FixTimes, imu: ImuSeries) 
     """Return the usable fixes within the IMU's time, each a new one of the receiver's, level about the first."""
     for record in records:
         if isinstance(record, TimeMark):
-            times.mark_sender(record)
+            times.stamp_sender(record)
     fixes = [record for record in records if isinstance(record, GnssFix)]
     source = antenna(fixes)
     used, stamps = list[GnssFix](), list[float]()

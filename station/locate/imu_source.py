@@ -16,10 +16,17 @@ from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettin
 from procedures.fusion.outer.pose_graph import OUTLIER_SIGMAS, GlobalPose, PoseGraphSettings
 from station.errors import DataRefused
 from station.files.fusion_folder import FusionLog
-from station.locate.outer_layer import online, outer_settings, through_graph, trajectory_of
-from station.locate.result import Alignment, Located
-from station.locate.wheel import wheel_of, with_wheel
-from station.text.plural import plural
+from station.locate.outer_layer import (
+    Alignment,
+    Located,
+    online,
+    outer_settings,
+    through_graph,
+    trajectory_of,
+    wheel_of,
+    with_wheel,
+)
+from station.text import plural
 
 STILL = 1e-3  # m/s, of a bench
 BENCH_SPACING = 0.1  # s: poses at 10 Hz are promised

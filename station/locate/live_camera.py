@@ -1,7 +1,7 @@
 """The camera of a live run: frames on the IMU's clock, how late they are, and which keyframes they ask for.
 
-Images are stamped by the camera's own clock where it tells one, else by when they were read. What its stamps are
-late by all the same (exposure, read-out, the way here) is told, or found out while the unit turns.
+Images are stamped by the camera's own clock where it reports one, else by when they were read. What its stamps are
+late by all the same (exposure, read-out, the way here) is stated, or found out while the unit turns.
 """
 
 from collections import deque
@@ -18,11 +18,11 @@ from procedures.fusion.inner.camera_frames import CLOSEST, SPACING, Frame, fille
 from procedures.fusion.inner.keyframes import between
 from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
 from procedures.fusion.visual_alignment.camera_time import CHECK_MOUNTING, CameraTimeOffset, camera_offset
-from station.stream.camera.feature_following import Follow
-from station.stream.gnss.fix_times import FixTimes
-from station.text.plural import plural
+from station.stream.camera import Follow
+from station.stream.gnss_times import FixTimes
+from station.text import plural
 
-MARKS_NS = 60 * 10**9  # of the lines between the clocks
+STAMPS_NS = 60 * 10**9  # of the lines between the clocks
 KEPT_S = 60.0  # of frames: by them the delay is found
 ATTEMPT_SPACING_GROWTH = 1.2  # attempts are as much farther apart each time, up to
 MAX_ATTEMPT_SPACING_S = 5.0
@@ -37,7 +37,7 @@ MIN_IMAGE_SPACING_S = 0.03  # between images that are followed
 TURN_ADVICE = "its delay is not known: rotate it unevenly"
 MISFIT_ADVICE = "its rotations differ from the gyro's: check its file"
 UNKNOWN_OFFSET = CameraTimeOffset(0.0, 0.1)
-GENTLE_S = 0.015  # 1 sigma of the delay that does where all turns are gentle: the window goes on fitting it
+GENTLE_S = 0.015  # 1 sigma of the delay that does where all turns are gentle: the window continues fitting it
 
 
 class LiveCamera:
@@ -48,13 +48,13 @@ class LiveCamera:
 
     def __init__(self, camera: PinholeCamera, follow: Follow, told: CameraTimeOffset | None = None) -> None:
         self.camera, self._follow, self._told = camera, follow, told
-        self.begin_anew()
+        self.reset()
 
-    def begin_anew(self) -> None:
+    def reset(self) -> None:
         """Let all go that hangs on the unit's time."""
         self.offset = self._told if self._told is not None and not self._told.std else None
         self.why, self._hint = "no image yet", TURN_ADVICE
-        self._times = FixTimes(MARKS_NS, in_order=True)
+        self._times = FixTimes(STAMPS_NS, in_order=True)
         self._frames: deque[Frame] = deque()  # by the camera's stamps, without the offset
         self._ages: deque[float] = deque(maxlen=AGE_FRAMES)
         self._came_at = -np.inf
@@ -68,14 +68,14 @@ class LiveCamera:
     def mark(self, marks: Iterable[tuple[int, float]]) -> None:
         """Take moments of reading [ns] and the device times [s] of the samples that came then."""
         for host_ns, device_s in marks:
-            self._times.mark_imu(host_ns, device_s)
+            self._times.stamp_imu(host_ns, device_s)
 
     def take(self, images: Sequence[CameraImage], now: float) -> None:
         """Follow features through new images; ``now`` [s] is the newest sample's time."""
         self._now = now
         for image in images:
             if image.device_ns is not None:
-                self._times.mark_sender(TimeMark(image.host_ns, image.device_ns, None))
+                self._times.stamp_sender(TimeMark(image.host_ns, image.device_ns, None))
             t = self._times.of(image)
             if t is not None and self._followed_at < t < self._followed_at + MIN_IMAGE_SPACING_S:
                 continue  # more often than it is worth: a machine that cannot keep up falls behind
@@ -107,7 +107,7 @@ class LiveCamera:
 
     @property
     def offset_std(self) -> float:
-        """1 sigma [s] of what a window has to add to the offset; 0 where that was told."""
+        """1 sigma [s] of what a window has to add to the offset; 0 where that was stated."""
         return GENTLE_S if self._told is None or self._told.std else 0.0
 
     @property
@@ -135,7 +135,7 @@ class LiveCamera:
         )
 
     def lags(self, others: float) -> bool:
-        """Say whether frames are not waited for: ``others`` [s] is how late what is waited for is."""
+        """Return whether frames are not waited for: ``others`` [s] is how late what is waited for is."""
         return self.lateness > others + MAX_WAIT_S
 
     @property
@@ -199,7 +199,7 @@ class LiveCamera:
 
     @property
     def said(self) -> str:
-        """How the camera does, in words."""
+        """How the camera does, as text."""
         silent = self._now - self._came_at
         if silent > SILENT_S >= self._now - self._spoilt_at:
             return "images are not JPEG, or their size differs from the first"

@@ -24,12 +24,17 @@ from procedures.fusion.odometry import OdometryPose
 from procedures.fusion.outer.pose_graph import GlobalPose, PoseGraphSettings
 from station.locate.camera_source import antenna_of, with_lever
 from station.locate.imu_source import with_constants
-from station.locate.live_alignment import MAX_BUFFER_S, LiveAlignment, LiveStart, joined_series
+from station.locate.live_alignment import (
+    MAX_BUFFER_S,
+    Graph,
+    LiveAlignment,
+    LiveGraph,
+    LiveStart,
+    NoGraph,
+    joined_series,
+)
 from station.locate.live_camera import LiveCamera
-from station.locate.live_fixes import KEYFRAME_DELAY_S, LiveFixes
-from station.locate.live_graph import Graph, LiveGraph, NoGraph
-from station.locate.live_report import LocationReport
-from station.locate.live_wheel import LiveWheel
+from station.locate.live_fixes import KEYFRAME_DELAY_S, LiveFixes, LiveWheel, LocationReport
 from station.locate.location import Location
 from station.locate.monitor_interface import LocatorTick
 from station.locate.outer_layer import FREE_ARM
@@ -40,7 +45,7 @@ TRY_EVERY_S = 1.0
 class LiveLocator:
     """Call `take` for each tick; ``location`` is what is known then.
 
-    ``noise_of`` samples is None as long as it is too early to tell. ``ahead`` (3,) is forward in IMU axes;
+    ``noise_of`` samples is None as long as it is too early to report. ``ahead`` (3,) is forward in IMU axes;
     ``lever_arm`` (3,) [m] from IMU to antenna, None: estimated.
     """
 
@@ -51,16 +56,16 @@ class LiveLocator:
         self._wheel = wheel
         self._noise_of, self._arm, self._told, self._camera = noise_of, lever_arm, LocationReport(ahead), camera
         self._given = LiveFixes()
-        self.begin_anew()
+        self.reset()
 
-    def begin_anew(self) -> None:
+    def reset(self) -> None:
         """Begin again: the unit's time has no relation to what came before."""
         self._given = LiveFixes(self._given.origin)
-        self._told.begin_anew()
+        self._told.reset()
         if self._camera is not None:
-            self._camera.begin_anew()
+            self._camera.reset()
         if self._wheel is not None:
-            self._wheel.begin_anew()
+            self._wheel.reset()
         self._imu: deque[ImuSeries] = deque()
         self._beginning: LiveAlignment | None = None
         self._window: InertialWindow | VisualInertialWindow | None = None
@@ -69,7 +74,7 @@ class LiveLocator:
         self.location = Location(why="no fix yet")
 
     def take(self, taken: LocatorTick) -> None:
-        """Go on by a tick."""
+        """Advance by a tick."""
         now = float(taken.imu.t[-1])
         self._keep(taken.imu, now)
         self._given.mark(taken.marks, taken.pulses)

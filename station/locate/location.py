@@ -1,4 +1,4 @@
-"""Where a unit is, as it is shown and told."""
+"""Where a unit is, as it is shown and reported."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ class Location:
 
     ``heading`` is of forward, from north [deg]; sigmas are of each axis. ``track`` and outlying fixes ``far`` are
     places East, North; ``fix_age`` [s] is how long before ``t`` the newest fix was that counts in it. ``camera``
-    and ``wheel`` say how one does, in words, empty where there is none; of the camera's images
+    and ``wheel`` say how one does, as text, empty where there is none; of the camera's images
     ``images_dropped`` came too late to count.
     """
 

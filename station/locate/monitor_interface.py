@@ -1,4 +1,4 @@
-"""What a monitor tells a locator and hears from it."""
+"""What a monitor passes to a locator and receives from it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from drivers.can.wheel_reading import WheelReading
 from procedures.arrays import FloatArray
 from procedures.fusion.fusion_records import ImuSeries
 from station.calibrated.rates_and_forces import CalibratedTick
-from station.files.mcap_files.fix_reader import Record
+from station.files.mcap_files.gnss_file import Record
 from station.locate.location import Location
 from station.stream.stream_events import Sound
 
@@ -23,7 +23,7 @@ class LocatorTick:
     images: Sequence[CameraImage] = ()
     wheel: Sequence[WheelReading] = ()
     pulses: Sequence[float] = ()  # device times [s] of a pulse a second at the IMU's input
-    images_dropped: int = 0  # left out, so that the locator keeps up
+    images_dropped: int = 0  # omitted, so that the locator keeps up
 
 
 def in_imu_axes(tick: CalibratedTick, C: FloatArray, period: float) -> ImuSeries:

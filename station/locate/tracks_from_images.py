@@ -12,7 +12,7 @@ from procedures.optional_libraries import opencv
 from station.errors import DataRefused
 from station.files.atomic_file import refuse_own
 from station.files.fusion_folder.fusion_reading import FUSION_TOML, files_of, read_fusion_toml
-from station.files.fusion_folder.tracks import lens_of, write_tracks
+from station.files.fusion_folder.fusion_tables import lens_of, write_tracks
 from station.files.opening import open_inside
 
 LIST = "images.csv"

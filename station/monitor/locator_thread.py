@@ -1,4 +1,4 @@
-"""Locating beside the monitor: on a thread of its own when it is live, so that nothing waits for the estimator."""
+"""Locating for the monitor: on its own thread when the source is live, so that nothing waits for the estimator."""
 
 import threading
 from contextlib import ExitStack
@@ -12,14 +12,13 @@ from procedures.arrays import FloatArray
 from procedures.fusion.visual_alignment.camera_time import CameraTimeOffset
 from station.calibrated.calibration_choice import AppliedCalibration
 from station.calibrated.rates_and_forces import Sensors
-from station.files.fusion_folder.tracks import camera_of, lens_of
+from station.files.fusion_folder.fusion_tables import camera_of, lens_of
 from station.locate.imu_noise import noise_once_known
 from station.locate.live_camera import LiveCamera
+from station.locate.live_fixes import LiveWheel
 from station.locate.live_locator import LiveLocator
-from station.locate.live_wheel import LiveWheel
 from station.locate.monitor_interface import LocatorTick
-from station.stream.camera.description import CameraDescription
-from station.stream.camera.feature_following import ImageFeatureFollower
+from station.stream.camera import CameraDescription, ImageFeatureFollower
 from station.stream.live.live_feed import LiveFeed
 
 LEAVE_S = 2.0
@@ -32,25 +31,25 @@ class LocatorThread:
     def __init__(self, locator: LiveLocator) -> None:
         self._locator = locator
         self.location = locator.location
-        self._given: SimpleQueue[LocatorTick | None] = SimpleQueue()  # None: begin anew
+        self._given: SimpleQueue[LocatorTick | None] = SimpleQueue()  # None: restart
         self._stop, self._is_blind = threading.Event(), False
         self._thread = threading.Thread(target=self._run, name="locator", daemon=True)
         self._thread.start()
 
     def take(self, taken: LocatorTick) -> None:
-        """Go on by a tick, soon; without images from when it is far behind until it has caught up."""
+        """Advance by a tick, soon; without images from when it is far behind until it has caught up."""
         waiting = self._given.qsize()
         self._is_blind = waiting >= FAR_BEHIND or (self._is_blind and waiting > 0)
         if self._is_blind:
             taken = replace(taken, images=(), images_dropped=len(taken.images))
         self._given.put(taken)
 
-    def begin_anew(self) -> None:
+    def reset(self) -> None:
         """Begin again, soon."""
         self._given.put(None)
 
     def close(self) -> None:
-        """Let go of what is still to be done."""
+        """Cancel what is still to be done."""
         self._stop.set()
         self._given.put(None)
         self._thread.join(LEAVE_S)
@@ -62,11 +61,11 @@ class LocatorThread:
                 if self._stop.is_set():
                     return
                 if given is None:
-                    self._locator.begin_anew()
+                    self._locator.reset()
                 else:
                     self._locator.take(given)
                 self.location = self._locator.location
-        except Exception as error:  # the edge of a thread: the monitor goes on without a location and says why
+        except Exception as error:  # the edge of a thread: the monitor continues without a location and says why
             why = f"locating has stopped: {type(error).__name__}: {error}"
             self.location = replace(self.location, is_located=False, why=why)
 

@@ -18,27 +18,24 @@ from procedures.attitude.heading_at_rest import heading_at_rest
 from procedures.attitude.kalman_state import KalmanSettings
 from procedures.attitude.laws import JOINT
 from procedures.units import STANDARD_GRAVITY
+from station.attitude.error_at_rest import ErrorAtRest
+from station.attitude.live_filters import LiveFilters
+from station.attitude.live_kalman_filter import AidValues, AttitudeEstimator
+from station.attitude.live_readings import AttitudeReading, FilterReading, difference
 from station.calibrated import InUse
 from station.calibrated.calibration_choice import AppliedCalibration
 from station.calibrated.filter_settings import filter_settings, gyro_bias_std, in_a_vehicle
 from station.calibrated.rates_and_forces import CalibratedTick, Sensors
-from station.files.mcap_files.fix_reader import Record
-from station.live_attitude.error_at_rest import ErrorAtRest
-from station.live_attitude.joint_filter import AidValues, AttitudeEstimator
-from station.live_attitude.readings import AttitudeReading, LawReading, difference
-from station.live_attitude.side_by_side import SideBySide
+from station.files.mcap_files.gnss_file import Record
 from station.locate.location import Location
 from station.locate.monitor_interface import LocatorTick, in_imu_axes, location_event
-from station.monitor.alarms import Alarm, AlarmWatch
-from station.monitor.gnss_aid import AidSilence, aiding_of
-from station.monitor.readers_beside import ReadersBeside
+from station.monitor.auxiliary_inputs import AidSilence, AuxiliaryReaders, StreamHealth, aiding_of
 from station.monitor.recording import MonitorRecording
-from station.monitor.stream_health import StreamHealth
-from station.monitor.view import ChartPoint, MonitorVerb, MonitorView
-from station.stream.beside import Companion
+from station.monitor.view import Alarm, AlarmWatch, ChartPoint, MonitorVerb, MonitorView
+from station.stream.auxiliary import Companion
 from station.stream.live.live_feed import LiveFeed
-from station.stream.live.sample_moments import SampleMoments
-from station.stream.live.trouble_lines import without_numbers
+from station.stream.live.stream_trouble import without_numbers
+from station.stream.recorder.sample_times import SampleMoments
 from station.stream.stream_events import EventLog, Sound, StreamState
 
 if TYPE_CHECKING:  # graphs and their libraries: only where it is located
@@ -62,21 +59,21 @@ class MonitorOptions:
 
     aid: str = "none"
     laws: tuple[str, ...] = (JOINT,)
-    gains: Gains | None = None  # of the mixing laws; those printed where None
+    gains: Gains | None = None  # of the complementary filters; those printed where None
     C: FloatArray | None = None
     latitude: float | None = None
     heading: float | None = None
     gravity: float = STANDARD_GRAVITY
     alarms: tuple[Alarm, ...] = ()
-    hand_on: Callable[[], None] = lambda: None  # what has come, before it is let go
+    stream_out: Callable[[], None] = lambda: None  # what has come, before it is discarded
     restart_reader: Callable[[], None] | None = None  # has a reader that ended begin again
     locating: "LiveLocator | LocatorThread | None" = None
-    camera: Companion[CameraImage] | None = None  # of which ``locating`` is told
+    camera: Companion[CameraImage] | None = None  # whose images ``locating`` receives
     wheel: Companion[WheelReading] | None = None  # as well
 
 
 class Monitor:
-    """Follows one unit; call `round` for ever. ``sinks`` are told each reading."""
+    """Follows one unit; call `round` for ever. ``sinks`` receive each reading."""
 
     def __init__(
         self, feed: LiveFeed, applied: AppliedCalibration, options: MonitorOptions,
@@ -85,12 +82,12 @@ class Monitor:
     ) -> None:  # fmt: skip
         self._feed, self._options, self._recording = feed, options, recording
         self._sinks, self._in_use = sinks, applied.in_use
-        self._beside = ReadersBeside(aid, options.camera, options.wheel, self._note_late)
+        self._beside = AuxiliaryReaders(aid, options.camera, options.wheel, self._note_late_messages)
         heading = np.nan if options.heading is None else options.heading
         C = self._C = np.diag([1.0, -1.0, -1.0]) if options.C is None else options.C
         counts = feed.wire.output == "increments"
         self._sensors = Sensors(applied.document, applied.nominal, C, feed.period, counts=counts)
-        self._applied, self._told_north, self._told_vehicle = applied, False, False
+        self._applied, self._reported_north, self._reported_vehicle = applied, False, False
         self._silence = AidSilence(options.aid)
         can_compass = options.latitude is not None and options.heading is None and applied.document is not None
         self._track = AttitudeEstimator(
@@ -100,10 +97,10 @@ class Monitor:
             self._compass if can_compass else None,
             partial(in_a_vehicle, calibration=applied.document),
         )
-        self._laws = SideBySide(
+        self._laws = LiveFilters(
             options.laws, options.aid, self._track, applied.document, options.gravity, options.gains
         )
-        self._notes: dict[str, str] = {}  # by law, what is against it
+        self._notes: dict[str, str] = {}  # by filter, what is against it
         self._rest = ErrorAtRest(options.gravity, options.latitude, options.heading, self._sensors.quantum(TICK_S))
         self._watch, self._health = AlarmWatch(options.alarms), StreamHealth(feed)
         self._size = max(1, round(TICK_S / feed.period))
@@ -112,7 +109,7 @@ class Monitor:
         self._event_log, self._marks = EventLog(), 0
         self._speed: float | None = None
         self._moments = SampleMoments()
-        self._silent = ""  # channels that do not change, in words
+        self._silent = ""  # channels that do not change, as text
         self._heard: dict[str, str] = {}  # by stream, the words of its trouble
         unit = feed.unit
         self.view = MonitorView(
@@ -140,12 +137,12 @@ class Monitor:
             self._is_well(str(error))
             if self._options.restart_reader is not None:
                 self._options.restart_reader()
-        self._options.hand_on()
+        self._options.stream_out()
         self._beside.advance()
         self._take()
         self._show()
 
-    def obey(self, verb: MonitorVerb) -> None:
+    def execute(self, verb: MonitorVerb) -> None:
         """Do as the operator says; raise `CannotWrite` if the disk refuses."""
         if verb == "mark":
             self._marks += 1
@@ -154,7 +151,7 @@ class Monitor:
             self._zero()
         elif verb == "restart":
             self._history.clear()
-            self._rest.begin_anew()
+            self._rest.reset()
             self._say("", "restart", "charts and comparison restarted")
         elif verb == "record":
             self._record()
@@ -184,17 +181,17 @@ class Monitor:
         assert self._applied.document is not None
         return heading_at_rest(log, self._options.latitude, gyro_bias_std(self._applied.document))
 
-    def _say_north(self) -> None:
-        if self._track.north is not None and not self._told_north:
-            self._told_north = True
+    def _report_north(self) -> None:
+        if self._track.north is not None and not self._reported_north:
+            self._reported_north = True
             heading, std = np.degrees(self._track.north)
             self._say(
                 "accepted", "north", f"north from the Earth's rate: heading {heading % 360:.1f} deg, u = {std:.1f}"
             )
 
-    def _say_vehicle(self) -> None:
-        if self._track.is_vehicle and not self._told_vehicle:
-            self._told_vehicle = True
+    def _report_vehicle(self) -> None:
+        if self._track.is_vehicle and not self._reported_vehicle:
+            self._reported_vehicle = True
             self._say("rejected", "vehicle", VEHICLE_WARNING)
 
     def _zero(self) -> None:
@@ -215,15 +212,15 @@ class Monitor:
             self._say("start", "record", f"recording into {self._recording.begin()}")
 
     def _take(self) -> None:
-        """Go on by every whole tick; a beginning anew leaves what was begun."""
+        """Advance by every whole tick; a restart discards the incomplete one."""
         buffer = self._feed.buffer
         if buffer.begin != self._begin:
             self._at, self._begin = buffer.begin, buffer.begin
-            self._laws.begin_anew()
-            self._moments.begin_anew()
-            self._rest.begin_anew()
+            self._laws.reset()
+            self._moments.reset()
+            self._rest.reset()
             if self._options.locating is not None:
-                self._options.locating.begin_anew()
+                self._options.locating.reset()
         if self._recording is not None:
             self._recording.take(
                 buffer, max(self._noted, buffer.first), buffer.end, self._feed.stream.decoder.kind
@@ -231,7 +228,7 @@ class Monitor:
             self._noted = buffer.end
         while buffer.end - self._at >= self._size:
             first, last = self._at, self._at + self._size - 1
-            if not self._beside.have_told(buffer.host_ns(last)):
+            if not self._beside.has_everything(buffer.host_ns(last)):
                 break
             self._at += self._size
             tick = self._sensors.take(buffer.block(first, self._at))
@@ -245,9 +242,9 @@ class Monitor:
             self._go_on(tick, told.records, now_ns)
         buffer.forget_before(self._at)
 
-    def _note_late(self, stream: str, read_ns: Iterable[int], counted_ns: int) -> None:
+    def _note_late_messages(self, stream: str, read_ns: Iterable[int], counted_ns: int) -> None:
         if self._recording is not None:
-            self._recording.note_late(stream, read_ns, counted_ns)
+            self._recording.note_late_messages(stream, read_ns, counted_ns)
 
     def _go_on(self, tick: CalibratedTick, records: Sequence[Record], now_ns: int) -> None:
         aiding = aiding_of(records, self._options.aid, now_ns)
@@ -270,17 +267,17 @@ class Monitor:
         point = reading.t, reading.roll, reading.pitch, *reading.rate, speed, reading.residual, reading.sigma
         apart = difference(laws)
         self._history.append(ChartPoint(*point, np.nan if apart is None else apart.angle))
-        self._say_north()
-        self._say_vehicle()
-        self._say_notes(laws)
+        self._report_north()
+        self._report_vehicle()
+        self._report_notes(laws)
         self._ring(reading)
         if self._recording is not None:
-            self._recording.take_laws(self.view)
+            self._recording.take_filters(self.view)
         for sink in self._sinks:
             sink(self.view)
 
-    def _say_notes(self, laws: Sequence[LawReading]) -> None:
-        """Say what is against a law as it appears."""
+    def _report_notes(self, laws: Sequence[FilterReading]) -> None:
+        """Say what is against a filter as it appears."""
         for law in laws:
             if law.note and law.note != self._notes.get(law.law):
                 self._say("rejected", "law", law.note)
@@ -319,7 +316,7 @@ class Monitor:
             self._say("rejected" if trouble else "accepted", "stream", trouble or "data arrive again")
 
     def _hear_of(self, stream: StreamState) -> None:
-        """Say what is wrong with what stands beside the IMU as it appears, and when it is over."""
+        """Say what is wrong with what stands alongside the IMU as it appears, and when it is over."""
         if (words := without_numbers(stream.trouble)) != self._heard.get(stream.name, ""):
             self._heard[stream.name] = words
             well = f"{stream.name}: well again"

@@ -25,33 +25,81 @@ from procedures.optional_libraries import opencv
 from procedures.units import STANDARD_GRAVITY
 from station.calibrated.calibration_choice import AppliedCalibration, find_calibration
 from station.errors import DataRefused
-from station.files.mcap_files.fix_reader import Record
-from station.files.new_folder import new_folder
-from station.monitor.alarms import Alarm
-from station.monitor.calibrated_output import calibrated_output
+from station.files.atomic_file import new_folder
+from station.files.mcap_files.gnss_file import Record
 from station.monitor.monitor import Monitor, MonitorOptions
+from station.monitor.monitor_thread import MonitorThread
 from station.monitor.recording import MonitorRecording
 from station.monitor.text_lines import PlainMonitor, json_line, listen
-from station.monitor.thread import MonitorThread
-from station.monitor.view import MonitorSession, MonitorView
-from station.stream.beside import Companion, RecordedCompanion
-from station.stream.camera.camera_feed import CAMERA_SESSION, open_camera, recorded_images
-from station.stream.camera.description import CAMERA_FILE, CameraDescription, read_description
-from station.stream.counted_late import read_late
-from station.stream.live.live_feed import ChunkSource, LiveFeed, open_feed
-from station.stream.live.restartable_reader import RestartableReader
-from station.stream.live.silent_channels import refuse_partial
-from station.stream.replay.gnss import recorded_choice, recorded_gnss
-from station.stream.replay.imu import Replay, is_mcap
+from station.monitor.view import Alarm, MonitorSession, MonitorView
+from station.stream.auxiliary import Companion, RecordedCompanion, read_late_messages
+from station.stream.camera import (
+    CAMERA_FILE,
+    CAMERA_SESSION,
+    CameraDescription,
+    open_camera,
+    read_description,
+    recorded_images,
+)
+from station.stream.live.live_feed import ChunkSource, LiveFeed, RestartableReader, open_feed
+from station.stream.live.stream_trouble import refuse_partial
+from station.stream.replay import Replay, is_mcap, recorded_choice, recorded_gnss
 from station.stream.stream_events import EVENTS_FILE
-
-WHEEL_FILE = "wheel.toml"  # of `station.stream.wheel.description`, which takes cantools
 
 if TYPE_CHECKING:
     from station.locate.live_locator import LiveLocator
     from station.monitor.locator_thread import LocatorThread
-    from station.stream.gnss.gnss_feed import GnssFeed  # pymavlink: only where a receiver is read
-    from station.stream.wheel.description import WheelDescription
+    from station.stream.gnss_feed import GnssFeed  # pymavlink: only where a receiver is read
+    from station.stream.wheel import WheelDescription
+from collections.abc import Sequence
+
+from station.stream.recorder.sample_times import Utc
+from station.stream.sample_rate import host_sample_rate
+
+
+def calibrated_output(
+    to: Sequence[str], feed: LiveFeed, applied: AppliedCalibration, C: FloatArray, utc: Utc | None,
+    recording: MonitorRecording | None, stack: ExitStack,
+) -> Callable[[], None]:  # fmt: skip
+    """Return what streams the samples that have come, nothing where ``to`` names no output; ``stack`` ends it.
+
+    ``C`` (3, 3) takes IMU axes to forward-right-down. What it says stands among the events of the run; the end of
+    it, what was lost and dropped, is on stderr too.
+
+    Raises
+    ------
+    DataRefused
+        If there is no calibration, or it is another unit's or of another output; the monitor alone would continue.
+    """
+    if not to:
+        return lambda: None
+    from station.sending.chosen_calibration import refuse_unfit
+    from station.sending.sender import opened_sender
+    from station.sending.stream_command import FIT_S
+
+    assert feed.unit is not None, "identify first"
+    refuse_unfit(applied, "--calibration", feed.unit, feed.wire)
+    said = list[str]()
+
+    def say(text: str) -> None:
+        said.append(text)
+        del said[:-1]
+        if recording is not None:
+            recording.note("stream", text, float("nan"), 0)
+
+    rate = host_sample_rate(feed, FIT_S)
+    sender = opened_sender(feed, applied, to, C, say, utc=utc, clock_off=lambda: rate.said)
+    stack.callback(lambda: sys.stderr.writelines(f"{text}\n" for text in said))
+    stack.enter_context(sender)
+
+    def take() -> None:
+        rate.warned()
+        sender.take()
+
+    return take
+
+
+WHEEL_FILE = "wheel.toml"  # of `station.stream.wheel`, which takes cantools
 
 Output = Literal["screen", "plain", "json"]
 
@@ -64,7 +112,7 @@ class MonitorRequest:
     C: FloatArray
     aid: str = ""  # gnss with a receiver; in a replay as it was then
     laws: tuple[str, ...] = ()  # joint; in a replay as it was then
-    tau_s: float | None = None  # of the mixing laws
+    tau_s: float | None = None  # of the complementary filters
     gnss: str = ""
     mavlink_out: str = ""
     stream: tuple[str, ...] = ()  # where calibrated samples go
@@ -140,7 +188,7 @@ def _opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], 
         sinks = (*sinks, _mavlink_out(wanted.mavlink_out, stack))
     utc = None if aid is None or isinstance(aid, RecordedCompanion) else aid.utc
     recording = None if folder is None else MonitorRecording(folder, feed.wire, utc)
-    hand_on = calibrated_output(wanted.stream, feed, applied, wanted.C, utc, recording, stack)
+    stream_out = calibrated_output(wanted.stream, feed, applied, wanted.C, utc, recording, stack)
     if recording is not None:
         recording.note("begin", wanted.url, float("nan"), 0)
         recording.note("aid", aid_name, float("nan"), 0)
@@ -157,7 +205,7 @@ def _opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], 
             heading=None if wanted.heading_deg is None else float(np.radians(wanted.heading_deg)),
             gravity=wanted.gravity or (STANDARD_GRAVITY if latitude is None else normal_gravity(latitude)),
             alarms=wanted.alarms, restart_reader=None if reader is None else reader.restart, locating=where,
-            camera=camera, wheel=wheel, hand_on=hand_on,
+            camera=camera, wheel=wheel, stream_out=stream_out,
         ),
         recording, aid, sinks, "" if folder is None else str(folder),
     )  # fmt: skip
@@ -186,13 +234,13 @@ def _aid(
         return found, wanted.aid or (recorded_choice(file, "aid") or "gnss" if found else "none")
     if not wanted.gnss:
         return None, wanted.aid or "none"
-    from station.stream.gnss.gnss_feed import open_gnss
+    from station.stream.gnss_feed import open_gnss
 
     return stack.enter_context(open_gnss(wanted.gnss, beside)), wanted.aid or "gnss"
 
 
 def _laws(wanted: MonitorRequest) -> tuple[tuple[str, ...], Gains | None]:
-    """Return the laws and the gains of the mixing laws, in a replay as they were unless others are asked for."""
+    """Return the filters and their gains, in a replay as they were unless others are asked for."""
     address, laws = parse_device_url(wanted.url), wanted.laws
     gains = None if wanted.tau_s is None else Gains.of_time_constant(wanted.tau_s)
     if address.scheme == "replay":
@@ -217,8 +265,8 @@ def _locating(
 ) -> "LiveLocator | LocatorThread | None":
     if not wanted.locate:
         return None
-    from station.files.fusion_folder.wheel import mount_of
-    from station.locate.live_wheel import LiveWheel
+    from station.files.fusion_folder.fusion_tables import mount_of
+    from station.locate.live_fixes import LiveWheel
     from station.monitor.locator_thread import live_camera, locating
 
     is_replay = isinstance(aid, RecordedCompanion)
@@ -244,7 +292,7 @@ def _camera(
     if isinstance(source, Replay):
         recorded = Path(source.address.name).parent
         _refuse_without(recorded, CAMERA_SESSION, "the images of a camera")
-        return RecordedCompanion("camera", recorded_images(recorded), read_late(recorded, "camera"))
+        return RecordedCompanion("camera", recorded_images(recorded), read_late_messages(recorded, "camera"))
     return stack.enter_context(open_camera(described, beside))
 
 
@@ -260,8 +308,7 @@ def _wheel_described(wanted: MonitorRequest) -> "WheelDescription | None":
     recorded = Path(address.path).parent if address.scheme == "replay" else None
     if not wanted.locate or not (wanted.wheel or (recorded and (recorded / WHEEL_FILE).exists())):
         return None
-    from station.stream.wheel.description import read_description
-    from station.stream.wheel.recorded_speeds import described_in
+    from station.stream.wheel import described_in, read_description
 
     if wanted.wheel is not None:
         return read_description(wanted.wheel)
@@ -272,12 +319,14 @@ def _wheel(
     described: "WheelDescription", source: ChunkSource, beside: Path, stack: ExitStack
 ) -> Companion[WheelReading]:
     """Return the wheel, live or recorded."""
-    from station.stream.wheel.wheel_feed import WHEEL_SESSION, open_wheel, recorded_wheel
+    from station.stream.wheel import WHEEL_SESSION, open_wheel, recorded_wheel
 
     if isinstance(source, Replay):
         recorded = Path(source.address.name).parent
         _refuse_without(recorded, WHEEL_SESSION, "the frames of a wheel")
-        return RecordedCompanion("wheel", recorded_wheel(recorded, described), read_late(recorded, "wheel"))
+        return RecordedCompanion(
+            "wheel", recorded_wheel(recorded, described), read_late_messages(recorded, "wheel")
+        )
     return stack.enter_context(open_wheel(described, beside))
 
 
@@ -293,7 +342,7 @@ def _source(
 
 
 def _mavlink_out(where: str, stack: ExitStack) -> Callable[[MonitorView], None]:
-    """Return a sink that tells each attitude by MAVLink."""
+    """Return a sink that reports each attitude by MAVLink."""
     from drivers.mavlink.imu_out import open_imu_out
 
     out = open_imu_out(where)

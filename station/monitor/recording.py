@@ -1,33 +1,71 @@
-"""A monitored run on the disk: bytes and counts as any recording, and a table of what happened.
+"""A monitored run on the disk: bytes and counts as any recording, a table of events, and `laws.csv`.
 
-The reader's journal has every byte in any case; `recording.mcap` has what was recorded on request.
+`laws.csv` holds what each attitude filter read, tick by tick; a replay into a folder writes it again.
 """
 
 import csv
 from collections.abc import Iterable
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import TextIO
 
 from drivers.wire import FrameKind, WireFormat
+from station.attitude.live_readings import difference
 from station.errors import cannot_write
-from station.files.flush_pace import FlushPace
+from station.files.atomic_file import FlushInterval, free_path
 from station.files.mcap_files import BY_OUTPUT, StepWriter
-from station.files.new_folder import free_path
 from station.files.sha256sums import append_hash
-from station.monitor.laws_file import LawsFile
 from station.monitor.view import MonitorView
-from station.stream.counted_late import note_late
-from station.stream.recorder.pulse_ages import PulseAges
-from station.stream.recorder.row_times import RowTimes, Utc
+from station.stream.auxiliary import note_late_messages
 from station.stream.recorder.sample_buffer import SampleBuffer
+from station.stream.recorder.sample_times import PulseAges, RowTimes, Utc
 from station.stream.stream_events import EVENTS_FILE
+
+FILTERS_FILE = "laws.csv"
+
+
+class FilterReadingsFile:
+    """A table of roll and pitch [deg] by filter, and of the angle between them; opened with the first row."""
+
+    def __init__(self, folder: Path) -> None:
+        self._path = folder / FILTERS_FILE
+        self._stream: TextIO | None = None
+
+    def write(self, view: MonitorView) -> None:
+        """Write a row; raise `CannotWrite` if the disk refuses."""
+        assert view.reading is not None
+        apart = difference(view.laws)
+        row = [view.reading.t, view.reading.sample]
+        for law in view.laws:
+            row += [law.roll, law.pitch]
+        try:
+            rows = csv.writer(self._stream or self._opened(view))
+            rows.writerow([*map(repr, row), *([] if apart is None else map(repr, apart))])
+        except OSError as error:
+            raise cannot_write(self._path, error) from error
+
+    def close(self) -> None:
+        """Finish the table; what comes after is added to it."""
+        if self._stream is not None:
+            self._stream.close()
+        self._stream = None
+
+    def _opened(self, view: MonitorView) -> TextIO:
+        is_new = not self._path.exists()
+        self._stream = self._path.open("a", newline="", encoding="utf-8", buffering=1)
+        if is_new:
+            names = [f"{law.law}_{angle}_deg" for law in view.laws for angle in ("roll", "pitch")]
+            apart = ["difference_roll_deg", "difference_pitch_deg", "difference_angle_deg"]
+            csv.writer(self._stream).writerow(["t_s", "sample", *names, *(apart if len(view.laws) > 1 else [])])
+        return self._stream
+
 
 FLUSH_S = 0.2
 EVENT_COLUMNS = ("utc", "device_s", "sample", "event", "text")
 
 
 class MonitorRecording:
-    """Writes into a folder, with reference time beside the rows where ``utc`` tells it.
+    """Writes into a folder, with reference time alongside the rows where ``utc`` reports it.
 
     ``name`` is the file being written, empty while none is.
     """
@@ -35,8 +73,8 @@ class MonitorRecording:
     def __init__(self, folder: Path, wire: WireFormat, utc: Utc | None = None) -> None:
         self._folder, self._wire, self._times = folder, wire, RowTimes(utc)
         self._writer: StepWriter | None = None
-        self._pace, self._begin = FlushPace(FLUSH_S), -1
-        self._laws = LawsFile(folder)
+        self._pace, self._begin = FlushInterval(FLUSH_S), -1
+        self._laws = FilterReadingsFile(folder)
         self.name = ""
 
     def begin(self) -> str:
@@ -59,7 +97,7 @@ class MonitorRecording:
             return
         if buffer.begin != self._begin:
             self._begin = buffer.begin
-            self._times.begin_anew()
+            self._times.reset()
         try:
             for chunk, block in buffer.recording([(first, last)]):
                 writer.write_raw(chunk.host_ns, chunk.data)
@@ -83,14 +121,14 @@ class MonitorRecording:
         self._laws.close()
         return name
 
-    def take_laws(self, view: MonitorView) -> None:
-        """Write what the laws read, if a file is open; raise `CannotWrite` if the disk refuses."""
+    def take_filters(self, view: MonitorView) -> None:
+        """Write what the filters read, if a file is open; raise `CannotWrite` if the disk refuses."""
         if self.name and view.laws:
             self._laws.write(view)
 
-    def note_late(self, stream: str, read_ns: Iterable[int], counted_ns: int) -> None:
+    def note_late_messages(self, stream: str, read_ns: Iterable[int], counted_ns: int) -> None:
         """Write what counts in a later tick than it was read in; raise `CannotWrite` if the disk refuses."""
-        note_late(self._folder, stream, read_ns, counted_ns)
+        note_late_messages(self._folder, stream, read_ns, counted_ns)
 
     def note(self, event: str, text: str, device_s: float, sample: int) -> None:
         """Write what happened; raise `CannotWrite` if the disk refuses."""

@@ -5,11 +5,11 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
-from station.live_attitude.readings import LawReading, RestErrors, difference
+from station.attitude.live_readings import FilterReading, RestErrors, difference
 from station.locate.location import Location
 from station.monitor.view import LATE_S, MonitorSession, MonitorVerb, MonitorView
 from station.stream.stream_events import NewEvents
-from station.text.plural import plural
+from station.text import plural
 
 MONITOR_FORMAT = "monitor/1"
 READING_EVERY_S = 1.0  # of the device's time, between two lines of text
@@ -20,7 +20,7 @@ MONITOR_KEYS_HELP = (
 
 
 def json_line(view: MonitorView) -> str:
-    """Return a reading as a line of `monitor/1`; what is not known is left out, angles are absolute."""
+    """Return a reading as a line of `monitor/1`; what is not known is omitted, angles are absolute."""
     reading = view.reading
     assert reading is not None
     told: dict[str, Any] = {
@@ -45,8 +45,8 @@ def json_line(view: MonitorView) -> str:
     return json.dumps(told)
 
 
-def _laws(laws: Sequence[LawReading]) -> dict[str, Any]:
-    """Return what each law reads, where it will settle, and how the second differs from the first, for JSON."""
+def _laws(laws: Sequence[FilterReading]) -> dict[str, Any]:
+    """Return what each filter reads, where it will settle, and how the second differs from the first, for JSON."""
     told: dict[str, Any] = {"laws": []}
     for law in laws:
         one: dict[str, Any] = {
@@ -126,7 +126,7 @@ def reading_line(view: MonitorView) -> str:
         f"{reading.mode}, residual {reading.residual:.3f} deg"
     )
     if view.laws:
-        line += f"; {laws_line(view.laws)}"
+        line += f"; {filters_line(view.laws)}"
     if view.at_rest is not None:
         calibrated, nominal = view.at_rest.calibrated, view.at_rest.nominal
         line += (
@@ -139,8 +139,8 @@ def reading_line(view: MonitorView) -> str:
     return line + "".join(f"; ALARM {alarm}" for alarm in view.alarms)
 
 
-def laws_line(laws: Sequence[LawReading]) -> str:
-    """Return what each law reads, how they differ, and where they will settle, in words."""
+def filters_line(laws: Sequence[FilterReading]) -> str:
+    """Return what each filter reads, how they differ, and where they will settle, as text."""
     line = ", ".join(f"{law.law} roll {law.roll:.3f}, pitch {law.pitch:.3f}" for law in laws)
     if (apart := difference(laws)) is not None:
         line += f", difference roll {apart.roll:+.3f}, pitch {apart.pitch:+.3f} deg"
@@ -150,8 +150,8 @@ def laws_line(laws: Sequence[LawReading]) -> str:
     return line
 
 
-def settles_in_words(law: LawReading) -> str:
-    """Return the bias of a law at this bank, where it will settle: You and Lee (8)."""
+def settles_in_words(law: FilterReading) -> str:
+    """Return the bias of a filter at this bank, where it will settle: You and Lee (8)."""
     if law.settles is None:
         return f"bias of {law.law}: needs a velocity"
     roll, pitch, roll_std, pitch_std = law.settles
@@ -160,7 +160,7 @@ def settles_in_words(law: LawReading) -> str:
 
 
 def location_line(location: Location) -> str:
-    """Return where it is, or what is missing, in words."""
+    """Return where it is, or what is missing, as text."""
     camera = f"; camera: {location.camera}" if location.camera else ""
     camera += f"; wheel: {location.wheel}" if location.wheel else ""
     if not location.is_located:

@@ -20,8 +20,8 @@ from station.errors import Altered
 from station.files.atomic_file import replace_file
 from station.files.campaign_folder.campaign_reading import read_for_solve
 from station.files.campaign_folder.campaign_schema import CampaignTable
-from station.files.campaign_folder.notes import read_note
-from station.files.setup import Setup
+from station.files.campaign_folder.plan_file import read_note
+from station.files.campaign_setup import Setup
 from station.results.contradictory_dwells import contradiction_of
 from station.results.kept_tilted_dwells import doubt_of
 from station.results.measurement_circumstances import circumstances, diagnosis_kept, judged_values

@@ -10,8 +10,7 @@ from typing import Any
 from station.errors import DataRefused
 from station.files.atomic_file import replace_file
 from station.files.effect_file import EffectFile, effect_in, stored_effect
-from station.files.toml_reading import read_text_file
-from station.files.toml_writing import toml_text, toml_value
+from station.files.toml_file import read_text_file, toml_text, toml_value
 from station.results.effect_confirmed import PROPOSED, recordings, why_not_confirmed
 
 MAX_BYTES = 2**26

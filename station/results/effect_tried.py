@@ -5,8 +5,7 @@ from collections.abc import Sequence
 from procedures.diagnosis.diagnose import diagnose
 from procedures.effects import EFFECTS
 from procedures.inference.result import Diagnosis
-from station.files.campaign_folder.campaign_effects import effects_of
-from station.files.campaign_folder.loaded_campaign import LoadedCampaign
+from station.files.campaign_folder.loaded_campaign import LoadedCampaign, effects_of
 from station.files.effect_file import EffectFile
 from station.results.diagnosis.diagnosis_json import finding_document
 from station.results.diagnosis.diagnosis_wording import probability_text

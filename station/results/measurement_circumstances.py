@@ -19,7 +19,7 @@ from procedures.campaign.campaign import Campaign, clock_rate
 from procedures.frames import ATTITUDES, POSITIONS
 from procedures.units import UG_PER_G
 from station.files.campaign_folder.campaign_schema import CampaignTable
-from station.files.campaign_folder.notes import UnitRecord, read_note
+from station.files.campaign_folder.plan_file import UnitRecord, read_note
 from station.results.verdict import JudgedLimit
 
 NORMAL_GRAVITY = "normal gravity of WGS 84 at this latitude and height"

@@ -9,7 +9,7 @@ from typing import Any
 
 from procedures.frames import AXES, TRIADS
 from procedures.units import ARCSEC_PER_RAD, UG_PER_G
-from station.text.rounding import decimals
+from station.text import decimals
 
 APPLIED = ("scale_factor", "misalignment", "bias")  # what a calibration/1 holds of a triad
 _DISPLAY_UNITS = {"g": (UG_PER_G, "ug"), "rad": (ARCSEC_PER_RAD, "arcsec")}

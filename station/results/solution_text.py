@@ -8,7 +8,7 @@ import numpy as np
 
 from procedures.frames import AXES
 from procedures.units import RAD_PER_ARCSEC
-from station.text.plural import plural, unit_in_words
+from station.text import plural, unit_in_words
 
 TOO_LONG = 1e12  # to be read digit by digit
 PLAIN, PLAIN_DECIMALS = 0.1, 12  # from which size on, and up to how many decimals, a value stands without a power

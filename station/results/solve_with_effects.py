@@ -5,8 +5,7 @@ from typing import Any
 
 from procedures.calibration.joint_calibration import solve
 from procedures.calibration.solution_values import Solution
-from station.files.campaign_folder.campaign_effects import effects_of
-from station.files.campaign_folder.loaded_campaign import LoadedCampaign
+from station.files.campaign_folder.loaded_campaign import LoadedCampaign, effects_of
 
 
 def solved(campaigns: Sequence[LoadedCampaign]) -> tuple[Solution, Sequence[LoadedCampaign], list[dict[str, Any]]]:

@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 from fixtures_db.model_limits import Limit
 from station.results.parameters_by_name import Parameter, parameters, shown, shown_scale, title_of
-from station.text.plural import plural
+from station.text import plural
 
 VerdictWord = Literal["PASS", "FAIL", "NOT_MEASURED"]
 

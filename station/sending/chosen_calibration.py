@@ -1,4 +1,4 @@
-"""Which calibration is applied to what is handed on: the unit's own, and never a nominal scale unasked."""
+"""Which calibration is applied to what is streamed: the unit's own, and never a nominal scale unasked."""
 
 from pathlib import Path
 
@@ -16,7 +16,7 @@ from station.calibrated.calibration_choice import (
 )
 from station.errors import DataRefused
 from station.files.calibration_document import is_of_counts
-from station.stream.recorder.connected_unit import Unit
+from station.stream.connected_unit import Unit
 
 
 def chosen_calibration(
@@ -44,7 +44,7 @@ def chosen_calibration(
 
 
 def refuse_unfit(applied: AppliedCalibration, name: str, unit: Unit, wire: WireFormat) -> None:
-    """Raise `DataRefused` for what is not to be handed on of the device connected; ``name`` is what was asked for.
+    """Raise `DataRefused` for what is not to be streamed of the device connected; ``name`` is what was asked for.
 
     No calibration at all, one of another unit, one of counts where the device sends rates, or the reverse.
     """

@@ -1,4 +1,4 @@
-"""Counts as they come made calibrated samples, each with its times and flags."""
+"""Counts of a live feed as calibrated samples, each with its times and flags."""
 
 from collections.abc import Callable
 from datetime import UTC, datetime
@@ -11,11 +11,55 @@ from procedures.campaign.campaign import UNKNOWN
 from procedures.counts.sample_records import CountBlock, SampleBlock
 from station.calibrated.calibration_choice import AppliedCalibration
 from station.calibrated.rates_and_forces import Sensors
-from station.sending.quality import Quality
-from station.sending.sample_times import SampleTimes
-from station.sending.samples import CalibratedSamples
+from station.sending.outputs import CalibratedSamples, Quality
 from station.stream.live.live_feed import LiveFeed
-from station.stream.recorder.row_times import Utc
+from station.stream.recorder.sample_times import RowTimes, SampleMoments, Utc
+
+LOOK_NS = 10**8  # how often the link's delay is looked at
+
+
+class SampleTimes:
+    """Times of one stream's samples; ``utc`` gives UTC [s] of a moment of this machine's clock [ns], or None.
+
+    ``is_by_messages`` says whether the UTC last given is by when messages came, not by a pulse.
+    """
+
+    def __init__(self, utc: Utc | None) -> None:
+        self._utc, self._rows = utc, RowTimes(utc)
+        self._moments = SampleMoments()
+        self._next_ns, self._lag_ns = 0, 0
+        self._pulsed: float | None = None  # UTC less device time [s], by the last pulse
+        self.is_by_messages = False
+
+    def reset(self) -> None:
+        """Forget what the device's clock was checked against: it may have restarted."""
+        self._moments.reset()
+        self._rows.reset()
+        self._next_ns, self._pulsed = 0, None
+
+    def of(self, t: FloatArray, read_ns: int, pulse_age: float | None) -> tuple[IntArray, FloatArray]:
+        """Return moments (n,) [ns] and UTC (n,) [s] of samples at device times ``t`` (n,) [s] of one read.
+
+        ``pulse_age`` is how long before the last of them a pulse came [s], None: not stated.
+        """
+        last = float(t[-1])
+        if read_ns >= self._next_ns:
+            self._next_ns = read_ns + LOOK_NS
+            self._lag_ns = self._moments.of(last, read_ns) - round(last * 1e9)
+        lag = min(self._lag_ns, read_ns - round(last * 1e9))
+        taken = np.round(t * 1e9).astype(np.int64) + lag
+        told = self._rows.of(read_ns, last, pulse_age)
+        if told is not None and self._rows.is_pulsed:
+            self._pulsed = told - last
+        elif not self._rows.is_pulsed:
+            self._pulsed = None
+        if self._pulsed is not None:
+            self.is_by_messages = False
+            return taken, t + self._pulsed
+        by_messages = None if self._utc is None else self._utc(int(taken[-1]))
+        self.is_by_messages = by_messages is not None
+        return taken, t + (np.nan if by_messages is None else by_messages - last)
+
 
 LOOK_S = 1.0  # of the station's time: how often the slow things are looked at, such as a constant channel
 
@@ -53,13 +97,13 @@ class LiveSamples:
         if first >= last or self._feed.stamp is None:
             return None
         self._at = last
-        if is_anew := buffer.begin != self._begin:
+        if is_restarted := buffer.begin != self._begin:
             self._begin, self._counter = buffer.begin, None
-            self._times.begin_anew()
+            self._times.reset()
         block = buffer.block(first, last)
-        flags = self._flags(block, buffer.breaks(first, last) - first, is_anew=is_anew, now=now)
+        flags = self._flags(block, buffer.breaks(first, last) - first, is_restarted=is_restarted, now=now)
         taken, utc = self._times.of(block.device_time, buffer.host_ns(last - 1), self._feed.pulse_age)
-        begin = block.device_time[0] - self._feed.period if is_anew else self._last_t
+        begin = block.device_time[0] - self._feed.period if is_restarted else self._last_t
         self._last_t = float(block.device_time[-1])
         self.device_s += self._last_t - float(begin)
         read = self._sensors.calibrated(block)
@@ -76,10 +120,12 @@ class LiveSamples:
         force, rate, missed = read.found.force, read.found.rate, self._missed(block)
         return CalibratedSamples(sequence, block.device_time, utc, taken, force, rate, temperature, flags, missed)
 
-    def _flags(self, block: SampleBlock, breaks: IntArray, *, is_anew: bool, now: float) -> NDArray[np.uint32]:
+    def _flags(
+        self, block: SampleBlock, breaks: IntArray, *, is_restarted: bool, now: float
+    ) -> NDArray[np.uint32]:
         flags = np.full(len(block), self._lasting | self._looked(now), dtype=np.uint32)
         flags[breaks] |= np.uint32(Quality.GAP_BEFORE)
-        if is_anew:
+        if is_restarted:
             flags[0] |= np.uint32(Quality.BEGUN_ANEW | Quality.GAP_BEFORE)
         if not self.sent:  # nothing was before it
             flags[0] &= ~np.uint32(Quality.GAP_BEFORE)

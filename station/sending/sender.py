@@ -1,13 +1,19 @@
-"""Takes what a feed has brought, calibrates it, and hands it to every output; says how that goes."""
+"""Takes what a feed has received, calibrates it, sends it to every output, and reports the status."""
 
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from typing import Self
 
+import numpy as np
+
+from procedures.arrays import FloatArray
+from station.calibrated.calibration_choice import AppliedCalibration
 from station.sending.live_samples import LiveSamples
-from station.sending.output import Output
-from station.text.plural import plural
+from station.sending.outputs import About, Output, open_outputs
+from station.stream.live.live_feed import LiveFeed
+from station.stream.recorder.sample_times import Utc
+from station.text import plural
 
 STATUS_S = 10.0  # between two lines of status
 
@@ -15,7 +21,7 @@ STATUS_S = 10.0  # between two lines of status
 class Sender:
     """Call `take` after each `advance` of the feed, in a ``with``, which ends in closing the outputs.
 
-    ``say`` takes lines for people: the status every ``status_s`` [s], effects left in, a summary when all is over.
+    ``say`` takes lines for people: the status every ``status_s`` [s], effects not corrected, a summary at the end.
     """
 
     def __init__(
@@ -43,11 +49,11 @@ class Sender:
 
     @property
     def device_s(self) -> float:
-        """How much of the device's own time has been handed on [s]."""
+        """How much of the device's own time has been streamed [s]."""
         return self._samples.device_s
 
     def take(self) -> None:
-        """Hand on what has come."""
+        """Stream what has come."""
         now = self._clock()
         found = self._samples.take(now)
         if found is not None:
@@ -70,3 +76,31 @@ class Sender:
     def _status(self, now: float) -> str:
         then, sent = self._since
         return f"{(self._samples.sent - sent) / (now - then):.1f}/s; {self.summary()}"
+
+
+def opened_sender(
+    feed: LiveFeed, applied: AppliedCalibration, to: Sequence[str], C: FloatArray, say: Callable[[str], None], *,
+    frd: bool = False, utc: Utc | None = None, clock_off: Callable[[], str] = lambda: "",
+    status_s: float = STATUS_S,
+) -> Sender:  # fmt: skip
+    """Return what streams the samples of a feed that is identified, its outputs open; use it in a ``with``.
+
+    ``C`` (3, 3) takes IMU axes to forward-right-down, in which all is streamed with ``frd``. ``utc`` gives UTC
+    [s] of a moment [ns], ``clock_off`` says what is wrong with the device's clock; ``status_s`` as of `Sender`.
+
+    Raises
+    ------
+    BadAddress, DriverError, ExtraMissing
+        What the address of an output refuses.
+    """
+    assert feed.unit is not None, "identify first"
+    ours, theirs = (C, np.eye(3)) if frd else (np.eye(3), C)
+    axes = "forward-right-down" if frd else "sensor"
+    about = About(feed.unit.model, feed.unit.serial, applied.in_use.text, axes, theirs, feed.period)
+    samples = LiveSamples(feed, applied, ours, utc, clock_off)  # before the outputs: it may refuse
+    outputs = open_outputs(to, about)
+    say(f"{about.model} {about.serial}, {1 / about.period:.6g} samples/s, calibration {about.calibration}")
+    if applied.in_use.note:
+        say(applied.in_use.note)
+    say(f"to {', '.join(output.name for output in outputs)}; axes: {axes}")
+    return Sender(samples, outputs, say, status_s)

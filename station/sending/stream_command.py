@@ -11,19 +11,17 @@ from drivers.address_parsing import parse_device_url
 from drivers.errors import ReplayEnded
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import UNKNOWN
-from station.files.new_folder import journal_path, new_folder
+from station.files.atomic_file import journal_path, new_folder
 from station.sending.chosen_calibration import chosen_calibration
-from station.sending.opening import opened_sender
-from station.sending.sender import Sender
-from station.stream.gnss.sample_rate import SampleRate, host_sample_rate
+from station.sending.sender import Sender, opened_sender
 from station.stream.live.live_feed import ChunkSource, LiveFeed, open_feed
-from station.stream.live.silent_channels import refuse_partial
-from station.stream.live.trouble_lines import TroubleLog
+from station.stream.live.stream_trouble import TroubleLog, refuse_partial
 from station.stream.reader import Reader
-from station.stream.replay.imu import Replay, is_mcap
+from station.stream.replay import Replay, is_mcap
+from station.stream.sample_rate import SampleRate, host_sample_rate
 
 if TYPE_CHECKING:
-    from station.stream.gnss.gnss_feed import GnssFeed  # pymavlink: only where a receiver is read
+    from station.stream.gnss_feed import GnssFeed  # pymavlink: only where a receiver is read
 
 Say = Callable[[str], None]
 FIT_S = 30.0  # between two fits of the device's clock, which hold a sample up for milliseconds
@@ -49,14 +47,14 @@ class StreamRequest:
 
 
 def run(wanted: StreamRequest, say: Say) -> None:
-    """Hand samples on until the time is over, nobody takes any more, or a replay ends; ``say`` is for people.
+    """Stream samples until the time is over, nobody takes any more, or a replay ends; ``say`` is for people.
 
     Raises
     ------
     DriverError, CannotWrite, DataRefused, BadAddress
         What port, disk, calibration or an output's address refuse, or what ended the stream.
     KeyboardInterrupt
-        On Ctrl-C; what was under way has been handed on.
+        On Ctrl-C; what was under way has been streamed.
     """
     with ExitStack() as stack:
         reader, journal = _source(wanted, stack)
@@ -89,7 +87,7 @@ def _source(wanted: StreamRequest, stack: ExitStack) -> tuple[ChunkSource, Path 
 def _receiver(url: str, folder: Path | None, stack: ExitStack) -> "GnssFeed | None":
     if not url:
         return None
-    from station.stream.gnss.gnss_feed import open_gnss
+    from station.stream.gnss_feed import open_gnss
 
     return stack.enter_context(open_gnss(url, folder))
 
@@ -115,7 +113,7 @@ def _watch(feed: LiveFeed, receiver: "GnssFeed | None", rate: SampleRate, say: S
 
 
 def _follow(feed: LiveFeed, sender: Sender, look: Callable[[], None], seconds: float) -> None:
-    """Hand on what comes until the time is over, nobody takes it any more, or a replay ends."""
+    """Stream what comes until the time is over, nobody takes it any more, or a replay ends."""
     with contextlib.suppress(ReplayEnded):
         while not sender.is_over and sender.device_s < seconds:
             sender.take()

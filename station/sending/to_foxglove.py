@@ -1,22 +1,29 @@
-"""Samples in Foxglove's live server, a WebSocket: topic ``/imu/calibrated``, a message a sample.
+"""Samples in Foxglove's live server, a WebSocket: topic ``/imu/calibrated``, one message a sample; and a layout.
 
-The server is the SDK's own: its threads send, so that no client holds up another or the samples. Each client has a
-queue with an end; where it is full the SDK drops the oldest and says so, and the client sees ``sequence`` jump.
+The server is the SDK's own: its threads send, so that no client delays another or the samples. Each client has a
+bounded queue; where it is full the SDK drops the oldest and logs it, and the client sees ``sequence`` jump. The
+layout has the form in which Foxglove imports them: each panel's settings by its name, a tree of splits.
 """
 
+import json
 import logging
 import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from drivers.errors import PortBusy, PortNotFound
 from procedures.optional_libraries import ExtraMissing
-from station.files.mcap_files.calibrated_sample import COLUMNS, SAMPLE, TOPIC
-from station.sending.foxglove_message import FLAGS, SCHEMA, CalibratedSample
-from station.sending.output import BadAddress
-from station.sending.samples import About, CalibratedSamples
-from station.text.plural import plural
+from station.files.atomic_file import replace_file
+from station.files.mcap_files.schemas import COLUMNS, FIELDS, SAMPLE, TOPIC, built, sample_message
+from station.sending.outputs import About, BadAddress, CalibratedSamples, Quality
+from station.text import plural
+
+FLAGS = tuple((flag, str(flag.name).lower()) for flag in Quality)
+SCHEMA, _MESSAGES = built(sample_message(FIELDS, [name for _, name in FLAGS]))
+CalibratedSample: Any = _MESSAGES[SAMPLE]
+
 
 HOST, PORT = "127.0.0.1", 8765  # Foxglove's own port
 MAX_WAITING = 4096  # messages a client: two seconds of 2 kHz
@@ -33,7 +40,7 @@ class FoxgloveServer:
     def __init__(self, sdk: Any, host: str, port: int, about: About) -> None:
         self._slow, self._clients = SlowClients(), Clients()
         self._slow.listen(sdk)
-        context = self._context = sdk.Context()  # the SDK lets go of a context that nobody holds
+        context = self._context = sdk.Context()  # the SDK releases a context that nobody holds
         name = f"{about.model} {about.serial}, {about.calibration}"
         try:
             self._server = sdk.start_server(
@@ -105,7 +112,7 @@ class Clients:
 
 
 class SlowClients(logging.Handler):
-    """Hears from the SDK's log whose queue is full: nothing else of the SDK tells; ``met`` are their addresses."""
+    """Learns from the SDK's log whose queue is full: nothing else reports it; ``met`` are their addresses."""
 
     def __init__(self) -> None:
         super().__init__(logging.INFO)
@@ -127,7 +134,7 @@ class SlowClients(logging.Handler):
             self.met[found[1]] = None
 
     def leave(self) -> None:
-        """Hear no more."""
+        """Stop listening."""
         logging.getLogger("foxglove").removeHandler(self)
 
 
@@ -156,3 +163,46 @@ def _refusal(host: str, port: int, said: str) -> PortBusy | PortNotFound:
         return PortBusy(f"{port}/tcp")
     reason = re.sub(r" \(os error \d+\)", "", said).rpartition(": ")[2]
     return PortNotFound(f"{host}:{port}", reason, "use an address of this machine")
+
+
+COLOURS = ("#d62728", "#2ca02c", "#1f77b4")  # x, y, z
+FORCE, RATE, TEMPERATURE, FLAGS_PANEL, MESSAGE = (
+    "Plot!force", "Plot!rate", "Plot!temperature", "StateTransitions!flags", "RawMessages!sample",
+)  # fmt: skip
+
+
+def write_layout(file: Path) -> None:
+    """Write the layout; raise `CannotWrite` if that is refused."""
+    replace_file(file, (json.dumps(layout(), indent=1) + "\n").encode())
+
+
+def layout() -> dict[str, Any]:
+    """Return the layout as Foxglove's JSON."""
+    panels = {
+        FORCE: _plot("Specific force [m/s2]", COLUMNS[:3]),
+        RATE: _plot("Angular rate [rad/s]", COLUMNS[3:]),
+        TEMPERATURE: _plot("Temperature [degC]", ("temperature_c",)),
+        FLAGS_PANEL: {"isSynced": True, "paths": [{"value": f"{TOPIC}.flags", "timestampMethod": "receiveTime"}]},
+        MESSAGE: {"topicPath": TOPIC},
+    }
+    below = _split("row", TEMPERATURE, _split("row", FLAGS_PANEL, MESSAGE, 55), 40)
+    return {
+        "configById": panels, "globalVariables": {}, "userNodes": {}, "playbackConfig": {"speed": 1},
+        "layout": _split("column", FORCE, _split("column", RATE, below, 55), 38),
+    }  # fmt: skip
+
+
+def _plot(title: str, fields: tuple[str, ...]) -> dict[str, Any]:
+    paths = [
+        {"value": f"{TOPIC}.{field}", "enabled": True, "timestampMethod": "receiveTime", "color": colour}
+        for field, colour in zip(fields, COLOURS, strict=False)
+    ]
+    return {
+        "title": title, "paths": paths, "isSynced": True, "xAxisVal": "timestamp", "followingViewWidth": 20,
+        "showLegend": True, "legendDisplay": "floating", "showXAxisLabels": True, "showYAxisLabels": True,
+        "showPlotValuesInLegend": True,
+    }  # fmt: skip
+
+
+def _split(direction: str, first: Any, second: Any, percentage: float) -> dict[str, Any]:
+    return {"direction": direction, "first": first, "second": second, "splitPercentage": percentage}

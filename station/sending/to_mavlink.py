@@ -4,9 +4,9 @@ import math
 from contextlib import ExitStack
 
 from drivers.mavlink.imu_out import ImuOut, open_imu_out
-from station.sending.samples import About, CalibratedSamples
+from station.sending.outputs import About, CalibratedSamples
 from station.sending.to_udp import refuse_unreachable
-from station.text.plural import plural
+from station.text import plural
 
 
 class MavlinkHighresImu:

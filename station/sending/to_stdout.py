@@ -11,11 +11,9 @@ from collections import deque
 import numpy as np
 
 from station.errors import CannotWrite, cannot_write
-from station.files.mcap_files.calibrated_sample import COLUMNS
-from station.sending.output import BadAddress
-from station.sending.quality import names
-from station.sending.samples import About, CalibratedSamples
-from station.text.plural import plural
+from station.files.mcap_files.schemas import COLUMNS
+from station.sending.outputs import About, BadAddress, CalibratedSamples, names
+from station.text import plural
 
 FORMAT = "stream/1"
 MAX_WAITING = 20000  # samples: ten seconds of 2 kHz
@@ -23,7 +21,7 @@ FAREWELL_S = 2.0
 
 
 def lines(samples: CalibratedSamples) -> list[str]:
-    """Return a line of JSON for each sample; what is not known is left out."""
+    """Return a line of JSON for each sample; what is not known is omitted."""
     six = np.hstack((samples.f, samples.omega)).tolist()
     rows = zip(
         samples.sequence.tolist(), samples.t.tolist(), samples.utc.tolist(), six, samples.temperature.tolist(),

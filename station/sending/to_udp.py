@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 from drivers.errors import PortNotFound, reason_of
 from drivers.network_ports import UdpPort, open_udp
 from drivers.sample_datagram import datagrams
-from station.sending.output import BadAddress
-from station.sending.samples import About, CalibratedSamples
-from station.text.plural import plural
+from station.sending.outputs import About, BadAddress, CalibratedSamples
+from station.text import plural
 
 EXPECTED = "udp:HOST:PORT, as in udp:127.0.0.1:5005"
 # Linux gives a reader that asks for nothing room for about 270 datagrams: what waited while this machine was busy

@@ -1,4 +1,4 @@
-"""What is told of a live stream: events to be heard and read, and the health of each stream."""
+"""Events of a live stream, as they are spoken and shown, and the health of each stream."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass

@@ -8,12 +8,12 @@ from textwrap import wrap
 from textual.content import Content
 
 from procedures.attitude.laws import JOINT
+from station.attitude.live_readings import FilterReading, MotionState, RestErrorComparison, difference
 from station.calibrated import InUse
-from station.live_attitude.readings import LawReading, MotionState, RestErrorComparison, difference
 from station.locate.location import Location
 from station.monitor.view import LATE_S, ChartPoint, MonitorView
 from station.stream.stream_events import StreamState
-from station.text.plural import plural
+from station.text import plural
 from station.tui.monitor_pictures import horizon_picture, map_picture
 from station.tui.widgets.canvas import Canvas
 from station.tui.widgets.common import ValueWidget
@@ -109,12 +109,12 @@ class RestComparison(ValueWidget[RestErrorComparison]):
         return Content("\n").join((Content.styled(head, "bold"), *rows, Content.styled(errors.earth, "$muted")))
 
 
-class LawTable(ValueWidget[tuple[LawReading, ...]]):
+class LawTable(ValueWidget[tuple[FilterReading, ...]]):
     """Two filters side by side and how they differ, and the bias that a complementary filter will have."""
 
     DEFAULT_CSS = "LawTable { height: 5; padding-left: 1; }"
 
-    def _drawn(self, laws: tuple[LawReading, ...]) -> Content:
+    def _drawn(self, laws: tuple[FilterReading, ...]) -> Content:
         apart = difference(laws)
         head = "LAW   " + "".join(f"{law.law:>13}" for law in laws) + ("" if apart is None else "  difference")
         lines = [Content.styled(head, "bold")]
@@ -127,7 +127,7 @@ class LawTable(ValueWidget[tuple[LawReading, ...]]):
         return Content("\n").join(lines)
 
 
-def _settles(law: LawReading, lines: int) -> list[Content]:
+def _settles(law: FilterReading, lines: int) -> list[Content]:
     """Return the bias of a filter at this bank, or what is against the filter, in one line or two."""
     if law.note:
         return [Content.styled(line, "$warning") for line in textwrap.wrap(law.note, LAW_COLUMNS)[:lines]]

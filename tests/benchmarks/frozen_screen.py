@@ -21,7 +21,7 @@ from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from station.files.mcap_files import read_step
-from station.stream.reader import Chunk, GapMark, Reader
+from station.stream.reader import Chunk, Reader, StreamGap
 from station.stream.recorder.sample_stream import SampleStream
 from tests.proof.evidence import Figure, zero
 
@@ -68,11 +68,11 @@ def freeze(folder: Path, speed: float = 1.0) -> Outcome:
     return Outcome(Seen(**told["seen"]), seen(Chunk(*raw) for raw in read_step(journal).raw), told["blind_s"])
 
 
-def seen(items: Iterable[Chunk | GapMark]) -> Seen:
+def seen(items: Iterable[Chunk | StreamGap]) -> Seen:
     """Count what comes."""
     stream, marks = SampleStream(FORMATS["counts"]), 0
     for item in items:
-        if isinstance(item, GapMark):
+        if isinstance(item, StreamGap):
             marks += 1
         else:
             stream.take(item)
@@ -82,7 +82,7 @@ def seen(items: Iterable[Chunk | GapMark]) -> Seen:
 
 def be_the_station(url: str, journal: Path) -> None:
     """Read until told that it is enough and everything from before that has come."""
-    items, blind_s, enough_ns = list[Chunk | GapMark](), 0.0, None
+    items, blind_s, enough_ns = list[Chunk | StreamGap](), 0.0, None
     with Reader(url, journal) as reader:
         looked = time.monotonic()
         print("reading", flush=True)  # from here on it may be frozen

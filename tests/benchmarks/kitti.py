@@ -15,7 +15,7 @@ from procedures.arrays import BoolArray, FloatArray
 from procedures.fusion.fusion_records import Trajectory
 from station import cli
 from station.files.fusion_folder import read_tum
-from station.locate.location_json import distances
+from station.locate.locate_folder import distances
 from tests.proof.evidence import Figure, zero
 
 IMU_FILE, GNSS_FILE = "KittiEquivBiasedImu.txt", "KittiGps_converted.txt"

@@ -15,9 +15,8 @@ from procedures.arrays import interpolated
 from procedures.fusion.fusion_records import GnssFixes, Trajectory
 from station.files.fusion_folder import FusionLog, read_fusion
 from station.locate.imu_source import by_imu
-from station.locate.location_json import position_errors
-from station.locate.odometry_source import by_odometry
-from station.locate.result import Located
+from station.locate.locate_folder import by_odometry, position_errors
+from station.locate.outer_layer import Located
 from tests.benchmarks.truth_level import righted
 from tests.paths import DATA
 from tests.proof.evidence import Figure

@@ -17,10 +17,9 @@ from drivers.simulated.faults import Fault
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from procedures.counts.sample_times import GAP_PERIODS
-from station.stream.live.accepted_blocks import runs_of_blocks
 from station.stream.live.live_feed import open_feed
-from station.stream.live.stillness import Block
-from station.stream.reader import Chunk, GapMark, Reader
+from station.stream.live.stillness import Block, runs_of_blocks
+from station.stream.reader import Chunk, Reader, StreamGap
 from station.stream.recorder.sample_buffer import SampleRun
 from tests.proof.evidence import Figure, zero
 
@@ -36,14 +35,14 @@ class WatchedReader:
 
     def __init__(self, reader: Reader) -> None:
         self._reader, self.address = reader, reader.address
-        self.marks: list[GapMark] = []
+        self.marks: list[StreamGap] = []
         self.outages: list[float] = []  # from a loss to the first bytes after it [s]
 
-    def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
+    def poll(self, timeout_s: float) -> list[Chunk | StreamGap]:
         """Return what has come."""
         items = self._reader.poll(timeout_s)
         for item in items:
-            if isinstance(item, GapMark):
+            if isinstance(item, StreamGap):
                 self.marks.append(item)
             elif len(self.marks) > 2 * len(self.outages):
                 lost = self.marks[2 * len(self.outages)]
@@ -83,7 +82,7 @@ def replug(times: int, seed: int, folder: Path, away_s: tuple[float, float] = AW
         for block, is_over_a_gap in _blocks(watched):
             blocks.append(block)
             outcome.blocks_over_a_gap += is_over_a_gap
-            if len(watched.outages) == times and block.is_anew:
+            if len(watched.outages) == times and block.is_restarted:
                 break
     runs = runs_of_blocks(blocks, None)
     outcome.blocks, outcome.runs, outcome.runs_over_a_gap = len(blocks), len(runs), _over_a_gap(runs, blocks)

@@ -11,10 +11,10 @@ from procedures.frames import ATTITUDES, AXES, POSITIONS
 from procedures.units import RAD_PER_ARCSEC, RAD_S_PER_DEG_H, STANDARD_GRAVITY
 from station.files.atomic_file import replace_file
 from station.files.campaign_folder.campaign_schema import CampaignTable, measured_table
-from station.files.campaign_folder.notes import write_tables
-from station.files.columns import TRIADS
-from station.files.mcap_files.new_file import new_channel, new_file
+from station.files.campaign_folder.plan_file import write_tables
 from station.files.mcap_files.schemas import COUNTS, COUNTS_TOPIC, MESSAGES, RATES, SCHEMA
+from station.files.mcap_files.writer import new_channel, new_file
+from station.files.tables.strict_csv import TRIADS
 
 
 def write_campaign(folder: Path, campaign: Campaign, sample_period_s: float, suffix: str = ".csv") -> None:

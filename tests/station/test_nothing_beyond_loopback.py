@@ -16,8 +16,8 @@ from drivers.simulated.companions.gnss_server import SimulatedGnss
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from station.sending import to_foxglove
-from station.sending.opening import open_outputs
-from station.sending.samples import About
+from station.sending.outputs import About
+from station.sending.sender import open_outputs
 from station.tui.web_server import LoopbackServer
 
 ABOUT = About("FOG-3", "1042", "a calibration", "body", np.eye(3), 0.01)

@@ -18,7 +18,7 @@ from station.calibration import load
 from station.errors import DataRefused
 from station.exports import EXPORTS, Request
 from station.files.calibration_document import parsed_calibration
-from station.files.logs.log_columns import ToldColumns
+from station.files.logs.log_columns import ColumnOptions
 from station.sending.chosen_calibration import chosen_calibration
 from station.sending.to_stdout import lines
 from tests.station.exports.every_effect import EFFECTS
@@ -110,7 +110,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def applied(folder: Path) -> None:
-    source = open_source(folder / "a.csv", ToldColumns(), None)
+    source = open_source(folder / "a.csv", ColumnOptions(), None)
     apply_to(source, load(folder / "c.json"), folder / "out.csv", OutputRequest(), Progress())
 
 

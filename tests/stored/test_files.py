@@ -9,12 +9,12 @@ from drivers.simulated.bench_in_memory import simulate_campaign
 from procedures.campaign.plan_steps import turn_steps
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.fusion_folder import read_fusion
-from station.files.logs.campaign_writing import write_campaign as write_logs
-from station.files.logs.log_campaign import ToldLogs, campaign_of_logs
-from station.files.logs.log_columns import ToldColumns
+from station.files.logs.log_campaign import LogOptions, campaign_of_logs
+from station.files.logs.log_campaign import write_campaign as write_logs
+from station.files.logs.log_columns import ColumnOptions
 from tests.procedures.diagnosis.planted import with_reference_time
 from tests.station.campaign_writing import write_campaign
-from tests.station.files.fusion_folder.folders import write_folder
+from tests.station.files.fusion_folder.drive_folders import write_folder
 from tests.stored.conftest import StoredResult
 from tests.stored.small_campaigns import unit
 
@@ -49,15 +49,15 @@ def text_of(columns: dict[str, np.ndarray], comma: str = ",", *, header: bool = 
 
 
 LOGS = {
-    "commas": ("a.csv", lambda c: text_of(c), ToldColumns(unit_gyro="dps", auxiliary=("fan",))),
-    "semicolons": ("a.csv", lambda c: text_of(c, ";"), ToldColumns()),
+    "commas": ("a.csv", lambda c: text_of(c), ColumnOptions(unit_gyro="dps", auxiliary=("fan",))),
+    "semicolons": ("a.csv", lambda c: text_of(c, ";"), ColumnOptions()),
     "tabs, no header": (
         "a.txt", lambda c: text_of(c, "\t", header=False),
-        ToldColumns(gyro=("2", "3", "4"), accel=("5", "6", "7"), time="1", unit_time="ms", unit_gyro="dps"),
+        ColumnOptions(gyro=("2", "3", "4"), accel=("5", "6", "7"), time="1", unit_time="ms", unit_gyro="dps"),
     ),
     "no time": (
         "a.csv", lambda c: text_of({k: v for k, v in c.items() if k != "time_ms"}),
-        ToldColumns(rate_hz=50.0, unit_gyro="rad/s"),
+        ColumnOptions(rate_hz=50.0, unit_gyro="rad/s"),
     ),
 }  # fmt: skip
 
@@ -66,7 +66,7 @@ LOGS = {
 def test_a_log_of_text(stored_result: StoredResult, tmp_path: Path, name: str) -> None:
     file, text, columns = LOGS[name]
     (tmp_path / file).write_text(text(log_columns()))
-    found = campaign_of_logs([tmp_path / file], ToldLogs(columns, latitude_deg=48.1, serial="7"))
+    found = campaign_of_logs([tmp_path / file], LogOptions(columns, latitude_deg=48.1, serial="7"))
     write_logs(tmp_path / "c", found)
     read = read_campaign(tmp_path / "c").campaign
     stored_result.check({"read": read, "guesses": len(found.guesses), "notes": len(found.notes)})
@@ -87,7 +87,7 @@ def test_a_log_of_arrays(stored_result: StoredResult, tmp_path: Path, ends: str)
     else:
         arrow = pytest.importorskip("pyarrow")
         pytest.importorskip("pyarrow.parquet").write_table(arrow.table(columns), file)
-    found = campaign_of_logs([file], ToldLogs(ToldColumns(unit_gyro="dps")))
+    found = campaign_of_logs([file], LogOptions(ColumnOptions(unit_gyro="dps")))
     stored_result.check(found.loaded.campaign)
 
 

@@ -12,7 +12,7 @@ from drivers.simulated.truth import Truth
 from procedures.arrays import IntArray
 from procedures.counts.sample_records import CountBlock
 from procedures.frames import rotation_vector
-from station.stream.reader.messages import LOST, Chunk, GapMark, Item
+from station.stream.reader.messages import LOST, Chunk, Item, StreamGap
 from tests.year.clock import HostClock
 
 STEP_S = 0.25  # in which time goes on
@@ -175,4 +175,4 @@ class Bench:
 
     def _mark(self, reason: str, *, is_open: bool) -> None:
         if self._is_open:
-            self._items.append(GapMark(self.stamp(), reason, is_open))
+            self._items.append(StreamGap(self.stamp(), reason, is_open))

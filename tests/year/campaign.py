@@ -18,7 +18,7 @@ from station.demo.example_bench import ExampleBench, add_example
 from station.demo.run import demo_laboratory
 from station.errors import Incomplete
 from station.files.campaign_folder.campaign_schema import read_campaign_toml
-from station.files.setup import Setup
+from station.files.campaign_setup import Setup
 from station.guide.engine import CalibrationEngine
 from station.guide.options import CalibrationOptions
 from station.guide.view import ENDED_STAGES, CalibrationView, OperatorCommand

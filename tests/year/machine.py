@@ -24,7 +24,7 @@ LAZY = (  # what the station imports when it wants it: before the clocks are put
     "station.guide.campaign.live_campaign", "station.guide.campaign.campaign_start",
     "station.guide.campaign.interrupted_campaigns",
     "station.guide.campaign.verdict", "station.guide.campaign.port_check", "station.guide.campaign.readiness",
-    "station.stream.reader.restarting_reader", "station.stream.gnss.gnss_feed",
+    "station.stream.reader.reader", "station.stream.gnss_feed",
     "station.guide.campaign.gnss_receiver",
     "station.guide.stages.monitor_stage", "station.guide.campaign.folder_recorder", "station.device_probe",
     "station.results.campaign_results", "station.results.diagnosis.closed_loop", "station.results.report.report",
@@ -110,10 +110,8 @@ class Machine:
         from tests.year.receiver import InProcessReceiverReader
 
         places: dict[str, Any] = {
-            "station.stream.live.restartable_reader.Reader": lambda url, path: InProcessReader(
-                self.of(url), url, path
-            ),
-            "station.stream.reader.restarting_reader.Reader": partial(InProcessReceiverReader, self),
+            "station.stream.live.live_feed.Reader": lambda url, path: InProcessReader(self.of(url), url, path),
+            "station.stream.reader.reader.Reader": partial(InProcessReceiverReader, self),
             "station.device_probe.open_port": lambda address: ProbePort(self.of(address)),
             "station.guide.campaign.campaign_start.open_feed": self._feed,
             "station.guide.engine.ThreadPoolExecutor": InlineExecutor,

@@ -10,7 +10,7 @@ from fixtures_db.database import open_db
 from fixtures_db.schema import CubeRow, SlabRow
 from procedures.campaign.plan_steps import Dwell
 from station.demo.example_bench import add_example
-from station.files.setup import Setup
+from station.files.campaign_setup import Setup
 from station.guide.engine import CalibrationEngine
 from station.guide.options import CalibrationOptions
 from station.guide.view import ENDED_STAGES, OperatorCommand, Verdict

@@ -1,4 +1,4 @@
-"""A campaign folder to memory."""
+"""A campaign folder read into memory."""
 
 import hashlib
 from collections.abc import Iterator, Mapping, Sequence
@@ -27,7 +27,6 @@ from procedures.error_codes import ErrorCode
 from procedures.frames import TURN_START
 from procedures.units import RAD_PER_ARCSEC, RAD_S_PER_DEG_H, STANDARD_GRAVITY
 from station.errors import DataRefused
-from station.files.campaign_folder.campaign_effects import folder_effects
 from station.files.campaign_folder.campaign_schema import (
     CAMPAIGN_TOML,
     CampaignImuTable,
@@ -46,26 +45,24 @@ from station.files.campaign_folder.campaign_schema import (
     axes_matrix,
     read_campaign_toml,
 )
-from station.files.campaign_folder.common_sample_period import with_one_period
 from station.files.campaign_folder.loaded_campaign import (
     LoadedCampaign,
     LoadedStep,
     check_for_solve,
     check_one_unit,
     clock_warnings,
+    folder_effects,
 )
-from station.files.campaign_folder.move_ends import refuse_loose_moves
 from station.files.campaign_folder.sample_series import refuse_time_backwards, step_data
-from station.files.campaign_folder.step_overlap import refuse_overlap
-from station.files.columns import TRIADS, DataFile
-from station.files.csv_header import SampleColumns
-from station.files.csv_table import read_csv
+from station.files.campaign_folder.step_consistency import refuse_loose_moves, refuse_overlap, with_one_period
 from station.files.opening import open_inside
-from station.files.toml_reading import Key, line_of
+from station.files.tables.strict_csv import TRIADS, SampleColumns, read_csv
+from station.files.tables.table import Table
+from station.files.toml_file import Key, line_of
 
 # m/s2; within it gravity at the ground is normal almost everywhere on Earth (EGM2008)
 MAX_GRAVITY_ANOMALY_M_S2 = 5e-3
-# Of a site that nobody told: gravity anywhere on the ground (9.764 to 9.834 m/s2), and the whole Earth's rate
+# Of a site that nobody stated: gravity anywhere on the ground (9.764 to 9.834 m/s2), and the whole Earth's rate
 ANY_LATITUDE, ANY_GRAVITY_STD, ANY_EARTH_RATE_DEG_H = float(np.radians(45.0)), 0.02, 15.0
 _STEP_KINDS = ("dwell", "turn", "move", "sequence", "rate", "soak", "monitor")
 
@@ -148,7 +145,7 @@ def _read_step(
     return loaded_step(kind, table, columns, imu), columns.sha256
 
 
-def loaded_step(kind: str, table: StepTable, columns: DataFile, imu: CampaignImuTable) -> LoadedStep:
+def loaded_step(kind: str, table: StepTable, columns: Table, imu: CampaignImuTable) -> LoadedStep:
     """Return a step with the columns of its file; raises as `step_data`."""
     if isinstance(table, TurntableTable):
         if "t_s" in columns.columns:
@@ -157,7 +154,7 @@ def loaded_step(kind: str, table: StepTable, columns: DataFile, imu: CampaignImu
     return LoadedStep(kind, table, step_data(columns, imu))
 
 
-def _read_table(folder: Path, table: StepTable, line: int, imu: CampaignImuTable) -> DataFile:
+def _read_table(folder: Path, table: StepTable, line: int, imu: CampaignImuTable) -> Table:
     file = folder / table.file
     suffix = Path(table.file).suffix
     if suffix not in {".csv", ".mcap"} or (suffix == ".mcap" and isinstance(table, TurntableTable)):

@@ -13,8 +13,7 @@ from procedures.campaign.campaign import MeasuredCube
 from procedures.campaign.measured_cube import NAMES
 from procedures.frames import ATTITUDES, AXES, POSITIONS, face_of
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, outputs_per_unit
-from station.files.text_fields import Name, Sha256, Text, matching
-from station.files.toml_reading import Key, PlaceTable, TomlTable, read_folder_toml
+from station.files.toml_file import Key, Name, PlaceTable, Sha256, Text, TomlTable, matching, read_folder_toml
 
 CAMPAIGN_TOML = "campaign.toml"
 
@@ -28,7 +27,7 @@ def _rotation(axes: str) -> str:
 Axis = Literal["x", "y", "z"]
 Face = Literal["x_up", "x_down", "y_up", "y_down", "z_up", "z_down"]
 Position = Annotated[int, Field(ge=1, le=len(POSITIONS))]
-# deg, 1 sigma: no autocollimator tells 0.0036 arcsec, and what nobody can state makes equations singular
+# deg, 1 sigma: no autocollimator resolves 0.0036 arcsec, and what nobody can state makes equations singular
 Sigma = Annotated[float, Field(ge=1e-6, le=90)]
 Tilt = Annotated[float, Field(ge=-0.1, le=0.1)]
 Pair = Annotated[list[Tilt], Field(min_length=2, max_length=2)]
@@ -77,7 +76,7 @@ class CampaignImuTable(TomlTable):
 
     @property
     def nominal_scale(self) -> dict[str, float]:
-        """Outputs in 1 deg/s and 1 g, of the triads whose unit is told."""
+        """Outputs in 1 deg/s and 1 g, of the triads whose unit is stated."""
         known = (("gyroscope", self.unit_gyro, GYRO_UNITS), ("accelerometer", self.unit_accel, ACCEL_UNITS))
         scales = {triad: outputs_per_unit(unit, units) for triad, unit, units in known if unit is not None}
         return {triad: scale for triad, scale in scales.items() if scale is not None}
@@ -263,9 +262,9 @@ Laws = Annotated[list[Law], Field(min_length=1, max_length=MAX_LAWS)]
 
 
 class MonitorTable(_Step):
-    """``[[monitor]]``: at rest, read by attitude laws, in axes that lie north, east, down in ``position``.
+    """``[[monitor]]``: at rest, read by attitude filters, in axes that lie north, east, down in ``position``.
 
-    One number a law: mean over the second half, and rms about it. ``calibration`` says which one read it, or why
+    One number a filter: mean over the second half, rms about it. ``calibration`` says which one read it, or why
     none did; then there are no numbers.
     """
 

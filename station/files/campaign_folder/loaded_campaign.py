@@ -1,4 +1,7 @@
-"""A campaign as it was read from a folder: what a solve needs and what else the folder said."""
+"""A campaign as read from a folder: what a solve needs, what else the folder says, the effects it is solved with.
+
+Effects are those that the folder lists and those that a command names.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -16,6 +19,15 @@ from station.files.campaign_folder.sample_series import WARN_PERIOD_DEVIATION, S
 
 if TYPE_CHECKING:
     from station.files.effect_file import EffectFile  # few campaigns list effects
+from dataclasses import replace
+
+from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML, EffectsTable
+from station.files.opening import open_inside
+from station.files.toml_file import Key, line_of
+
+if TYPE_CHECKING:
+    from station.files.effect_file import EffectFile  # with the catalogue: a solve without effects does without
+
 
 MAX_PERIOD_DEVIATION = 1e-2  # relative, docs/how-to/campaign-folder.md
 
@@ -41,7 +53,7 @@ class LoadedStep:
 class LoadedCampaign:
     """A folder's campaign; ``files`` maps each file's name to its sha256; it is solved with its ``effects``.
 
-    ``guesses`` is what was guessed of logs that it was made of, in words. ``output_name`` is the unit of a log's
+    ``guesses`` is what was guessed of logs that it was made of, as text. ``output_name`` is the unit of a log's
     gyroscope as its header has it, where it is none of rates, as mV.
     """
 
@@ -96,9 +108,9 @@ def clock_sentence(period: float, off: float, by: str = "reference time") -> str
 
 
 def clock_warnings(tables: CampaignTable, campaign: Campaign) -> list[str]:
-    """Return what reference time (``utc_s``) beside the rows says of the sample period, beyond 0.1 %.
+    """Return what reference time (``utc_s``) alongside the rows says of the sample period, beyond 0.1 %.
 
-    Where it cannot tell as much, or is no time [s] of these rows, that is said.
+    Where it cannot determine as much, or is no time [s] of these rows, a warning says so.
     """
     if (pace := false_rate(campaign)) is not None:
         return [
@@ -160,3 +172,58 @@ def check_for_solve(loaded: LoadedCampaign) -> None:
                 "correct sample_period_s or run `station diagnose` (it may name clock.rate)",
                 ErrorCode.SAMPLE_RATE,
             )
+
+
+def folder_effects(folder: Path, table: EffectsTable | None, lines: dict[Key, int]) -> "dict[str, EffectFile]":
+    """Return the `effect/1` files that a folder lists, by their names in it.
+
+    Raises
+    ------
+    DataRefused
+        If one leads outside, is no `effect/1`, or has another hash than is stated.
+    """
+    if table is None:
+        return {}
+    from station.files.effect_file import MAX_BYTES, each_once, effect_in
+
+    found: dict[str, EffectFile] = {}
+    for name, stated in zip(table.files, table.sha256 or [""] * len(table.files), strict=True):
+        with open_inside(folder, name, folder / CAMPAIGN_TOML, line_of(("effects", "files"), lines)) as stream:
+            content = stream.read(MAX_BYTES + 1)
+        found[name] = effect_in(content, folder / name)
+        if stated and found[name].sha256 != stated:
+            expected = f"{stated} as {CAMPAIGN_TOML} states"
+            remedy = "bring back the file that was recorded"
+            raise DataRefused(folder / name, None, f"sha256 {found[name].sha256}", expected, remedy)
+    each_once([(folder / name, one) for name, one in found.items()])
+    return found
+
+
+def with_effects(campaigns: Sequence[LoadedCampaign], files: Sequence[Path]) -> list[LoadedCampaign]:
+    """Return campaigns with effects from files alongside their own; their hashes stand with those of all files.
+
+    Raises
+    ------
+    DataRefused
+        If a file is no `effect/1`, or two that differ have one name.
+    """
+    if not files and not any(one.effects for one in campaigns):
+        return list(campaigns)
+    from station.files.effect_file import each_once, read_effect
+
+    read = {str(path): read_effect(path) for path in files}
+    first, *others = campaigns
+    whole = [(one.folder, effect) for one in campaigns for effect in one.effects]
+    each_once([*whole, *((Path(path), effect) for path, effect in read.items())])
+    hashes = {path: effect.sha256 for path, effect in read.items()}
+    more = replace(first, effects=(*first.effects, *read.values()), files={**first.files, **hashes})
+    return [more, *others]
+
+
+def effects_of(campaigns: Sequence[LoadedCampaign]) -> "tuple[EffectFile, ...]":
+    """Return the effects that campaigns are solved with together, each once."""
+    if not any(one.effects for one in campaigns):
+        return ()
+    from station.files.effect_file import each_once
+
+    return each_once([(one.folder, effect) for one in campaigns for effect in one.effects])

@@ -12,7 +12,9 @@ from procedures.error_codes import ErrorCode
 from procedures.recordings.time_unit import unit_by_ratio
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import CampaignImuTable
-from station.files.columns import OUTPUTS, PLAUSIBLE_C, TRIADS, DataFile
+from station.files.output_units import PLAUSIBLE_C
+from station.files.tables.strict_csv import OUTPUTS, TRIADS
+from station.files.tables.table import Table
 
 WARN_PERIOD_DEVIATION = 1e-3  # relative, docs/how-to/campaign-folder.md
 _MAX_GAPS_NAMED = 10
@@ -34,7 +36,7 @@ class StepData:
     warnings: tuple[str, ...] = ()
 
 
-def step_data(table: DataFile, imu: CampaignImuTable) -> StepData:
+def step_data(table: Table, imu: CampaignImuTable) -> StepData:
     """Give a step's columns their meaning.
 
     Raises
@@ -72,7 +74,7 @@ def step_data(table: DataFile, imu: CampaignImuTable) -> StepData:
     )
 
 
-def refuse_time_backwards(table: DataFile, step: FloatArray) -> None:
+def refuse_time_backwards(table: Table, step: FloatArray) -> None:
     """Refuse a file whose ``t_s`` does not increase by every ``step`` (n - 1,) [s]."""
     t = table.columns["t_s"]
     if len(bad := np.flatnonzero(step <= 0)):
@@ -84,7 +86,7 @@ def refuse_time_backwards(table: DataFile, step: FloatArray) -> None:
         raise DataRefused(table.file, table.line(row), found, "t_s that increases from row to row", todo)
 
 
-def _outputs(table: DataFile, names: tuple[str, ...], imu: CampaignImuTable, keep: BoolArray) -> FloatArray | None:
+def _outputs(table: Table, names: tuple[str, ...], imu: CampaignImuTable, keep: BoolArray) -> FloatArray | None:
     if names[0] not in table.columns:
         return None
     values = np.stack([table.columns[name] for name in names], axis=1)
@@ -101,21 +103,21 @@ def _outputs(table: DataFile, names: tuple[str, ...], imu: CampaignImuTable, kee
     return kept
 
 
-def _refuse_other_unit(table: DataFile, ratio: float) -> None:
+def _refuse_other_unit(table: Table, ratio: float) -> None:
     if (unit := unit_by_ratio(ratio)) is not None:
         found = f"samples {ratio:.6g} times as far apart as sample_period_s"
         remedy = f"if t_s is in {unit.name}, multiply it by {unit.seconds:g}; else correct sample_period_s"
         raise DataRefused(table.file, None, found, "t_s in seconds", remedy, ErrorCode.TIME_UNIT)
 
 
-def _refuse_implausible(table: DataFile, temperature: FloatArray, rows: IntArray) -> None:
+def _refuse_implausible(table: Table, temperature: FloatArray, rows: IntArray) -> None:
     low, high = PLAUSIBLE_C
     if len(bad := np.flatnonzero((temperature < low) | (temperature > high))):
         found = f"{temperature[bad[0]]:.6g} in column temp_c"
         raise DataRefused(table.file, table.line(int(rows[bad[0]])), found, f"{low:g} to {high:g} degC")
 
 
-def _refuse_outside_word(table: DataFile, values: FloatArray, names: tuple[str, ...], bits: int) -> None:
+def _refuse_outside_word(table: Table, values: FloatArray, names: tuple[str, ...], bits: int) -> None:
     unsigned = values.min() >= 0
     low, high = (0, 2**bits - 1) if unsigned else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
     if len(bad := np.argwhere((values < low) | (values > high))):
@@ -124,7 +126,7 @@ def _refuse_outside_word(table: DataFile, values: FloatArray, names: tuple[str, 
         raise DataRefused(table.file, table.line(row), found, f"{low} to {high}, wrap_bits being {bits}")
 
 
-def _warnings(table: DataFile, times: SampleTimes, imu: CampaignImuTable) -> Iterator[str]:
+def _warnings(table: Table, times: SampleTimes, imu: CampaignImuTable) -> Iterator[str]:
     t, gaps = table.columns["t_s"], times.begins[1:]
     for row in gaps[:_MAX_GAPS_NAMED].tolist():
         yield f"{table.file}:{table.line(row)}: a gap of {t[row] - t[row - 1]:.6g} s"

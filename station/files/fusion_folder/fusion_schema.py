@@ -5,7 +5,7 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import AfterValidator, Field, model_validator
 
-from station.files.toml_reading import PlaceTable, TomlTable
+from station.files.toml_file import PlaceTable, TomlTable
 
 Positive = Annotated[float, Field(gt=0)]
 Density = Annotated[float, Field(gt=0, le=10)]
@@ -61,7 +61,7 @@ class WheelMountTable(TomlTable):
     """How well a wheel's speed is known, and how it stands to the IMU.
 
     ``scale_std`` is 1 sigma of the scale factor about 1, ``forward`` where forward is in IMU axes, ``lever_arm_m``
-    the way from the IMU to the wheel, or to the middle of the axle. ``signed``: backwards is told by a minus.
+    the way from the IMU to the wheel, or to the middle of the axle. ``signed``: a minus means backwards.
     """
 
     wheel_std_m_s: Annotated[float, Field(gt=0, le=10)] = 0.05

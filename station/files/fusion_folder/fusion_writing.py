@@ -1,4 +1,4 @@
-"""A fusion folder written: `fusion.toml` beside the CSV files of IMU and GNSS."""
+"""A fusion folder written: `fusion.toml` with the CSV files of IMU and GNSS."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,25 +11,25 @@ from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
 from procedures.fusion.vision.feature_tracks import FeatureTracks
 from procedures.fusion.wheel_speeds import WheelSpeeds
 from station.files.atomic_file import replace_file
-from station.files.fusion_folder.fusion_columns import (
+from station.files.fusion_folder.fusion_reading import FUSION_TOML
+from station.files.fusion_folder.fusion_schema import LensTable, WheelMountTable
+from station.files.fusion_folder.fusion_tables import (
     FORCE_NAMES,
     GNSS_COLUMNS,
     POSITION_NAMES,
     RATE_NAMES,
     VELOCITY_NAMES,
+    write_tracks,
+    write_wheel,
 )
-from station.files.fusion_folder.fusion_reading import FUSION_TOML
-from station.files.fusion_folder.fusion_schema import LensTable, WheelMountTable
-from station.files.fusion_folder.tracks import write_tracks
-from station.files.fusion_folder.wheel import write_wheel
 
 IMU_FILE, GNSS_FILE, TRACKS_FILE, WHEEL_FILE = "imu.csv", "gnss.csv", "tracks.csv", "wheel.csv"
-UNKNOWN_STD = 0.1  # s, of a camera's stamps where nothing is told of them
+UNKNOWN_STD = 0.1  # s, of a camera's stamps where nothing is stated of them
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CameraTracks:
-    """What a camera saw, and the camera; where nothing is told of its time offset that is to be estimated."""
+    """What a camera saw, and the camera; where nothing is stated of its time offset that is to be estimated."""
 
     tracks: FeatureTracks
     lens: LensTable
@@ -37,7 +37,7 @@ class CameraTracks:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WheelColumn:
-    """What a wheel told, and how it stands to the IMU."""
+    """What a wheel reported, and how it stands to the IMU."""
 
     speeds: WheelSpeeds
     mount: WheelMountTable
@@ -111,8 +111,12 @@ def _table(recorded: FusionRecording) -> str:
     if recorded.seen is not None:
         lines.extend(_tracks_table(recorded.seen))
     if recorded.wheel is not None:
-        told = recorded.wheel.mount.model_dump(include=set(WheelMountTable.model_fields))
-        lines += ["[wheel]", f'file = "{WHEEL_FILE}"', *(f"{name} = {_toml(each)}" for name, each in told.items())]
+        stated = recorded.wheel.mount.model_dump(include=set(WheelMountTable.model_fields))
+        lines += [
+            "[wheel]",
+            f'file = "{WHEEL_FILE}"',
+            *(f"{name} = {_toml(each)}" for name, each in stated.items()),
+        ]
     return "\n".join(lines) + "\n"
 
 
@@ -121,7 +125,7 @@ def _toml(value: object) -> str:
 
 
 def _tracks_table(seen: CameraTracks) -> list[str]:
-    told = seen.lens.model_dump(include=set(LensTable.model_fields), exclude_none=True)
-    if "time_offset_s" not in told:
-        told |= {"time_offset_s": 0.0, "time_offset_std_s": UNKNOWN_STD}
-    return ["[tracks]", f'file = "{TRACKS_FILE}"', *(f"{name} = {value}" for name, value in told.items())]
+    stated = seen.lens.model_dump(include=set(LensTable.model_fields), exclude_none=True)
+    if "time_offset_s" not in stated:
+        stated |= {"time_offset_s": 0.0, "time_offset_std_s": UNKNOWN_STD}
+    return ["[tracks]", f'file = "{TRACKS_FILE}"', *(f"{name} = {value}" for name, value in stated.items())]

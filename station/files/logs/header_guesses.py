@@ -1,14 +1,17 @@
 """What a log's header says of its columns: time, temperature, and the unit in a name.
 
-A guess is made for what nobody told, and is always shown. Names are compared in lower case, without blanks.
+A guess is made for what nobody stated, and is always shown. Names are compared in lower case, without blanks.
 """
 
 import re
 from collections.abc import Sequence
 from functools import lru_cache
+from pathlib import Path
 
+from procedures.frames import AXES
 from procedures.recordings.time_decision import LIE_ODDS
 from procedures.recordings.time_unit import BY_NAME, TimeUnit, unit_called
+from procedures.units import RAD_PER_DEG
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, SPELLED, TIME_UNITS, temperature_unit, unit_named
 
 _UNIT_OF_TIME = r"(?:s|ms|us|µs|ns|min|h|sec|seconds|usec|msec|nsec|minutes|hours|days?)"  # noqa: RUF001
@@ -102,12 +105,12 @@ def guessed_temperature(names: Sequence[str]) -> str | None:
     """Return the column that holds a temperature, None where none does by its name."""
     named = (name for name in names if _TEMPERATURE.fullmatch(_BRACKET.sub("", _lower(name))))
     in_unit = (name for name in names if name.endswith(("]", ")")) and temperature_unit_in_name(name)[0])
-    capital = (name for name in names if name.strip() == "T" and name != guessed_time(names))  # beside t
+    capital = (name for name in names if name.strip() == "T" and name != guessed_time(names))  # alongside t
     return next(named, None) or next(in_unit, None) or next(capital, None)
 
 
 def guessed_utc(names: Sequence[str]) -> str | None:
-    """Return the column that holds UTC beside the log's own time, None where none does by its name."""
+    """Return the column that holds UTC alongside the log's own time, None where none does by its name."""
     return next((name for name in names if split_unit(name)[0] == "utc"), None)
 
 
@@ -121,3 +124,65 @@ def temperature_unit_in_name(name: str) -> tuple[str | None, str]:
 
 def _lower(name: str) -> str:
     return re.sub(r"\s+", "_", name.strip().lower())
+
+
+_UNITS = {
+    "deg": 1.0, "degree": 1.0, "degrees": 1.0,
+    "rad": 1 / RAD_PER_DEG, "radian": 1 / RAD_PER_DEG, "radians": 1 / RAD_PER_DEG,
+    "mrad": 1e-3 / RAD_PER_DEG, "rev": 360.0, "revs": 360.0, "turns": 360.0, "revolutions": 360.0,
+    "arcsec": 1 / 3600, "arcmin": 1 / 60,
+}  # fmt: skip
+_IN_UNIT = re.compile(rf"(?:.*[_\s(\[])?({'|'.join(_UNITS)})[)\]]?")
+_WORDS = re.compile(r".*(?:angle|theta|phi|encoder|(?:^|_)enc|winkel|motor_?pos|position)(?:_.*|[\d(\[].*)?")
+_RATES = {"rate", "rates", "vel", "velocity", "speed", "omega", "dot", "dt", "angvel", "angrate"}  # dot: thetaDot
+_PARTS = re.compile(r"[A-Z]?[a-z]+|[A-Z]+")  # between _, blanks and digits; of ThetaDot both words
+
+
+def degrees_per_angle(name: str) -> float | None:
+    """Return how many degrees a unit of a reference is by its name; None of a rate, as of what does not say."""
+    plain = name.strip().lower()
+    if split_unit(name)[1] in GYRO_UNITS or is_rate(name):
+        return None
+    if unit := _IN_UNIT.fullmatch(plain):
+        return _UNITS[unit[1]]
+    return 1.0 if _WORDS.fullmatch(plain) else None
+
+
+def is_rate(name: str) -> bool:
+    """Return whether a whole part of a name says that it is a rate, as in ``theta_dot``; not in ``integrated``."""
+    return any(part.lower() in _RATES for part in _PARTS.findall(name))
+
+
+_KINDS = {
+    "gyro": re.compile(r"gyro(?:scope)?|angular_?(?:rate|velocity)|rotation_?rate", re.IGNORECASE),
+    "accel": re.compile(r"accel(?:eration|erometer)?|specific_?force", re.IGNORECASE),
+}
+_MARK = "seconds_elapsed"  # a column of Sensor Logger
+_SENSOR_LOGGER_UNITS = {"gyro": "rad/s", "accel": "m/s2"}
+_NO_GRAVITY = re.compile(r"Accelerometer|.*(?:lin(?:ear)?|user)_?acc.*", re.IGNORECASE)
+
+
+def bare_axes(names: Sequence[str], file: Path) -> tuple[str, tuple[str | None, ...], list[str]] | None:
+    """Return the triad, ``gyro`` or ``accel``, whose x, y, z bare columns are, their names, and remarks.
+
+    None where a column is missing, or the file's name says no sensor or several.
+    """
+    by_name = {name.strip().lower(): name for name in names}
+    kinds = [kind for kind, words in _KINDS.items() if words.search(file.stem)]
+    if len(kinds) != 1 or not all(axis in by_name for axis in AXES):
+        return None
+    said = [f"{','.join(by_name[axis] for axis in AXES)} are the {kinds[0]} x,y,z, by the name of the file"]
+    if kinds[0] == "accel" and _MARK in by_name and _NO_GRAVITY.fullmatch(file.stem):
+        said.append("Sensor Logger's Accelerometer has no gravity in it; TotalAcceleration.csv has")
+    return kinds[0], tuple(by_name[axis] for axis in AXES), said
+
+
+def unit_by_logger(
+    names: Sequence[str], triad_names: Sequence[str | None], triad: str, guesses: list[str]
+) -> str | None:
+    """Return the unit of bare columns where the header shows which program wrote them, else None; adds a guess."""
+    is_bare = [(name or "").strip().lower() for name in triad_names] == list(AXES)
+    if not is_bare or _MARK not in (name.strip().lower() for name in names):
+        return None
+    guesses.append(f"{triad} in {_SENSOR_LOGGER_UNITS[triad]}, as Sensor Logger writes it")
+    return _SENSOR_LOGGER_UNITS[triad]

@@ -1,17 +1,19 @@
 """Logs of one unit as a campaign: read, put one after the other, given a kind each; written where it is asked."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
+from procedures.arrays import FloatArray
 from procedures.campaign.campaign import UNKNOWN
 from procedures.counts.sample_times import NEAR_PERIOD_TOLERANCE, own_period
 from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
+from station.files.atomic_file import new_folder, replace_file
 from station.files.campaign_folder.campaign_reading import loaded_campaign
 from station.files.campaign_folder.campaign_schema import (
     CAMPAIGN_TOML,
@@ -21,29 +23,29 @@ from station.files.campaign_folder.campaign_schema import (
     StepTable,
 )
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign, LoadedStep
-from station.files.columns import TRIADS, DataFile
-from station.files.logs import read_log
-from station.files.logs.log_columns import LogColumns, ToldColumns, choose_columns
-from station.files.logs.log_data import log_data
+from station.files.logs.log_columns import ColumnOptions, LogColumns, choose_columns
+from station.files.logs.log_data import angle_at_ends, log_data
 from station.files.logs.log_steps import step_of_log
-from station.files.logs.log_table import LogTable
 from station.files.logs.means_table import is_means_table
-from station.files.logs.reference_angle import angle_at_ends
 from station.files.logs.unit_checks import Readings, check_units
 from station.files.output_units import is_unit
+from station.files.tables.reader import read_table
+from station.files.tables.strict_csv import MAX_EXACT_INTEGER, TRIADS
+from station.files.tables.table import Table
+from station.files.toml_file import toml_text
 
 _BRACKETS = re.compile(r"[\[(]([^\[\]()]{1,12})[\])]\s*$")
 PAUSE_S = 60.0  # between logs whose times do not say when they were recorded
 
 
 @dataclass(frozen=True, slots=True)
-class ToldLogs:
-    """What the user told of all logs together; ``kinds`` (`step_kinds`), one or one a log, are guessed of none.
+class LogOptions:
+    """What the user stated of all logs together; ``kinds`` (`step_kinds`), one or one a log, are guessed of none.
 
     ``uses_latitude``: what is asked for depends on gravity and the Earth's rate; else their absence is no warning.
     """
 
-    columns: ToldColumns = field(default_factory=ToldColumns)
+    columns: ColumnOptions = field(default_factory=ColumnOptions)
     kinds: tuple[str, ...] = ()
     latitude_deg: float | None = None
     uses_latitude: bool = True
@@ -53,19 +55,19 @@ class ToldLogs:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LogCampaign:
-    """The campaign that logs make, the columns of its files by name, and guesses and remarks in words.
+    """The campaign that logs make, the columns of its files by name, and guesses and remarks as text.
 
     ``periods`` [s] are the logs' own sample periods where they differ; empty where they have one in common.
     """
 
     loaded: LoadedCampaign
-    data: Mapping[str, DataFile]
+    data: Mapping[str, Table]
     guesses: tuple[str, ...]
     notes: tuple[str, ...] = field(default=())
     periods: tuple[float, ...] = ()
 
 
-def campaign_of_logs(files: Sequence[Path], told: ToldLogs) -> LogCampaign:
+def campaign_of_logs(files: Sequence[Path], stated: LogOptions) -> LogCampaign:
     """Read logs of one unit as a campaign.
 
     Raises
@@ -73,10 +75,10 @@ def campaign_of_logs(files: Sequence[Path], told: ToldLogs) -> LogCampaign:
     DataRefused
         If one of them cannot be read or their units differ: with file, place, found, expected and what to do.
     """
-    read = [read_log(file) for file in files]
-    if not told.kinds:
-        _refuse_means(read, told.columns)
-    chosen = [choose_columns(table, told.columns) for table in read]
+    read = [read_table(file) for file in files]
+    if not stated.kinds:
+        _refuse_means(read, stated.columns)
+    chosen = [choose_columns(table, stated.columns) for table in read]
     _refuse_other_units(chosen)
     ends = [angle_at_ends(found) for found in chosen]
     chosen = [
@@ -84,17 +86,17 @@ def campaign_of_logs(files: Sequence[Path], told: ToldLogs) -> LogCampaign:
         for found, angle in zip(chosen, ends, strict=True)
     ]
     named = _names(files)
-    data, origins, notes = list[DataFile](), list[float | None](), list[str]()
+    data, origins, notes = list[Table](), list[float | None](), list[str]()
     for found, name in zip(chosen, named, strict=True):
-        columns, origin, said = log_data(found, told.columns.rate_hz, name)
+        columns, origin, said = log_data(found, stated.columns.rate_hz, name)
         if found.reference is None:  # a rate table turns
-            said += [f"{found.table.file.name}: {note}" for note in check_units(readings(found, columns, told))]
+            said += [f"{found.table.file.name}: {note}" for note in check_units(readings(found, columns, stated))]
         data.append(columns)
         origins.append(origin)
         notes += said
     data, apart = _placed(data, origins)
-    imu, periods = _imu(chosen[0], data, told)
-    kinds = told.kinds * len(files) if len(told.kinds) == 1 else told.kinds or (None,) * len(files)
+    imu, periods = _imu(chosen[0], data, stated)
+    kinds = stated.kinds * len(files) if len(stated.kinds) == 1 else stated.kinds or (None,) * len(files)
     steps = list[LoadedStep]()
     guesses = [f"{found.table.file.name}: {guess}" for found in chosen for guess in found.guesses]
     for i, (kind, found) in enumerate(zip(kinds, chosen, strict=True)):
@@ -102,22 +104,22 @@ def campaign_of_logs(files: Sequence[Path], told: ToldLogs) -> LogCampaign:
         step, data[i], guess = step_of_log(data[i], kind, own, found, ends[i])
         steps.append(step)
         guesses += guess
-    tables = _tables(imu, steps, told)
-    sha256 = {columns.file: columns.sha256 for columns in data}
+    tables = _tables(imu, steps, stated)
+    sha256 = {columns.name: columns.sha256 for columns in data}
     loaded = loaded_campaign(files[0].parent, tables, steps, sha256)
     no_site = f"{CAMPAIGN_TOML}: no [site]"
-    told_so = tuple(
+    stated_so = tuple(
         text.replace(no_site, "no --latitude")
         for text in loaded.warnings
-        if told.uses_latitude or not text.startswith(no_site)
+        if stated.uses_latitude or not text.startswith(no_site)
     )
-    loaded = replace(loaded, warnings=told_so, guesses=tuple(guesses), output_name=_output_name(chosen))
+    loaded = replace(loaded, warnings=stated_so, guesses=tuple(guesses), output_name=_output_name(chosen))
     if periods:  # each log was read at its own: there is none that all of them should have
         loaded = replace(loaded, campaign=replace(loaded.campaign, nominal_period=None))
-    return LogCampaign(loaded, {each.file: each for each in data}, tuple(guesses), (*notes, *apart), periods)
+    return LogCampaign(loaded, {each.name: each for each in data}, tuple(guesses), (*notes, *apart), periods)
 
 
-def readings(found: LogColumns, data: DataFile, told: ToldLogs) -> Readings:
+def readings(found: LogColumns, data: Table, stated: LogOptions) -> Readings:
     """Return a log's outputs with the units that were stated, named or inferred, for `check_units`."""
     values = {
         triad: np.stack([data.columns[name] for name in names], axis=1) if names[0] in data.columns else None
@@ -126,7 +128,7 @@ def readings(found: LogColumns, data: DataFile, told: ToldLogs) -> Readings:
     return Readings(
         found.table.file, data.columns.get("t_s"), values, {"gyro": found.gyro, "accel": found.accel},
         {"gyro": found.unit_gyro, "accel": found.unit_accel},
-        {"gyro": told.columns.unit_gyro, "accel": told.columns.unit_accel},
+        {"gyro": stated.columns.unit_gyro, "accel": stated.columns.unit_accel},
     )  # fmt: skip
 
 
@@ -150,10 +152,10 @@ def _names(files: Sequence[Path]) -> list[str]:
     ]
 
 
-def _refuse_means(tables: Sequence[LogTable], told: ToldColumns) -> None:
+def _refuse_means(tables: Sequence[Table], stated: ColumnOptions) -> None:
     """Refuse a table of means where samples are wanted: it would become noise or a soak."""
     for table in tables:
-        if is_means_table(table, told):
+        if is_means_table(table, stated):
             found = f"{table.rows} rows that differ like poses, a table of means"
             remedy = (
                 f"station diagnose {table.file.name} --as means uses it for a calibration; state --as or --rate "
@@ -179,7 +181,7 @@ def _refuse_other_units(chosen: Sequence[LogColumns]) -> None:
                 )
 
 
-def _placed(data: Sequence[DataFile], origins: Sequence[float | None]) -> tuple[list[DataFile], list[str]]:
+def _placed(data: Sequence[Table], origins: Sequence[float | None]) -> tuple[list[Table], list[str]]:
     """Return logs that each begin at 0 as far apart as one clock says, else one after the other."""
     timed = [i for i, each in enumerate(data) if "t_s" in each.columns]
     known = [origin for i in timed if (origin := origins[i]) is not None]
@@ -200,26 +202,78 @@ def _placed(data: Sequence[DataFile], origins: Sequence[float | None]) -> tuple[
 
 
 def _imu(
-    found: LogColumns, data: Sequence[DataFile], told: ToldLogs
+    found: LogColumns, data: Sequence[Table], stated: LogOptions
 ) -> tuple[CampaignImuTable, tuple[float, ...]]:
     """Return the unit, and each log's own sample period [s] where they differ by more than one clock's would."""
     periods = [own_period(each.columns["t_s"]) if "t_s" in each.columns else np.nan for each in data]
-    if told.columns.rate_hz:
-        periods = [1 / told.columns.rate_hz]
+    if stated.columns.rate_hz:
+        periods = [1 / stated.columns.rate_hz]
     known = [period for period in periods if np.isfinite(period)] or [1.0]
     middle = float(np.median(known))
     is_one_rate = max(abs(period / middle - 1) for period in known) <= NEAR_PERIOD_TOLERANCE
     imu = CampaignImuTable(
-        model=told.model or UNKNOWN, serial=told.serial, sample_period_s=middle,
+        model=stated.model or UNKNOWN, serial=stated.serial, sample_period_s=middle,
         output="rate", unit_gyro=found.unit_gyro, unit_accel=found.unit_accel,
     )  # fmt: skip
     each = tuple(period if np.isfinite(period) else middle for period in periods)
     return imu, () if is_one_rate else each
 
 
-def _tables(imu: CampaignImuTable, steps: Sequence[LoadedStep], told: ToldLogs) -> CampaignTable:
-    site = None if told.latitude_deg is None else SiteTable(latitude_deg=told.latitude_deg)
+def _tables(imu: CampaignImuTable, steps: Sequence[LoadedStep], stated: LogOptions) -> CampaignTable:
+    site = None if stated.latitude_deg is None else SiteTable(latitude_deg=stated.latitude_deg)
     of_kind: dict[str, list[StepTable]] = {}
     for step in steps:
         of_kind.setdefault(step.kind, []).append(step.table)
     return CampaignTable(format="campaign/1", imu=imu, site=site).model_copy(update=of_kind)
+
+
+ROWS_AT_ONCE = 100_000
+
+
+def write_campaign(folder: Path, found: LogCampaign) -> None:
+    """Write a new folder with ``campaign.toml`` and a file each log; on failure nothing is left.
+
+    Raises
+    ------
+    CannotWrite
+        If the folder cannot be made or is not empty.
+    DataRefused
+        If the logs are of several sample rates: a folder states one.
+    """
+    if found.periods:
+        rates = ", ".join(f"{1 / period:.4g}" for period in found.periods)
+        expected = "one sample rate, as a folder of campaign/1 states one"
+        raise DataRefused(folder, None, f"logs of {rates} Hz", expected, "keep those of each rate by themselves")
+    with new_folder(folder, CAMPAIGN_TOML):
+        names = _csv_names(list(found.data))
+        for name, data in found.data.items():
+            replace_file(folder / names[name], b"".join(_csv(data)))
+        tables = found.loaded.tables.model_dump(exclude_none=True, exclude_defaults=True)
+        for steps in tables.values():
+            for step in steps if isinstance(steps, list) else ():
+                step["file"] = names[step["file"]]
+        replace_file(folder / CAMPAIGN_TOML, toml_text(tables).encode())
+
+
+def _csv_names(names: Sequence[str]) -> dict[str, str]:
+    """Return the folder's file for each log: its name with .csv, numbered where several are alike."""
+    stems = [re.sub(r"[^A-Za-z0-9_.-]+", "_", Path(name).stem).strip(".") or "log" for name in names]
+    found = dict[str, str]()
+    for i, (name, stem) in enumerate(zip(names, stems, strict=True)):
+        found[name] = f"{stem}.csv" if stems.count(stem) == 1 else f"{stem}_{stems[: i + 1].count(stem)}.csv"
+    return found
+
+
+def _csv(data: Table) -> Iterator[bytes]:
+    yield ",".join(data.columns).encode() + b"\n"
+    for begin in range(0, data.rows, ROWS_AT_ONCE):
+        part = [values[begin : begin + ROWS_AT_ONCE] for values in data.columns.values()]
+        cells = [["" if cell != cell else repr(cell) for cell in _plain(values)] for values in part]
+        yield ("\n".join(map(",".join, zip(*cells, strict=True))) + "\n").encode()
+
+
+def _plain(values: FloatArray) -> list[float | int]:
+    """Return numbers as Python's, whole ones without a point."""
+    is_whole = np.all(values == np.round(values)) and np.all(np.abs(values) < MAX_EXACT_INTEGER)
+    found: list[float | int] = (values.astype(np.int64) if is_whole else values).tolist()
+    return found

@@ -1,4 +1,4 @@
-"""Which columns of a log hold what: as told, else as its header says, and their units."""
+"""Which columns of a log hold what: as stated, else as its header says, and their units."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -10,24 +10,24 @@ from procedures.error_codes import ErrorCode
 from procedures.frames import AXES
 from procedures.recordings.time_unit import SECOND, TimeUnit
 from station.errors import DataRefused
-from station.files.logs.angle_names import degrees_per_angle
-from station.files.logs.bare_axes import bare_axes, unit_by_logger
 from station.files.logs.header_guesses import (
+    bare_axes,
+    degrees_per_angle,
     guessed_time,
     guessed_utc,
     split_unit,
+    unit_by_logger,
 )
-from station.files.logs.log_table import MAX_NAMES_SHOWN, LogTable
-from station.files.logs.second_clocks import compare_clocks, other_clocks
-from station.files.logs.temperature_units import temperature_column
-from station.files.logs.time_units import unit_of_time
+from station.files.logs.time_units import compare_clocks, other_clocks, unit_of_time
 from station.files.logs.triad_guesses import (
     guessed_single_gyro,
     guessed_triad,
     is_by_letter_g,
     is_called_as_other,
 )
+from station.files.logs.unit_checks import temperature_column
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW
+from station.files.tables.table import MAX_NAMES_SHOWN, Table
 
 _SAY_Z = "(state -,-,COL for z)"
 ABSENT = "-"  # of a channel that the log does not have
@@ -37,8 +37,8 @@ STEADY_LENGTH = 0.5  # relative interquartile range: gravity's length varies les
 
 
 @dataclass(frozen=True, slots=True)
-class ToldColumns:
-    """What the user told of a log: columns by name or number; None is guessed, empty there is none."""
+class ColumnOptions:
+    """What the user stated of a log: columns by name or number; None is guessed, empty there is none."""
 
     time: str | None = None
     gyro: tuple[str, ...] | None = None
@@ -55,14 +55,14 @@ class ToldColumns:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LogColumns:
-    """A log's columns by what they hold: names, None of a channel that is not there; ``guesses`` in words.
+    """A log's columns by what they hold: names, None of a channel that is not there; ``guesses`` as text.
 
     ``temperature_unit`` is one of `TEMPERATURE_UNITS`; ``reference_unit``: how many of the reference are 1 deg/s.
     ``degrees_per_angle`` is how many degrees a unit of the reference is, where it is an angle.
-    ``utc`` is another clock's time of the same rows; ``clocks`` are all others beside ``time``.
+    ``utc`` is another clock's time of the same rows; ``clocks`` are all others alongside ``time``.
     """
 
-    table: LogTable
+    table: Table
     time: str | None
     gyro: tuple[str | None, ...]
     accel: tuple[str | None, ...]
@@ -82,7 +82,7 @@ class LogColumns:
 
 
 def choose_columns(
-    table: LogTable, told: ToldColumns, stamps_of: Callable[[str, bool], FloatArray] | None = None
+    table: Table, stated: ColumnOptions, stamps_of: Callable[[str, bool], FloatArray] | None = None
 ) -> LogColumns:
     """Return what a log's columns hold.
 
@@ -91,11 +91,11 @@ def choose_columns(
     Raises
     ------
     DataRefused
-        If a column that was told is not there, none is an output, or there is neither time nor rate.
+        If a column that was stated is not there, none is an output, or there is neither time nor rate.
     """
     names, guesses = list(table.columns), list[str]()
-    free = _not_told(table, told)
-    gyro, accel = (_triad(table, told, triad, free, guesses) for triad in ("gyro", "accel"))
+    free = _not_stated(table, stated)
+    gyro, accel = (_triad(table, stated, triad, free, guesses) for triad in ("gyro", "accel"))
     if not any((*gyro, *accel)):
         raise DataRefused(
             table.file,
@@ -104,11 +104,11 @@ def choose_columns(
             "outputs",
             "name them: --gyro A,B,C or --accel A,B,C",
         )
-    time = None if told.time is None else table.name_of(told.time)
-    reference = None if told.reference is None else table.name_of(told.reference)
+    time = None if stated.time is None else table.name_of(stated.time)
+    reference = None if stated.reference is None else table.name_of(stated.reference)
     angle = None if reference is None else degrees_per_angle(reference)
-    has_no_time = told.rate_hz is not None or (reference is not None and angle is None)
-    if told.time is None and not has_no_time and (time := _guessed_time(table, free)) is not None:
+    has_no_time = stated.rate_hz is not None or (reference is not None and angle is None)
+    if stated.time is None and not has_no_time and (time := _guessed_time(table, free)) is not None:
         guesses.append(f"time is {time}")
     if time is None and not has_no_time:
         raise DataRefused(
@@ -119,69 +119,69 @@ def choose_columns(
             "name one of them",
             code=ErrorCode.COLUMNS,
         )
-    temperature, temperature_unit = temperature_column(table, told.temperature, free, guesses)
-    unit_gyro = told.unit_gyro or _unit(gyro, guesses, "gyroscopes", list(GYRO_UNITS))
+    temperature, temperature_unit = temperature_column(table, stated.temperature, free, guesses)
+    unit_gyro = stated.unit_gyro or _unit(gyro, guesses, "gyroscopes", list(GYRO_UNITS))
     unit_gyro = unit_gyro or unit_by_logger(names, gyro, "gyro", guesses)
-    unit_accel = told.unit_accel or _unit(accel, guesses, "accelerometers", list(ACCEL_UNITS))
+    unit_accel = stated.unit_accel or _unit(accel, guesses, "accelerometers", list(ACCEL_UNITS))
     unit_accel = unit_accel or unit_by_logger(names, accel, "accel", guesses)
     if angle is not None:
         guesses.append(f"{reference} is an angle, {angle:.6g} deg a unit")
-    utc = _utc(table, told, time, free, guesses)
+    utc = _utc(table, stated, time, free, guesses)
     found = LogColumns(
         table=table, time=time, gyro=gyro, accel=accel, temperature=temperature,
-        auxiliary=tuple(table.name_of(key) for key in told.auxiliary), reference=reference,
-        utc=utc, unit_utc=unit_of_time(table, utc, None, told.rate_hz, guesses) if utc else SECOND,
+        auxiliary=tuple(table.name_of(key) for key in stated.auxiliary), reference=reference,
+        utc=utc, unit_utc=unit_of_time(table, utc, None, stated.rate_hz, guesses) if utc else SECOND,
         temperature_unit=temperature_unit, reference_unit=_reference_unit(reference, guesses),
         degrees_per_angle=angle, clocks=() if time is None else tuple(other_clocks(table, time, free)),
-        unit_time=unit_of_time(table, time, told.unit_time, told.rate_hz, guesses, stamps_of),
+        unit_time=unit_of_time(table, time, stated.unit_time, stated.rate_hz, guesses, stamps_of),
         unit_gyro=unit_gyro, unit_accel=unit_accel or _by_gravity(table, accel, guesses), guesses=guesses,
     )  # fmt: skip
     used = _refuse_twice(found)
     if stamps_of is None and time is not None:
-        guesses += compare_clocks(table, time, found.unit_time, found.clocks, told.time is not None)
-    _refuse_ambiguous_kinds(found, told, free)
+        guesses += compare_clocks(table, time, found.unit_time, found.clocks, stated.time is not None)
+    _refuse_ambiguous_kinds(found, stated, free)
     if unused := [name for name in names if name not in used and name]:
         shown = ", ".join(unused[:MAX_NAMES_SHOWN]) + (", ..." if len(unused) > MAX_NAMES_SHOWN else "")
         guesses.append(f"not used: {shown} (--temperature names a temperature, --aux other channels)")
     return found
 
 
-def _guessed_time(table: LogTable, free: Sequence[str]) -> str | None:
+def _guessed_time(table: Table, free: Sequence[str]) -> str | None:
     """Return the column of time by its name, else the first of moments, else UTC, which is a time as well."""
     moments = (name for name in free if name in table.moments)
     return guessed_time(free) or next(moments, None) or guessed_utc(free)
 
 
 def _utc(
-    table: LogTable, told: ToldColumns, time: str | None, free: Sequence[str], guesses: list[str]
+    table: Table, stated: ColumnOptions, time: str | None, free: Sequence[str], guesses: list[str]
 ) -> str | None:
-    if told.utc is not None:
-        return table.name_of(told.utc)
-    found = None if told.reference is not None else guessed_utc([name for name in free if name != time])
+    if stated.utc is not None:
+        return table.name_of(stated.utc)
+    found = None if stated.reference is not None else guessed_utc([name for name in free if name != time])
     if found is not None:
         guesses.append(f"UTC is {found}")
     return found
 
 
-def _not_told(table: LogTable, told: ToldColumns) -> list[str]:
-    """Return the columns that nobody told anything of: of these what they hold may be guessed."""
+def _not_stated(table: Table, stated: ColumnOptions) -> list[str]:
+    """Return the columns that nobody stated anything of: of these what they hold may be guessed."""
     keys = [
-        told.time,
-        told.temperature,
-        told.reference,
-        told.utc,
-        *told.auxiliary,
-        *(told.gyro or ()),
-        *(told.accel or ()),
+        stated.time,
+        stated.temperature,
+        stated.reference,
+        stated.utc,
+        *stated.auxiliary,
+        *(stated.gyro or ()),
+        *(stated.accel or ()),
     ]
     named = {table.name_of(key) for key in keys if key and key != ABSENT}
     return [name for name in table.columns if name not in named]
 
 
 def _triad(
-    table: LogTable, told: ToldColumns, triad: str, free: Sequence[str], guesses: list[str]
+    table: Table, stated: ColumnOptions, triad: str, free: Sequence[str], guesses: list[str]
 ) -> tuple[str | None, ...]:
-    keys: tuple[str, ...] | None = getattr(told, triad)
+    keys: tuple[str, ...] | None = getattr(stated, triad)
     if keys is None:
         found = tuple(guessed_triad(free, "gyroscope" if triad == "gyro" else "accelerometer"))
         if any(found):
@@ -202,7 +202,7 @@ def _triad(
             "x,y,z, with - for one not there",
             code=ErrorCode.COLUMNS,
         )
-    if len(names) == 1 and names[0] is not None:  # a one-axis sensor: which, its name may tell
+    if len(names) == 1 and names[0] is not None:  # a one-axis sensor: its name may say which
         last = split_unit(names[0])[0][-1:]
         axis = AXES.index(last) if last in AXES else 0
         guesses.append(f"{names[0]} is the sensor {AXES[axis]} {_SAY_Z}")
@@ -226,7 +226,7 @@ def _unit(columns: Sequence[str | None], guesses: list[str], what: str, known: S
     return None
 
 
-def _by_gravity(table: LogTable, accel: Sequence[str | None], guesses: list[str]) -> str | None:
+def _by_gravity(table: Table, accel: Sequence[str | None], guesses: list[str]) -> str | None:
     """Return the only unit in which a whole triad's median length is about 1 g, None where it may be another."""
     usual, _ = _length(table, accel)
     readings = _readings_of_gravity(usual, 2 * GUESSED_GRAVITY)  # motion moves the length towards another's
@@ -241,7 +241,7 @@ def _by_gravity(table: LogTable, accel: Sequence[str | None], guesses: list[str]
     return readings[0]
 
 
-def _length(table: LogTable, triad: Sequence[str | None]) -> tuple[float, float]:
+def _length(table: Table, triad: Sequence[str | None]) -> tuple[float, float]:
     """Return the median length of a whole triad, and its interquartile range relative to it; 0 of another."""
     if not all(triad):
         return 0.0, 0.0
@@ -259,14 +259,14 @@ def _readings_of_gravity(length: float, tolerance: float = GUESSED_GRAVITY) -> l
     return [unit for unit, per_g in known.items() if abs(length / per_g - 1) < tolerance]
 
 
-def _refuse_ambiguous_kinds(found: LogColumns, told: ToldColumns, free: Sequence[str]) -> None:
+def _refuse_ambiguous_kinds(found: LogColumns, stated: ColumnOptions, free: Sequence[str]) -> None:
     """Refuse triads that may be of either kind by what their names and lengths say."""
     for triad in ("gyro", "accel"):
         columns = getattr(found, triad)
-        if getattr(told, triad) is None and is_called_as_other(free, columns):
+        if getattr(stated, triad) is None and is_called_as_other(free, columns):
             raise _ask_kind(found, columns, "named like columns of another unit")
-    is_told = told.gyro is not None or told.unit_gyro is not None
-    if is_told or any(found.accel) or found.unit_gyro not in {None, RAW} or not all(found.gyro):
+    is_stated = stated.gyro is not None or stated.unit_gyro is not None
+    if is_stated or any(found.accel) or found.unit_gyro not in {None, RAW} or not all(found.gyro):
         return
     usual, spread = _length(found.table, found.gyro)
     is_by_letter = all(is_by_letter_g(name) for name in found.gyro if name)  # of gx, which may be in g

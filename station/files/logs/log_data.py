@@ -1,30 +1,108 @@
-"""A log's columns as those of a step's file: times that rise, outputs, temperature, auxiliary channels."""
+"""A log's columns as those of a step's file: times, outputs, temperature, auxiliary channels; rate tables."""
 
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
+from procedures.counts.reference_angle import (
+    LEAST_ROWS,
+    SURE,
+    lateness,
+    mean_rates,
+    slope_and_correlation,
+    unwrapped,
+)
 from procedures.counts.sample_times import StampsGoBack, log_times
 from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
-from station.files.columns import TRIADS, DataFile
 from station.files.logs.log_columns import LogColumns, outputs
-from station.files.logs.reference_angle import rates_of_angle
-from station.files.output_units import TEMPERATURE_UNITS
+from station.files.output_units import GYRO_UNITS, TEMPERATURE_UNITS, outputs_per_unit
+from station.files.tables.strict_csv import TRIADS
+from station.files.tables.table import Table
+
+MAX_OFF = 0.02  # of 1, by which a stated unit and the angle may differ before a note says so
+STEADY = 0.1  # of the mean rate: one that spans less is held against the whole angle, a line has no slope there
+ANGLES = ("rate_ref_deg_s", "t_s", *TRIADS["gyro"], "temp_c")
+
+
+def angle_at_ends(found: LogColumns) -> tuple[float, bool] | None:
+    """Return by how much an angle grew [deg] that was read at both ends of a log alone; None of any other log.
+
+    With it, whether the readings may begin again at each turn.
+    """
+    if found.reference is None or found.degrees_per_angle is None:
+        return None
+    angle = found.table.column(found.reference) * found.degrees_per_angle
+    read = np.flatnonzero(np.isfinite(angle))
+    if len(read) < 2 or read[0] >= len(angle) / 4 or read[-1] < len(angle) * 3 / 4:
+        return None
+    gap = int(np.argmax(np.diff(read)))
+    if read[gap + 1] - read[gap] < len(angle) / 2:
+        return None
+    first, last = (float(np.median(angle[part])) for part in (read[: gap + 1], read[gap + 1 :]))
+    return last - first, bool(min(first, last) >= 0 and max(first, last) <= 360)
+
+
+def rates_of_angle(
+    found: LogColumns, columns: Mapping[str, FloatArray], angle: FloatArray, notes: list[str]
+) -> dict[str, FloatArray]:
+    """Return a rate table's columns, a row a block, of a log with an ``angle`` (n,) [deg] alongside it.
+
+    Raises
+    ------
+    DataRefused
+        If there are too few rows, or the angle does not move.
+    """
+    if len(angle) < LEAST_ROWS or not np.ptp(angle):
+        what = f"{len(angle)} rows" if np.ptp(angle) else f"{found.reference} that never changes"
+        raise DataRefused(found.table.file, None, what, f"at least {LEAST_ROWS} rows of an angle that turns")
+    t, angle = columns["t_s"], unwrapped(angle)
+    names = [name for name in ANGLES[2:] if name in columns]
+    values = np.stack([columns[name] for name in names], axis=1)
+    gyro = [i for i, name in enumerate(names) if name in TRIADS["gyro"]]
+    turned = mean_rates(t, angle, values)
+    likeness = [slope_and_correlation(turned.reference, turned.values[:, i])[1] for i in gyro]
+    own = gyro[int(np.argmax(np.abs(likeness)))] if gyro else 0
+    late, std = lateness(t, angle, values[:, own])
+    if abs(late) > SURE * std:
+        word = "late" if late > 0 else "early"
+        notes.append(f"{found.reference} is {1e3 * abs(late):.1f} +- {1e3 * std:.2g} ms {word}: corrected")
+        turned = mean_rates(t, angle, values, late)
+    _say_scale(found, turned.reference, turned.values[:, own], notes)
+    notes.append(
+        f"{found.reference} turned by {angle[-1] - angle[0]:.6g} deg: {len(turned.t)} points of a rate table"
+    )
+    return {"rate_ref_deg_s": turned.reference, "t_s": turned.t, **dict(zip(names, turned.values.T, strict=True))}
+
+
+def _say_scale(found: LogColumns, reference: FloatArray, output: FloatArray, notes: list[str]) -> None:
+    """Say where the angle and the stated unit do not agree: the scale factor, or the time, is another."""
+    stated = outputs_per_unit(found.unit_gyro or "raw", GYRO_UNITS)
+    if stated is None:
+        return
+    is_steady = np.ptp(reference) < STEADY * abs(np.mean(reference))
+    slope = reference @ output / (reference @ reference) if is_steady else np.polyfit(reference, output, 1)[0]
+    times = abs(float(slope) / stated)
+    if abs(times - 1) > MAX_OFF:
+        more = f"the outputs turn {times:.4g} times as far as {found.reference}"
+        why = "their unit is another, their bias is large," if is_steady else "their unit is another,"
+        notes.append(f"{more}: {why} or the log's second is (--unit-time, --rate; --utc checks it)")
+
 
 MIN_ROWS = 16
 LARGEST = 1e30  # that any output is, in whatever unit
 
 
-def log_data(found: LogColumns, rate_hz: float | None, name: str) -> tuple[DataFile, float | None, list[str]]:
-    """Return a log as the columns of a step's file called ``name``, and what had to be done, in words.
+def log_data(found: LogColumns, rate_hz: float | None, name: str) -> tuple[Table, float | None, list[str]]:
+    """Return a log as the columns of a step's file called ``name``, and what had to be done, as text.
 
     Between them is the time [s] at which ``t_s`` is 0 by the log's own clock, None where that is not known.
 
-    Rows whose outputs or time are empty or no number are left out: the samples are lost. A channel that never
+    Rows whose outputs or time are empty or no number are omitted: the samples are lost. A channel that never
     changes is no channel.
 
     Raises
@@ -64,7 +142,11 @@ def log_data(found: LogColumns, rate_hz: float | None, name: str) -> tuple[DataF
     elif reference is not None:
         columns = {"rate_ref_deg_s": reference[keep], **columns}
         columns = {each: values for each, values in columns.items() if each in _TURNTABLE}
-    return DataFile(name, columns, 2, table.sha256), origin, [f"{table.file.name}: {note}" for note in notes]
+    return (
+        Table(Path(name), columns, table.sha256, range(2, 2 + int(keep.sum()))),
+        origin,
+        [f"{table.file.name}: {note}" for note in notes],
+    )
 
 
 _TURNTABLE = ("rate_ref_deg_s", "t_s", *TRIADS["gyro"], "temp_c")

@@ -1,7 +1,7 @@
 """``--as means``: a table with a row a pose, mean outputs and perhaps their standard deviations.
 
 A column is a mean where it is called as an output is, with or without ``mean`` or ``avg``. One with ``std``,
-``sigma`` or ``sd`` beside the output's name is a standard deviation of samples, of which ``n`` or ``count`` says
+``sigma`` or ``sd`` with the output's name is a standard deviation of samples, of which ``n`` or ``count`` says
 how many there were.
 """
 
@@ -15,8 +15,8 @@ from procedures.error_codes import ErrorCode
 from procedures.free_positions.pose_means import MAX_POSES, differ_like_poses
 from station.errors import DataRefused
 from station.files.logs.header_guesses import guessed_time
-from station.files.logs.log_columns import LogColumns, ToldColumns, choose_columns, outputs
-from station.files.logs.log_table import LogTable
+from station.files.logs.log_columns import ColumnOptions, LogColumns, choose_columns, outputs
+from station.files.tables.table import Table
 
 KIND = "means"
 _PART = r"(?:(?<=^)|(?<=[_ .]))(?:{})(?:[_ .]|(?=[\[(]|$))"
@@ -41,22 +41,22 @@ class MeansTable:
     notes: tuple[str, ...]
 
 
-def is_means_table(table: LogTable, told: ToldColumns) -> bool:
-    """Say whether a log is a table of means by itself: few rows that differ like poses, at no regular time."""
-    if table.rows > MAX_POSES or told.rate_hz is not None or told.reference is not None:
+def is_means_table(table: Table, stated: ColumnOptions) -> bool:
+    """Return whether a log is a table of means by itself: few rows that differ like poses, at no regular time."""
+    if table.rows > MAX_POSES or stated.rate_hz is not None or stated.reference is not None:
         return False
     try:
-        found = _columns(table, told)[0]
+        found = _columns(table, stated)[0]
     except (DataRefused, ValueError):
         return False
     accel = outputs(found, found.accel)
     if accel is None or not all(found.accel):
         return False
-    time = guessed_time(list(table.columns)) if told.time is None else table.name_of(told.time)
+    time = guessed_time(list(table.columns)) if stated.time is None else table.name_of(stated.time)
     return differ_like_poses(accel, None if time is None else table.columns[time])
 
 
-def means_of(table: LogTable, told: ToldColumns) -> MeansTable:
+def means_of(table: Table, stated: ColumnOptions) -> MeansTable:
     """Return a log as a table of means.
 
     Raises
@@ -65,7 +65,7 @@ def means_of(table: LogTable, told: ToldColumns) -> MeansTable:
         If no column is an output, a cell of one is no number, or there is a single row; if a row that is used
         has no number of samples, or no standard deviation, where there is a column of them.
     """
-    found, stds, count = _columns(table, told)
+    found, stds, count = _columns(table, stated)
     triads = {"accel": outputs(found, found.accel), "gyro": outputs(found, found.gyro)}
     usable = np.ones(table.rows, dtype=bool)
     for values in triads.values():
@@ -95,7 +95,7 @@ def means_of(table: LogTable, told: ToldColumns) -> MeansTable:
     return MeansTable(found, kept["accel"], kept["gyro"], std["accel"], std["gyro"], tuple(notes))
 
 
-def _checked(table: LogTable, name: str, usable: BoolArray, least: float) -> FloatArray:
+def _checked(table: Table, name: str, usable: BoolArray, least: float) -> FloatArray:
     """Return the rows of a column that are ``usable``; refuse the first that is no number of ``least`` or more."""
     values = table.column(name)
     bad = np.flatnonzero(usable & ~(np.isfinite(values) & (values >= least)))
@@ -113,7 +113,7 @@ def _root(n: FloatArray | None, is_of_mean: bool) -> FloatArray | float:
     return 1.0 if n is None or is_of_mean else np.sqrt(n)
 
 
-def _columns(table: LogTable, told: ToldColumns) -> tuple[LogColumns, dict[str, tuple[str, bool]], str | None]:
+def _columns(table: Table, stated: ColumnOptions) -> tuple[LogColumns, dict[str, tuple[str, bool]], str | None]:
     """Return what the columns hold, each mean's std and whether it is the mean's own, and the count."""
     spread = {name: bool(_OF_MEAN.search(name)) for name in table.columns if _is_spread(name)}
     count = next((name for name in table.columns if _COUNT.fullmatch(name.strip())), None)
@@ -124,7 +124,7 @@ def _columns(table: LogTable, told: ToldColumns) -> tuple[LogColumns, dict[str, 
         table, columns={plain: table.columns[name] for plain, name in named.items()},
         unreadable={plain: table.unreadable[name] for plain, name in named.items() if name in table.unreadable},
     )  # fmt: skip
-    found = choose_columns(view, replace(told, time=None, rate_hz=told.rate_hz or 1.0))
+    found = choose_columns(view, replace(stated, time=None, rate_hz=stated.rate_hz or 1.0))
     by_base = {_base(_OF_SAMPLES.sub("", _OF_MEAN.sub("", name))): (name, own) for name, own in spread.items()}
     stds = {name: by_base[_base(plain)] for plain, name in named.items() if _base(plain) in by_base}
     gyro, accel = (tuple(name and named[name] for name in triad) for triad in (found.gyro, found.accel))

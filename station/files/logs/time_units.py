@@ -1,9 +1,9 @@
-"""The unit of a log's time: told, or decided by all evidence at once (`procedures.recordings.time_decision`).
+"""The unit of a log's time: stated, or decided by all evidence at once (`procedures.recordings.time_decision`).
 
-Every command that reads a log asks here, whether it has the whole log or streams it.
+Other clocks of the same rows are evidence too; where one contradicts the time, it is reported.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from datetime import UTC, datetime
 
 import numpy as np
@@ -21,26 +21,101 @@ from procedures.recordings.time_decision import (
     evidence_rows,
     usual_step,
 )
-from procedures.recordings.time_unit import BY_NAME, SECOND, TimeUnit
-from station.errors import DataRefused, TimeUnitAsked
-from station.files.logs.header_guesses import time_units_in_name
-from station.files.logs.log_table import LogTable
-from station.files.logs.second_clocks import other_clocks, seconds_of_clock
+from procedures.recordings.time_unit import BY_NAME, SECOND, TIME_UNITS, TimeUnit
+from station.errors import ClocksContradict, DataRefused, TimeUnitAsked
+from station.files.logs.header_guesses import guessed_time, guessed_utc, time_units_in_name
 from station.files.output_units import time_unit
+from station.files.tables.table import Table
+
+CLOCKS_AGREE = 0.01  # relative: clocks that work agree to 1e-3; the rest is for late read-outs
+CLOCK_ROWS = 2**17  # rows that are compared, so that a streamed log is read as a whole one is
+JUMPS = 3  # steps in which a clock may be set, or wait for its first fix
+
+
+def other_clocks(table: Table, time: str, names: Sequence[str]) -> list[str]:
+    """Return which of the columns ``names`` are clocks alongside ``time`` by name, or hold dates."""
+    return [
+        name for name in names
+        if name != time and name not in table.unreadable
+        and (name in table.moments or guessed_time([name]) or guessed_utc([name]))
+    ]  # fmt: skip
+
+
+def compare_clocks(
+    table: Table, time: str, unit: TimeUnit, others: Sequence[str], is_stated: bool
+) -> Iterator[str]:
+    """Yield in words which of the clocks ``others`` contradict ``time``, which the user stated.
+
+    Raises
+    ------
+    ClocksContradict
+        If one does, and nobody stated which of them is the time.
+    """
+    for name in others:
+        seconds = seconds_of_clock(table, name, table.columns[name][:CLOCK_ROWS])
+        if seconds is None:
+            continue
+        stamps, other = table.columns[time][:CLOCK_ROWS], table.columns[name][:CLOCK_ROWS]
+        both = np.isfinite(stamps) & np.isfinite(other)
+        found = disagreement(unit.linear(stamps[both]) * unit.seconds, other[both] * seconds)
+        if found is None:
+            continue
+        rows, own_s, other_s = found
+        clocks = [(time, rows / own_s, own_s), (name, rows / other_s, other_s)]
+        if not is_stated:
+            raise ClocksContradict(table.file, clocks)
+        yield (
+            f"{name} contradicts the specified {time}: {clocks[0][1]:.5g} Hz by {time}, "
+            f"{clocks[1][1]:.5g} Hz by {name}"
+        )
+
+
+def disagreement(a: FloatArray, b: FloatArray) -> tuple[int, float, float] | None:
+    """Return over how many rows two clocks differ, and the duration [s] by each; None where they agree.
+
+    The clocks ``a`` (n,) and ``b`` (n,) are in seconds. Both are read where both of them moved on, so that a clock
+    of few digits, or one that is written seldom, is compared between its own steps. Clocks that fall, or rise too
+    seldom, are not compared.
+    """
+    if len(a) < 2 or (np.diff(a) < 0).any() or (np.diff(b) < 0).any():
+        return None
+    coarse = a if (np.diff(a) > 0).sum() < (np.diff(b) > 0).sum() else b
+    rows = np.flatnonzero(np.diff(coarse) > 0) + 1
+    if len(rows) < EVIDENCE_RISES:
+        return None
+    step_a, step_b = np.diff(a[rows]), np.diff(b[rows])
+    kept = np.sort(np.argsort(np.abs(step_a - step_b), kind="stable")[:-JUMPS])
+    own, other, run = float(step_a[kept].sum()), float(step_b[kept].sum()), int(np.diff(rows)[kept].sum())
+    if own <= 0 or other <= 0:
+        return None
+    resolution = max(float(np.median(step_a)), float(np.median(step_b)))
+    return (run, own, other) if abs(own - other) > CLOCKS_AGREE * max(own, other) + resolution else None
+
+
+def seconds_of_clock(table: Table, name: str, values: FloatArray) -> float | None:
+    """Return the unit [s] of another clock's ``values`` (n,), which its name or its range of dates states."""
+    if name in table.moments:
+        return 1.0
+    if stated := [unit for unit, odds in time_units_in_name(name).items() if odds >= LIE_ODDS]:
+        return None if stated[0].digits else stated[0].seconds
+    middle = float(np.nanmedian(values)) if np.isfinite(values).any() else 0.0
+    dated = [u for u in TIME_UNITS if u.name.startswith("unix") and u.dates and u.dates[0] < middle < u.dates[1]]
+    return dated[0].seconds if dated else None
+
 
 FEW_DIGITS = 0.1  # share of the rows that have the stamp of the row before, from which it is said
 MOST_OFFERED = 6  # readings in a question
 
 
 def unit_of_time(
-    table: LogTable,
+    table: Table,
     time: str | None,
-    told: str | None,
+    stated: str | None,
     rate_hz: float | None,
     guesses: list[str],
     stamps_of: Callable[[str, bool], FloatArray] | None = None,
 ) -> TimeUnit:
-    """Return the unit of a log's column ``time``; what nobody told is added to ``guesses`` in words.
+    """Return the unit of a log's column ``time``; what nobody stated is added to ``guesses`` as text.
 
     ``table`` may be the first rows alone; then ``stamps_of(time, whole)`` returns as many stamps as the decision
     needs, or these and the last one of the log.
@@ -50,7 +125,7 @@ def unit_of_time(
     TimeUnitAsked
         If the evidence leaves more than one unit: carries them, with the rate and duration of each.
     DataRefused
-        If a unit that was told makes no possible sample rate.
+        If a unit that was stated makes no possible sample rate.
     """
     if time is None:
         return SECOND
@@ -58,8 +133,8 @@ def unit_of_time(
         guesses.append(f"time in s, of the moments in {time}")
         return SECOND
     stamps = _finite(table.column(time) if stamps_of is None else stamps_of(time, False))
-    if told is not None:
-        return _told(table, time, told, stamps)
+    if stated is not None:
+        return _stated(table, time, stated, stamps)
     evidence = TimeEvidence(
         stamps, time_units_in_name(time), table.time_scale_s, _second_clock(table, time), rate_hz
     )
@@ -97,12 +172,12 @@ def _with_stamps(evidence: TimeEvidence, stamps: FloatArray) -> TimeEvidence:
     return TimeEvidence(stamps, evidence.named, evidence.scale_s, evidence.second_clock_s, evidence.rate_hz)
 
 
-def _told(table: LogTable, time: str, told: str, stamps: FloatArray) -> TimeUnit:
-    unit = time_unit(told)
+def _stated(table: Table, time: str, stated: str, stamps: FloatArray) -> TimeUnit:
+    unit = time_unit(stated)
     step = usual_step(unit.linear(stamps[: evidence_rows(stamps)]))[0] * unit.seconds
     if step > 0 and not POSSIBLE_HZ[0] <= (rate := 1 / step) <= POSSIBLE_HZ[1]:
         raise DataRefused(
-            table.file, None, f"--unit-time {told}, which makes {rate:.4g} Hz of column {time}",
+            table.file, None, f"--unit-time {stated}, which makes {rate:.4g} Hz of column {time}",
             f"{POSSIBLE_HZ[0]:g} to {POSSIBLE_HZ[1]:g} Hz", "state another unit", ErrorCode.TIME_UNIT,
         )  # fmt: skip
     return unit
@@ -126,7 +201,7 @@ def _reason(evidence: TimeEvidence, found: TimeDecision) -> str:
     return "by another clock" if evidence.second_clock_s is not None else "by the sample rate"
 
 
-def _second_clock(table: LogTable, time: str) -> float | None:
+def _second_clock(table: Table, time: str) -> float | None:
     """Return how long one unit of a column ``time`` is [s] by another clock in the file; None without one."""
     stamps = table.column(time)[:EVIDENCE_ROWS]
     for name in other_clocks(table, time, list(table.columns)):

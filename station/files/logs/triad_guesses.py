@@ -71,13 +71,13 @@ def guessed_single_gyro(names: Sequence[str]) -> str | None:
 
 
 def is_called_as_other(names: Sequence[str], columns: Sequence[str | None]) -> bool:
-    """Say whether a column without a unit is called as one with a unit: its copy in counts, or another sensor."""
+    """Return whether a column without a unit is called as one with a unit: a copy in counts, or another sensor."""
     decided = {_word(name) for name in names if sensor_of_unit(name)}
     return any(sensor_of_unit(name) is None and _word(name) in decided for name in columns if name)
 
 
 def is_by_letter_g(name: str) -> bool:
-    """Say whether the letter g alone calls a column a gyroscope's: ``gx`` may be an acceleration in g as well."""
+    """Return whether only the letter g calls a column a gyroscope's: ``gx`` may be an acceleration in g too."""
     return any(_pattern("g", axis).fullmatch(_plain(name)) for axis in AXES)
 
 
@@ -116,7 +116,7 @@ def _plain(name: str) -> str:
 
 
 def _word(name: str) -> str:
-    """Return a name without what may stand beside its word, as ``gx`` of ``gx_raw``."""
+    """Return a name without what may stand alongside its word, as ``gx`` of ``gx_raw``."""
     return re.sub(rf"_{_BESIDE_A_WORD}(?=_|$)", "", _plain(name))
 
 
@@ -133,7 +133,7 @@ def _family(base: str) -> str:
 def _kinds(names: Sequence[str]) -> dict[str, str | None]:
     """Return the kind of each column that its unit decides, or the units of others of its family.
 
-    Of a column that is called as one with a unit, as ``gx`` beside ``gx (g)``, nothing is decided: None.
+    Of a column that is called as one with a unit, as ``gx`` alongside ``gx (g)``, nothing is decided: None.
     """
     kinds = {name: sensor_of_unit(name) for name in names}
     decided = {_plain(name) for name, kind in kinds.items() if kind is not None}

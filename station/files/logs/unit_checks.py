@@ -2,7 +2,7 @@
 
 Gravity is 9.8 m/s2 whatever the unit, and no gyroscope shows more than 20 deg/s at rest. Where another unit, range
 or kind of output would explain what was found it is named and the log refused; what nothing explains, as of a
-damaged sensor, is said and goes on. Without a unit (``raw``) nothing is claimed and nothing refused.
+damaged sensor, gives a note and is used. Without a unit (``raw``) nothing is claimed and nothing refused.
 """
 
 from collections.abc import Mapping, Sequence
@@ -29,7 +29,9 @@ from procedures.recordings.rest_physics import (
 )
 from procedures.units import RAD_PER_DEG, STANDARD_GRAVITY
 from station.errors import DataRefused
-from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW, outputs_per_unit
+from station.files.logs.header_guesses import guessed_temperature, temperature_unit_in_name
+from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, PLAUSIBLE_C, RAW, outputs_per_unit
+from station.files.tables.table import Table
 
 LSB_PER_G = (16384, 8192, 4096, 2048, 1024, 512, 256, 128)  # of common accelerometers, by their range
 LSB_PER_DEG_S = (131, 65.5, 32.8, 16.4, 114.3, 57.1, 28.6, 14.3)  # of common gyroscopes, by their range
@@ -42,7 +44,7 @@ GRAVITY_REMOVED = 0.05 * STANDARD_GRAVITY  # m/s2 at rest: below it gravity was 
 class Readings:
     """Samples of a log at ``t`` (n,) [s], None without time; outputs (n, 3) of each triad, units.
 
-    Keys are ``gyro`` and ``accel``; a channel that is not there has no name. ``told`` are units from options.
+    Keys are ``gyro`` and ``accel``; a channel that is not there has no name. ``stated`` are units from options.
     """
 
     file: Path
@@ -50,7 +52,7 @@ class Readings:
     outputs: Mapping[str, FloatArray | None]
     names: Mapping[str, Sequence[str | None]]
     units: Mapping[str, str | None]
-    told: Mapping[str, str | None]
+    stated: Mapping[str, str | None]
 
     def is_there(self, triad: str) -> BoolArray:
         """Return a boolean (3,) that says which axes are measured: named, and not one number throughout."""
@@ -108,7 +110,7 @@ def _unsigned(log: Readings, force: "_Impossible | None") -> list[str]:
         of = ", ".join(str(log.names[triad][i]) for i in bits)
         most = max(bits.values())
         jumps = f"{of} jump{'s' if len(bits) == 1 else ''} between about 0 and {2**most - 1}"
-        if log.told.get(triad) == RAW:
+        if log.stated.get(triad) == RAW:
             notes.append(f"{jumps}: two's complement of {most} bits was not applied")
             continue
         what = f"{jumps}: signed {most}-bit integers printed as unsigned" + (f"; {force.found}" if force else "")
@@ -145,7 +147,7 @@ def _of_rate(log: Readings, sample_rate: float) -> _Impossible | None:
     per_g = outputs_per_unit(units["accel"], ACCEL_UNITS) if units["accel"] else None
     if gyro is None or accel is None or not per_deg_s or not log.is_there("accel").all():
         return None
-    if not per_g:  # the length is gravity's, where nobody told the unit
+    if not per_g:  # the length is gravity's, where nobody stated the unit
         per_g = float(np.median(np.linalg.norm(accel, axis=1))) or 1.0
     rate = gyro * (RAD_PER_DEG / per_deg_s)
     found = contradiction(accel * (STANDARD_GRAVITY / per_g), rate, sample_rate, max_rate=MAX_RAW_RATE)
@@ -192,3 +194,64 @@ def _twos_complement(log: Readings, axes: BoolArray, per_g: float) -> int | None
         return None
     usual = float(np.median(np.linalg.norm(signed(values, bits), axis=1))) / per_g
     return bits if abs(usual - 1) < MATCH_TOLERANCE else None
+
+
+_RANGE = f"{PLAUSIBLE_C[0]:g} to {PLAUSIBLE_C[1]:g} degC"
+KELVINS = (200.0, 500.0)  # a temperature without a unit that lies there is none in degC
+SHOWN = {"degc": "degC", "k": "K", "degf": "degF"}
+
+
+def temperature_column(
+    table: Table, stated: str | None, free: Sequence[str], guesses: list[str]
+) -> tuple[str | None, str]:
+    """Return the column of temperature, None where there is none, and its unit (`TEMPERATURE_UNITS`).
+
+    A guess among the columns ``free`` is added to ``guesses``.
+
+    Raises
+    ------
+    DataRefused
+        If the column that was stated is in a unit that is none of a temperature, or holds what is none in degC.
+    """
+    name = guessed_temperature(free) if stated is None else table.name_of(stated) if stated else None
+    if name is None:
+        return None, "degc"
+    unit, bracket = temperature_unit_in_name(name)
+    if unit is None and bracket:
+        if stated is not None:
+            raise DataRefused(
+                table.file,
+                None,
+                f"temperature {name} in {bracket!a}",
+                "degC, K or degF",
+                "name it by --aux instead",
+            )
+        guesses.append(f"{name} is no temperature in degC, K or degF: not used (--aux {name} takes it)")
+        return None, "degc"
+    if unit in {None, "degc"} and (far := _implausible(table, name)) is not None:
+        if stated is not None:
+            raise DataRefused(
+                table.file, None, f"{far:.6g} in temperature {name}", _RANGE, "name it by --aux instead"
+            )
+        guesses.append(f"{name} holds {far:.6g}, no temperature in degC: not used (--aux {name} takes it)")
+        return None, "degc"
+    if unit is None:
+        unit = "k" if name not in table.unreadable and _is_kelvin(table, name) else "degc"
+    if stated is None or unit != "degc":
+        guesses.append(f"temperature is {name} [{SHOWN[unit]}]")
+    return name, unit
+
+
+def _implausible(table: Table, name: str) -> float | None:
+    """Return the first value that is neither a temperature in degC nor, as most of the others, one in K."""
+    if name in table.unreadable or _is_kelvin(table, name):
+        return None
+    values = table.columns[name]
+    bad = values[(values < PLAUSIBLE_C[0]) | (values > PLAUSIBLE_C[1])]
+    return float(bad[0]) if len(bad) else None
+
+
+def _is_kelvin(table: Table, name: str) -> bool:
+    values = table.columns[name]
+    known = values[np.isfinite(values)]
+    return bool(len(known)) and KELVINS[0] < float(np.median(known.clip(-1e6, 1e6))) < KELVINS[1]

@@ -1,5 +1,13 @@
-"""The records of an MCAP file to samples: which channel is what, and whether all messages are there."""
+"""The records of an MCAP file to samples: which channel is what, and whether all messages are there.
 
+Many samples' messages are decoded at once, as columns: a tenth of the time of one message after another. Protobuf
+joins messages that follow each other: a repeated field then holds the values of all of them. Here every field is
+read as a repeated one, and a mark in each of them ends each message, so that an omitted value (protobuf omits 0)
+is seen to be missing. Where the marks are not where they should be, nothing is returned: such messages are decoded
+one by one.
+"""
+
+import sys
 from collections import Counter, defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,13 +15,80 @@ from itertools import chain
 from typing import Any
 
 import numpy as np
-from google.protobuf.descriptor_pb2 import FileDescriptorSet
+from google.protobuf.descriptor_pb2 import (
+    DescriptorProto,
+    FieldDescriptorProto,
+    FileDescriptorProto,
+    FileDescriptorSet,
+)
+from google.protobuf.message import DecodeError
 from mcap.records import Channel, Schema, Statistics
 
 from procedures.arrays import FloatArray, IntArray
-from station.files.mcap_files.columns import TRIADS, columns
 from station.files.mcap_files.records import Message, Record
-from station.files.mcap_files.schemas import COUNTS, COUNTS_TOPIC, MESSAGES, RATES, RAW, RAW_TOPIC
+from station.files.mcap_files.schemas import COUNTS, COUNTS_TOPIC, MESSAGES, RATES, RAW, RAW_TOPIC, built
+
+_Field = FieldDescriptorProto
+# The type that reads the same bytes and has room for a mark
+_READ_AS = {_Field.TYPE_UINT32: _Field.TYPE_INT64, _Field.TYPE_MESSAGE: _Field.TYPE_BYTES}
+_MARKS = {_Field.TYPE_INT64: -(2**63), _Field.TYPE_SINT64: -(2**63), _Field.TYPE_DOUBLE: -sys.float_info.max}
+TRIADS = ("gyro", "accel")
+
+
+def _repeated(name: str) -> DescriptorProto:
+    """Return a message whose fields are those of another, each repeated."""
+    message = DescriptorProto(name=name.rpartition(".")[2])
+    for field in MESSAGES[name].DESCRIPTOR.fields:
+        kind = _READ_AS.get(field.type, field.type)
+        message.field.add(name=field.name, number=field.number, type=kind, label=_Field.LABEL_REPEATED)
+    return message
+
+
+def _repeated_kinds() -> dict[str, Any]:
+    names = (COUNTS, RATES)
+    file = FileDescriptorProto(name="columns.proto", package="station", syntax="proto3")
+    file.message_type.extend(map(_repeated, names))
+    return built(file)[1]
+
+
+_KINDS = _repeated_kinds()
+
+
+def columns(name: str, messages: Sequence[bytes]) -> dict[str, Any] | None:
+    """Return the fields of messages of `COUNTS` or `RATES` by name: (n,), of a triad (n, 3), None if it is absent.
+
+    None where messages cannot be read so, among them all with auxiliary channels.
+    """
+    kind = _KINDS[name]
+    marks = {field.name: _MARKS[field.type] for field in kind.DESCRIPTOR.fields if field.type in _MARKS}
+    end = kind(**{field: [mark] for field, mark in marks.items()}).SerializeToString()
+    try:
+        joined = kind.FromString(end.join([*messages, b""]))
+    except DecodeError:
+        return None
+    values = {field: np.array(getattr(joined, field)) for field in marks}
+    ends = {field: np.flatnonzero(values[field] == mark) for field, mark in marks.items()}
+    held = {field: np.diff(each, prepend=-1) - 1 for field, each in ends.items()}
+    if joined.aux or not all(_is_fit(field, each, len(messages)) for field, each in held.items()):
+        return None
+    found = {field: _column_triad(values[field], held[field]) for field in TRIADS}
+    return found | {field: _scalar(values[field], ends[field], held[field]) for field in marks.keys() - found}
+
+
+def _is_fit(field: str, held: IntArray, n: int) -> bool:
+    """Return whether each of n messages has the field's value or none, and of a triad all or none have three."""
+    if field in TRIADS:
+        return len(held) == n and set(held.tolist()) in ({0}, {3}, set())
+    return len(held) == n and bool(np.all(held <= 1))
+
+
+def _column_triad(values: Any, held: IntArray) -> Any:
+    return values.reshape(len(held), -1)[:, :-1] if held.any() else None
+
+
+def _scalar(values: Any, ends: IntArray, held: IntArray) -> Any:
+    return np.where(held == 1, values[ends - 1], values.dtype.type(0))
+
 
 _WHOLE = ("device_ns", "host_ns", "counter", "status")
 _ACCEPTED = {COUNTS_TOPIC: (COUNTS, RATES), RAW_TOPIC: (RAW,)}

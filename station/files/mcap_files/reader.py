@@ -10,15 +10,19 @@ from io import BufferedReader
 from pathlib import Path
 from typing import Any, TypeVar
 
+import numpy as np
 import zstandard
 from google.protobuf.message import DecodeError
 from mcap.exceptions import McapError
 from mcap.records import Channel, Schema
 
+from procedures.arrays import FloatArray
 from station.errors import DataRefused
 from station.files.mcap_files.messages import Messages, StepContents
 from station.files.mcap_files.records import CutShort, Message, file_records
-from station.files.mcap_files.schemas import COUNTS_TOPIC, MESSAGES
+from station.files.mcap_files.schemas import COUNTS, COUNTS_TOPIC, MESSAGES
+from station.files.tables.strict_csv import MAX_EXACT_INTEGER, TRIADS
+from station.files.tables.table import Table
 
 T = TypeVar("T")
 DAMAGE = (
@@ -72,7 +76,7 @@ def topic_messages(
 ) -> Generator[T]:
     """Yield each message of the topics in ``kinds``, as these read it; a file cut short goes as far as it goes.
 
-    ``cut`` is told of an end that comes too early.
+    ``cut`` is called with a description of an end that comes too early.
 
     Raises
     ------
@@ -99,7 +103,7 @@ def topic_messages(
 def sample_messages(path: Path, cut: Callable[[str], None] = _unheard) -> Generator[tuple[Any, float]]:
     """Yield each message of ``/imu/counts``, and the share of the file that has been read with it.
 
-    ``cut`` is told of an end that comes too early.
+    ``cut`` is called with a description of an end that comes too early.
 
     Raises
     ------
@@ -127,3 +131,43 @@ def sample_messages(path: Path, cut: Callable[[str], None] = _unheard) -> Genera
 
 def _short(error: Exception) -> str:
     return " ".join(str(error).split())[:120] or type(error).__name__
+
+
+def read_table(stream: BufferedReader, file: Path, *, counts: bool) -> Table:
+    """Read a step's file as columns; a line of the table is a message of ``/imu/counts``.
+
+    Raises
+    ------
+    DataRefused
+        If the file is damaged, holds no sample, or rates where counts are said, or the other way round.
+    """
+    step = read_stream(stream, file)
+    if not len(step):
+        raise DataRefused(file, None, f"no message on {COUNTS_TOPIC}", "one message per sample")
+    if (step.output == COUNTS) != counts:
+        raise DataRefused(
+            file, None, f"{step.output} messages", f"messages as imu.output says: counts is {counts}"
+        )
+    columns: dict[str, FloatArray] = {"t_s": step.device_ns / 1e9}
+    for triad, names in TRIADS.items():
+        values = getattr(step, triad)
+        if values is not None:
+            _check_range(values, file, triad, counts=counts)
+            columns |= {name: values[:, i].astype(float) for i, name in enumerate(names)}
+    if len(columns) == 1:
+        raise DataRefused(file, 1, "neither gyro nor accel", "at least one triad")
+    columns["temp_c"] = np.where(np.isfinite(step.temperature), step.temperature, np.nan)
+    for name, values in step.aux.items():
+        columns[name if name == "utc_s" or name.startswith("aux_") else f"aux_{name}"] = values
+    first, last = int(step.host_ns.min()), int(step.host_ns.max())
+    return Table(
+        file, columns, step.sha256, range(1, 1 + len(step.device_ns)),
+        host_span=(first, last) if first > 0 else None, damage=step.damage,
+    )  # fmt: skip
+
+
+def _check_range(values: FloatArray, file: Path, triad: str, *, counts: bool) -> None:
+    bad = (values >= MAX_EXACT_INTEGER) | (values <= -MAX_EXACT_INTEGER) if counts else ~np.isfinite(values)
+    if len(rows := np.flatnonzero(bad.any(axis=1))):
+        wanted = "counts below 2^53" if counts else "finite numbers"
+        raise DataRefused(file, int(rows[0]) + 1, f"{triad} {values[rows[0]].tolist()}", wanted)

@@ -1,7 +1,7 @@
 """The records of an MCAP file in their order, every checksum looked at (mcap.dev/spec, version 0).
 
 The library's own stream reader parses each message's index entry and says nothing about where a file ends;
-this one is five times as fast and tells a file cut short from a damaged one.
+this one is five times as fast and distinguishes a file cut short from a damaged one.
 """
 
 import struct

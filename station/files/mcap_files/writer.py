@@ -1,17 +1,40 @@
-"""Writing one step: counts and raw bytes as MCAP, chunked and with checksums, readable after a kill."""
+"""Writing a new MCAP file: chunked, compressed, with checksums, readable after a kill; none is overwritten.
+
+`StepWriter` writes one step: counts and raw bytes.
+"""
 
 import contextlib
 import hashlib
 import os
 from collections.abc import Collection
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
+from mcap.writer import CompressionType, Writer
 
 from fixtures_db.folder_on_disk import sync_folder
 from procedures.counts.sample_records import SampleBlock
-from station.files.mcap_files.new_file import new_channel, new_file
+from station.errors import cannot_write
 from station.files.mcap_files.schemas import COUNTS, COUNTS_TOPIC, MESSAGES, RAW, RAW_TOPIC, SCHEMA
+
+
+def new_file(path: Path) -> tuple[BinaryIO, Writer]:
+    """Return a new file and what writes into it; raise `CannotWrite` if it is there or cannot be made."""
+    try:
+        stream = path.open("xb")
+    except OSError as error:
+        raise cannot_write(path, error) from error
+    writer = Writer(stream, compression=CompressionType.ZSTD, enable_data_crcs=True)
+    writer.start(profile="", library="station")
+    return stream, writer
+
+
+def new_channel(writer: Writer, topic: str, message: str, schema: bytes) -> int:
+    """Return the number of a new channel of protobuf messages; ``schema`` describes them."""
+    known = writer.register_schema(name=message, encoding="protobuf", data=schema)
+    return writer.register_channel(topic=topic, message_encoding="protobuf", schema_id=known)
+
 
 _WORD = 0xFFFFFFFF
 

@@ -20,8 +20,8 @@ from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.campaign_schema import StepTable
 from station.guide.campaign.checklist import is_free
 from station.results.planning.continued import placements_in
-from station.stream.live.power_cycle import switched_on_again
-from station.stream.live.rates_as_counts import series_as_counts
+from station.stream.live.stillness import series_as_counts
+from station.stream.live.stream_trouble import switched_on_again
 from station.stream.recorder.accepted_step_writer import step_of
 
 
@@ -165,7 +165,7 @@ def _name(turn: TurnRecord) -> str:
 
 
 def turn_seen(turn: TurnRecord, C_sb: FloatArray) -> TurnCounts:
-    """Return a turn's counts as `TurnWatch` saw them, less the rate at rest; ``C_sb`` (3, 3) takes cube to IMU."""
+    """Return a turn's counts as `RotationDetector` saw them, less those at rest; ``C_sb`` (3, 3): cube to IMU."""
     series = series_as_counts(turn.series)
     samples = np.asarray(series.gyro) @ C_sb[:, AXES.index(turn.axis)]
     n = max(round(SURE_REST_S / series.period), 2)

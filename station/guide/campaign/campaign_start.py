@@ -14,8 +14,9 @@ from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Step, as_repeats, dwell_steps, turn_steps
 from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
+from station.files.atomic_file import new_folder
 from station.files.campaign_folder.campaign_schema import CampaignTable
-from station.files.campaign_folder.notes import (
+from station.files.campaign_folder.plan_file import (
     UnitRecord,
     keep_plan,
     kept_plan,
@@ -23,8 +24,7 @@ from station.files.campaign_folder.notes import (
     read_note,
     write_note,
 )
-from station.files.new_folder import new_folder
-from station.files.setup import Setup
+from station.files.campaign_setup import Setup
 from station.guide.campaign.accepted_steps import AcceptedSteps, after_pause, read_accepted_steps
 from station.guide.campaign.campaign_tables import copy_effects, cube_fixture, procedure_table, site_table
 from station.guide.campaign.checklist import Checklist
@@ -40,11 +40,10 @@ from station.guide.last_setup import from_anywhere
 from station.guide.options import CalibrationOptions
 from station.guide.stages.guide import Guide
 from station.guide.stages.stage_context import POWER_CYCLED, BenchFacts, StageContext
-from station.stream.gnss.gnss_feed import open_gnss
-from station.stream.live.live_feed import LiveFeed, open_feed
-from station.stream.live.restartable_reader import RestartableReader
+from station.stream.connected_unit import Unit
+from station.stream.gnss_feed import open_gnss
+from station.stream.live.live_feed import LiveFeed, RestartableReader, open_feed
 from station.stream.recorder.accepted_step_writer import TOML, CampaignRecorder, open_campaign
-from station.stream.recorder.connected_unit import Unit
 
 TURN_REST_S = 5.0
 

@@ -27,10 +27,9 @@ from station.files.campaign_folder.campaign_schema import (
     measured_table,
     read_campaign_toml,
 )
-from station.files.effect_file import stored_effect
-from station.files.setup import Setup
+from station.files.campaign_setup import Setup
+from station.files.effect_file import check_stored, stored_effect
 from station.files.sha256sums import append_hash
-from station.files.stored_effects import check_stored
 from station.guide.last_setup import load_setup
 
 T = TypeVar("T", bound=BaseModel)

@@ -18,7 +18,7 @@ from station.calibrated import InUse
 from station.calibrated.calibration_choice import AppliedCalibration, find_calibration
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_for_solve
-from station.files.campaign_folder.notes import (
+from station.files.campaign_folder.plan_file import (
     UnitRecord,
     keep_left_out,
     keep_no_move,
@@ -27,8 +27,8 @@ from station.files.campaign_folder.notes import (
     write_note,
     write_tables,
 )
+from station.stream.connected_unit import Unit
 from station.stream.recorder.accepted_step_writer import CampaignRecorder, MovedFrom
-from station.stream.recorder.connected_unit import Unit
 from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
 
 THIS_CAMPAIGN = "this campaign"

@@ -12,11 +12,11 @@ import numpy as np
 from drivers.errors import DriverError
 from procedures.earth.gnss_records import AveragedSite
 from station.files.atomic_file import replace_file
-from station.files.setup import Setup
-from station.stream.gnss.gnss_feed import GnssFeed, open_gnss, site_in_words
-from station.stream.gnss.sample_rate import SampleRate, host_sample_rate
+from station.files.campaign_setup import Setup
+from station.stream.gnss_feed import GnssFeed, open_gnss, site_in_words
 from station.stream.live.live_feed import LiveFeed
-from station.stream.live.trouble_lines import without_numbers
+from station.stream.live.stream_trouble import without_numbers
+from station.stream.sample_rate import SampleRate, host_sample_rate
 from station.stream.stream_events import EventLog
 
 GNSS_FILE = "gnss.json"

@@ -5,10 +5,7 @@ from pathlib import Path
 
 from drivers.errors import DeadChannel, DriverError, LinkLost
 from procedures.campaign.plan_steps import Turn
-from station.files.campaign_folder.notes import (
-    WantedRecord,
-    read_note,
-)
+from station.files.campaign_folder.plan_file import WantedRecord, read_note
 from station.guide.campaign.checklist import Checklist
 from station.guide.campaign.disk_space import DiskSpace, disk_for
 from station.guide.campaign.gnss_receiver import SampleRateWatch
@@ -18,11 +15,10 @@ from station.guide.setup_view import PortCheck
 from station.guide.stages.guide import Guide
 from station.guide.stages.stage_context import StageContext
 from station.guide.view import CalibrationView, OperatorCommand
-from station.stream.gnss.gnss_feed import GnssFeed
-from station.stream.live.live_feed import LiveFeed
-from station.stream.live.restartable_reader import RestartableReader
+from station.stream.connected_unit import Unit, UnitChanged
+from station.stream.gnss_feed import GnssFeed
+from station.stream.live.live_feed import LiveFeed, RestartableReader
 from station.stream.recorder.accepted_step_writer import CampaignRecorder
-from station.stream.recorder.connected_unit import Unit, UnitChanged
 from station.stream.stream_events import EventLog, Sound
 
 
@@ -78,7 +74,7 @@ class LiveCampaign:
                 raise
             self.guide.stream_failed(error)
             if isinstance(error, UnitChanged):
-                self._feed.begin_anew()
+                self._feed.reset()
             else:
                 self._reader.restart()
             return

@@ -8,8 +8,7 @@ from drivers.errors import DriverError
 from drivers.wire import ALL_CHANNELS
 from procedures.counts.sample_records import RateBlock, SampleBlock, block_rows
 from station.guide.setup_view import PortCheck
-from station.stream.live.rates_as_counts import RATE_UNIT
-from station.stream.live.stillness import TICKS_PER_BLOCK, block_of
+from station.stream.live.stillness import RATE_UNIT, TICKS_PER_BLOCK, block_of
 
 if TYPE_CHECKING:
     from station.device_probe import ImuProbe
@@ -51,7 +50,7 @@ def check_port(url: str, seconds: float = PORT_LOOK_S) -> PortCheck:
 def check_receiver(url: str, seconds: float = LISTEN_S) -> PortCheck:
     """Listen to a receiver; what is wrong stands in ``text``, with what to do. Never raises."""
     from station.device_probe import probe_gnss
-    from station.stream.gnss.gnss_feed import site_in_words
+    from station.stream.gnss_feed import site_in_words
 
     try:
         feed = probe_gnss(url, seconds, RECEIVER_FIXES).feed
@@ -70,7 +69,7 @@ def noise_in_words(samples: SampleBlock, rate_hz: float | None) -> str:
     if not seconds:
         return "less than 1 s of data: too short to measure the noise"
     blocks = [
-        block_of(block_rows(samples, slice(i, i + size)), i, 1 / size, is_broken=False, is_anew=False)
+        block_of(block_rows(samples, slice(i, i + size)), i, 1 / size, is_broken=False, is_restarted=False)
         for i in range(0, seconds * size, size)
     ]
     variance = np.mean([block.variance for block in blocks], axis=0)

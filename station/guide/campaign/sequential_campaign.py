@@ -27,8 +27,8 @@ from procedures.planning.step_information import StepInformation, UnitNoise
 from procedures.units import RAD_PER_DEG, S_PER_MIN
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import ProcedureTable, SiteTable
-from station.files.campaign_folder.notes import NAMES as NOTES
-from station.files.campaign_folder.notes import WantedRecord, read_note
+from station.files.campaign_folder.plan_file import NAMES as NOTES
+from station.files.campaign_folder.plan_file import WantedRecord, read_note
 from station.guide.campaign.accepted_steps import NO_ACCEPTED_STEPS, AcceptedDwell, AcceptedSteps
 from station.guide.campaign.campaign_tables import bench_of
 from station.guide.options import TargetUncertainties
@@ -37,7 +37,7 @@ from station.results.planning.continued import NO_ATTITUDE_LEFT, SigmaSoFar, all
 from station.results.planning.hand_times import hand_times
 from station.results.planning.known_noise import noise_in_database, noise_of
 from station.results.planning.wanted_by_limits import last_values, limits_named, wanted_by, wanted_by_name
-from station.stream.recorder.connected_unit import Unit
+from station.stream.connected_unit import Unit
 
 NOISE_S = 120.0  # s at rest that show a unit's noise
 

@@ -10,7 +10,7 @@ from fixtures_db.database import Database
 from fixtures_db.stored_calibrations import last_calibration
 from procedures.calibration.solution_values import StepResidual
 from procedures.frames import AXES
-from station.files.campaign_folder.notes import read_left_out
+from station.files.campaign_folder.plan_file import read_left_out
 from station.guide.step_names import gap_in_words, verdict_without_file_names
 from station.guide.view import Verdict, VerdictRow
 from station.results.diagnosis.diagnosis_text import diagnosis_text, warnings_of

@@ -34,9 +34,7 @@ from procedures.twelve_positions.placement_transfers import MAX_CONING_RAD, coni
 from procedures.units import RAD_PER_ARCSEC
 from station.guide.checks.face_and_stillness import BlockLook
 from station.guide.stages.stage_context import StageContext
-from station.stream.live.accepted_blocks import series_of_runs
-from station.stream.live.rates_as_counts import as_counts
-from station.stream.live.stillness import Block
+from station.stream.live.stillness import Block, as_counts, series_of_runs
 
 TURN_TICK_S = 0.05  # a hand turns a cube by some degrees in it
 GRAVITY_WINDOW_S = 0.25  # of the newest samples, whose specific force is taken for gravity
@@ -131,7 +129,7 @@ class CubeTracker:
     def _seen_since(self, base: CubeAttitude, block: Block) -> CubeAttitude:
         """Return how the cube stands as the block begins: less sure after a gap, unsure after a new beginning."""
         last = self._block
-        if block.is_anew or last is None:
+        if block.is_restarted or last is None:
             self._rest, self._outdated = None, self._context.position
             return without_heading(base)
         if block.first == last.last and not block.is_broken:
@@ -232,7 +230,7 @@ class FastMoveWatch:
     def take(self, block: Block, look: BlockLook) -> None:
         """Take a second of the stream."""
         begin = self._context.chain.oldest
-        if begin is None or block.is_anew or block.is_broken:
+        if begin is None or block.is_restarted or block.is_broken:
             self._moved.clear()
         elif not look.is_still:
             self._moved.append(block)

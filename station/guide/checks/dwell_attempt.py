@@ -14,8 +14,7 @@ from procedures.arrays import FloatArray
 from procedures.counts.count_rate import RateEstimate
 from procedures.units import ARCSEC_PER_DEG
 from station.guide.checks.face_and_stillness import BlockLook
-from station.stream.live.accepted_blocks import runs_of_blocks
-from station.stream.live.stillness import Block
+from station.stream.live.stillness import Block, runs_of_blocks
 from station.stream.recorder.sample_buffer import SampleRun
 
 TOUCHED = "touched just after placement"

@@ -35,8 +35,7 @@ from station.guide.setup_view import Choice
 from station.guide.stages.stage_context import BenchFacts, StageContext
 from station.guide.view import OperatorQuestion
 from station.guide.wording import step_title
-from station.stream.live.accepted_blocks import runs_of_blocks
-from station.stream.live.stillness import Block
+from station.stream.live.stillness import Block, runs_of_blocks
 from station.stream.recorder.sample_buffer import SampleRun
 
 LOOKS_S = (3.0, 6.0, 10.0, 20.0, 40.0, 70.0)  # of accepted seconds

@@ -13,7 +13,7 @@ from drivers.errors import DeadChannel, DriverError, WrongFormat
 from procedures.arrays import FloatArray
 from procedures.campaign.plan_steps import Step
 from procedures.free_positions.free_attitudes import MIN_APART_DEG, nearest_deg
-from station.files.campaign_folder.notes import UnitRecord
+from station.files.campaign_folder.plan_file import UnitRecord
 from station.guide.checks.cube_pose import HeadingWatch, face_wanted, pose_view
 from station.guide.checks.cube_tracking import CubeTracker, FastMoveWatch
 from station.guide.checks.face_and_stillness import BlockLook
@@ -27,8 +27,8 @@ from station.guide.stages.unit_recognition_stage import UnitRecognitionStage
 from station.guide.stages.warm_up_stage import WarmUpStage
 from station.guide.view import CalibrationView, GatesView, LimitView, LinkView, OperatorCommand, PoseView
 from station.guide.wording import step_title
+from station.stream.connected_unit import UnitChanged
 from station.stream.live.stillness import STILL_NOISE_RATIO, Block
-from station.stream.recorder.connected_unit import UnitChanged
 
 KEPT_BLOCKS = 8  # of the past, in addition to those of the step
 TROUBLES = (  # with the stream: two words that stand in the place of what is live, and the one thing to do
@@ -85,7 +85,7 @@ class Guide:
         self._time_s = block.ends if context.feed.tells_time else None
         look = self._look = context.look = context.gate.look(block)
         self._tracker.take(block, look)
-        if block.is_anew:
+        if block.is_restarted:
             self._stage = self._stage.interrupted()
             self._look_for_restart()
         elif self._is_paused:

@@ -18,6 +18,10 @@ from procedures.attitude.kalman_state import KalmanSettings
 from procedures.campaign.plan_steps import Monitor
 from procedures.errors import ProcedureError
 from procedures.frames import nominal_C_lb
+from station.attitude.error_at_rest import ErrorAtRest
+from station.attitude.live_filters import LiveFilters, joint_filter_reading
+from station.attitude.live_kalman_filter import AttitudeEstimator
+from station.attitude.live_readings import FilterReading, difference
 from station.calibrated.calibration_choice import AppliedCalibration
 from station.calibrated.filter_settings import filter_settings
 from station.calibrated.rates_and_forces import Sensors
@@ -27,10 +31,6 @@ from station.guide.stages.dwell_stage import DwellStage
 from station.guide.stages.stage import NextStage, Stage
 from station.guide.stages.stage_context import StageContext
 from station.guide.view import LawView, MonitoredView
-from station.live_attitude.error_at_rest import ErrorAtRest
-from station.live_attitude.joint_filter import AttitudeEstimator
-from station.live_attitude.readings import LawReading, difference
-from station.live_attitude.side_by_side import SideBySide, joint_as_law
 from station.stream.live.stillness import Block
 from station.stream.recorder.sample_buffer import SampleRun
 
@@ -55,9 +55,9 @@ class FiltersAtRest:
         self._end: int | None = None  # of those that were read
         self._discarded_s = 0.0
         self._sensors: Sensors | None = None
-        self._laws: SideBySide | None = None
+        self._laws: LiveFilters | None = None
         self._rest = ErrorAtRest(context.recorder.gravity, context.bench.latitude, 0.0)
-        self._read: list[tuple[int, tuple[LawReading, ...]]] = []  # each with its tick's first sample
+        self._read: list[tuple[int, tuple[FilterReading, ...]]] = []  # each with its tick's first sample
         self.calibration, self.why = "", ""
 
     @property
@@ -66,7 +66,7 @@ class FiltersAtRest:
         return self._waiting[0].first if self._waiting else None
 
     @property
-    def newest(self) -> tuple[LawReading, ...]:
+    def newest(self) -> tuple[FilterReading, ...]:
         """The last readings of the filters."""
         return self._read[-1][1] if self._read else ()
 
@@ -130,7 +130,7 @@ class FiltersAtRest:
         period, size = self._context.feed.period, max(1, round(TICK_S / self._context.feed.period))
         for block in self._waiting:
             if block.is_broken:
-                self._laws.begin_anew()
+                self._laws.reset()
             elif (
                 self._end is not None
             ):  # the attitude is unchanged: for a filter the discarded seconds do not exist
@@ -142,7 +142,7 @@ class FiltersAtRest:
                 if found is not None:
                     reading, laws = found
                     self._rest.take(tick, len(tick.t) * period, rests=reading.mode == "at rest")
-                    self._read.append((at, laws or (joint_as_law(reading, "none"),)))
+                    self._read.append((at, laws or (joint_filter_reading(reading, "none"),)))
         self._waiting.clear()
 
     def _begun(self) -> bool:
@@ -166,7 +166,7 @@ class FiltersAtRest:
             return filter_settings(applied.document, "none", log, gravity, latitude, knows_heading, quantum)
 
         joint = AttitudeEstimator("none", settings, 0.0)
-        self._laws = SideBySide(self._step.laws, "none", joint, applied.document, context.recorder.gravity)
+        self._laws = LiveFilters(self._step.laws, "none", joint, applied.document, context.recorder.gravity)
         self.calibration = applied.in_use.text
         return True
 

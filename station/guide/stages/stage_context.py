@@ -30,9 +30,8 @@ from station.guide.checks.face_and_stillness import BlockLook, FaceAndStillnessG
 from station.guide.checks.transfers import SWITCHED, TransferChain
 from station.guide.checks.turn_closure import TurnClosures, closure_remedy, turns_to_repeat
 from station.guide.wording import step_title
-from station.stream.live.accepted_blocks import series_of_runs
 from station.stream.live.live_feed import LiveFeed
-from station.stream.live.stillness import MIN_VARIANCE, TICKS_PER_BLOCK
+from station.stream.live.stillness import MIN_VARIANCE, TICKS_PER_BLOCK, series_of_runs
 from station.stream.recorder.sample_buffer import SampleRun
 from station.stream.stream_events import EventLog
 

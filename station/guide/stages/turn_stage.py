@@ -28,9 +28,8 @@ from station.guide.wording import (
     turn_instruction,
     turn_sense,
 )
-from station.stream.live.accepted_blocks import runs_of_blocks
-from station.stream.live.stillness import Block
-from station.stream.live.turn_detection import TurnWatch
+from station.stream.live.rotation_detection import RotationDetector
+from station.stream.live.stillness import Block, runs_of_blocks
 
 TOUCHED_REVOLUTIONS = 0.1  # less is no turn, but a hand on the cube
 BACK_REVOLUTIONS = 0.2  # short of all: by so much a scale factor from the Earth rate may be off
@@ -43,7 +42,7 @@ class TurnStage(Stage):
     def __init__(self, context: StageContext, step: Turn, again: NextStage) -> None:
         super().__init__(context)
         self._step, self._again = step, again
-        self._watch = TurnWatch(step, context.C_sb, context.feed.period, context.turn_counts)
+        self._watch = RotationDetector(step, context.C_sb, context.feed.period, context.turn_counts)
         self._position = context.position
         self._rested: list[Block] = []
         self._is_ready = False

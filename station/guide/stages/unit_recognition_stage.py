@@ -11,14 +11,14 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from procedures.frames import AXES
-from station.files.campaign_folder.notes import UnitRecord
+from station.files.campaign_folder.plan_file import UnitRecord
 from station.guide.checks.face_and_stillness import BlockLook
 from station.guide.setup_view import Choice
 from station.guide.stages.stage import Stage
 from station.guide.stages.stage_context import StageContext
 from station.guide.view import OperatorQuestion
+from station.stream.connected_unit import UnitChanged
 from station.stream.live.stillness import MIN_VARIANCE, TICKS_PER_BLOCK, Block
-from station.stream.recorder.connected_unit import UnitChanged
 
 MAX_ACCELEROMETER_CHANGE = 1e-3  # of g: turn-on repeatability of bias and scale factor together
 MAX_GYROSCOPE_CHANGE = 0.3  # of the greatest gyro rate at rest

@@ -18,8 +18,7 @@ from station.guide.stages.stage import Stage
 from station.guide.stages.stage_context import StageContext
 from station.guide.view import WarmUpView
 from station.guide.wording import rounded
-from station.stream.live.accepted_blocks import runs_of_blocks, series_of_runs
-from station.stream.live.stillness import MIN_VARIANCE, TICKS_PER_BLOCK, Block
+from station.stream.live.stillness import MIN_VARIANCE, TICKS_PER_BLOCK, Block, runs_of_blocks, series_of_runs
 
 MEAN_BLOCKS = 10
 NOISE_ROWS = 6

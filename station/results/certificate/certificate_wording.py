@@ -8,7 +8,7 @@ from station.results.certificate.certificate_inputs import Certificate
 from station.results.certificate.conformity import Conformity, greatest_risk
 from station.results.certificate.missing_statements import COMMIT
 from station.results.certificate.model_statement import is_timed, residual_said
-from station.text.rounding import decimals, fixed, significant
+from station.text import decimals, fixed, significant
 
 METRE_PER_S2 = "m/s\u00b2"
 NB = "\u00a0"

@@ -22,7 +22,7 @@ from fixtures_db.model_limits import Limit
 from station.results.certificate.printed_results import MeasuredParameter
 from station.results.parameters_by_name import printed_scale, title_of
 from station.results.verdict import LimitVerdict, VerdictWord, judge
-from station.text.rounding import MINUS, aligned, decimals, fixed
+from station.text import MINUS, aligned, decimals, fixed
 
 
 @dataclass(frozen=True, slots=True)

@@ -27,7 +27,7 @@ from fixtures_db.stored_calibrations import (
 from fixtures_db.verification import take_anchor
 from station.errors import DataRefused, Incomplete
 from station.files.sha256sums import sha256_of
-from station.files.text_fields import checked_text
+from station.files.toml_file import checked_text
 from station.results.certificate.certificate_inputs import Certificate, ReplacedCertificate
 from station.results.certificate.changed_fields import changed_fields
 from station.results.certificate.content import CertificateContent, content_of

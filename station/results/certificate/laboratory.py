@@ -8,8 +8,7 @@ from typing import Annotated, Literal, Self
 from pydantic import AfterValidator, Field, ValidationError, model_validator
 
 from station.errors import DataRefused
-from station.files.text_fields import LONGEST_TEXT, Text, matching
-from station.files.toml_reading import TomlTable, read_tables, read_text_file
+from station.files.toml_file import LONGEST_TEXT, Text, TomlTable, matching, read_tables, read_text_file
 
 Prefix = Annotated[str, matching(r"[\w.-]{0,20}", "at most 20 letters, digits, ., _ and -")]
 Country = Annotated[str, matching("[A-Z]{2}", "two capital letters, as ISO 3166-1 has them")]

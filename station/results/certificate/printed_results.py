@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from procedures.frames import TRIADS
 from station.results.parameters_by_name import applied, parameters, printed_scale
-from station.text.rounding import aligned, decimals, fixed
+from station.text import aligned, decimals, fixed
 
 if TYPE_CHECKING:
     from procedures.uncertainty.budget import ParameterBudget

@@ -11,7 +11,7 @@ from procedures.units import RAD_PER_ARCSEC, RAD_PER_URAD
 from station.results.cube_measurement.known_faces import CubeStudy, KnownCube, drift_of
 from station.results.cube_measurement.observable import not_observable
 from station.results.solution_text import measured
-from station.text.table import table_lines
+from station.text import table_lines
 
 MIN_CHI2 = 1e-6  # below it, what is left is rounding
 

@@ -16,9 +16,8 @@ from procedures.inference.result import Diagnosis, Finding
 from procedures.uncertainty.budget import ParameterBudget, budget
 from procedures.uncertainty.sources import GivenValues
 from station.errors import DataRefused
-from station.files.campaign_folder.campaign_effects import effects_of
-from station.files.campaign_folder.loaded_campaign import LoadedCampaign
-from station.files.toml_reading import read_text_file
+from station.files.campaign_folder.loaded_campaign import LoadedCampaign, effects_of
+from station.files.toml_file import read_text_file
 from station.results.declared_effects import effect_entries
 from station.results.diagnosis.diagnosis_json import (
     diagnosis_document,

@@ -11,17 +11,8 @@ from procedures.calibration.solution_values import Solution
 from procedures.effects.effect import REFERENCE_C
 from procedures.evidence.residual_patterns import LeftPattern
 from procedures.frames import TRIADS
-from procedures.inference.result import (
-    Diagnosis,
-    EffectTest,
-    Finding,
-    Reason,
-    ResidualRms,
-    TableSensor,
-    Unnamed,
-)
-from station.files.campaign_folder.campaign_effects import effects_of
-from station.files.campaign_folder.loaded_campaign import LoadedCampaign
+from procedures.inference.result import Diagnosis, EffectTest, Finding, Reason, ResidualRms, TableSensor, Unnamed
+from station.files.campaign_folder.loaded_campaign import LoadedCampaign, effects_of
 from station.results.declared_effects import effect_entries, own_definition
 from station.results.diagnosis.single_channels import channels_of
 from station.results.diagnosis.uncalibrated import in_told_unit, without_solution

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from procedures.inference.result import Because
 from procedures.units import ARCSEC_PER_DEG, ARCSEC_PER_RAD, PPM_PER_ONE, UG_PER_G
-from station.text.rounding import significant
+from station.text import significant
 
 if TYPE_CHECKING:
     from procedures.uncertainty.budget import ParameterBudget

@@ -12,8 +12,8 @@ from typing import Any
 
 from procedures.frames import AXES, POSITIONS, face_of
 from station.files.atomic_file import replace_file
-from station.files.campaign_folder.plan_toml import FORMAT
-from station.files.toml_writing import toml_text
+from station.files.campaign_folder.plan_file import FORMAT
+from station.files.toml_file import toml_text
 
 WIDTH = 100  # of a plan's remarks
 DWELL_S, LONG_S, SOAK_S = 100.0, 600.0, 3600.0

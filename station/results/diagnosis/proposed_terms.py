@@ -11,7 +11,7 @@ from procedures.discovery.next_plan import NextMeasurement
 from procedures.effects.term.effect_of_term import TermEffect
 from procedures.effects.term.latex import latex
 from station.files.effect_file import FORMAT
-from station.files.toml_writing import toml_text
+from station.files.toml_file import toml_text
 from station.results.diagnosis.next_of_proposals import next_said, parted_by
 
 PROPOSED = "proposed"

@@ -6,7 +6,7 @@ from sqlalchemy.orm import Session
 from fixtures_db.errors import NotInDatabase
 from fixtures_db.schema import ImuRow
 from fixtures_db.stored_calibrations import history
-from station.text.plural import plural
+from station.text import plural
 
 
 def lines(session: Session) -> list[str]:

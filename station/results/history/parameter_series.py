@@ -9,7 +9,7 @@ from fixtures_db.stored_calibrations import Run, turn_ons
 from procedures.arrays import FloatArray
 from procedures.history.repeatability import CalibrationSeries
 from station.results.parameters_by_name import Parameter, applied, parameters
-from station.text.plural import plural
+from station.text import plural
 
 DAY_S = 86400.0
 RunParameter = tuple[Run, Parameter]

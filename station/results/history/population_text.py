@@ -5,8 +5,7 @@ from typing import Any
 
 from procedures.history.population import MIN_UNITS, MIN_UNITS_IN_BOTH
 from station.results.parameters_by_name import shown_scale, title_of
-from station.text.rounding import decimals
-from station.text.table import table_lines
+from station.text import decimals, table_lines
 
 MAX_ROWS_SHOWN = 12  # of those that do not stand out none is shown; of those that do, so many of each kind
 

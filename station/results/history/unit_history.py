@@ -29,7 +29,7 @@ from procedures.history.repeatability import (
 from procedures.statistics.significance import holm, two_sided
 from station.results.history.parameter_series import DAY_S, ParameterSeries, unit_series
 from station.results.parameters_by_name import applied, parameters, shifts
-from station.text.plural import plural
+from station.text import plural
 
 HORIZON_DAYS = 3652  # how far ahead a limit's date is looked for
 PREDICTION_POINTS = 12  # points of the prediction

@@ -15,8 +15,7 @@ from station.results.parameters_by_name import (
     title_of,
 )
 from station.results.verdict import word_said
-from station.text.rounding import decimals
-from station.text.table import WIDTH, table_lines
+from station.text import WIDTH, decimals, table_lines
 
 SIGNIFICANT_P = 0.05  # a drift's p-value, adjusted for the number of parameters
 MAX_ALARM_DATES = 10  # dates shown

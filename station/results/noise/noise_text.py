@@ -5,7 +5,7 @@ from typing import Any
 
 from station.results.diagnosis.diagnosis_wording import p_text
 from station.results.solution_text import measured
-from station.text.plural import plural, unit_in_words
+from station.text import plural, unit_in_words
 
 MAX_LINES_SAID = 6
 NO_FIT_LOG10_P = -2.0

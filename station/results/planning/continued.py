@@ -16,7 +16,7 @@ from procedures.units import PPM_PER_ONE, S_PER_MIN
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.results.parameters_by_name import title_of
 from station.results.planning.plan_text import DIGITS, SHOWN
-from station.text.rounding import significant
+from station.text import significant
 
 MOST_DIGITS = 6  # of two numbers that are nearly the same
 NO_ATTITUDE_LEFT = "all attitudes are recorded, and the targets cannot be reached: solve with the steps done"

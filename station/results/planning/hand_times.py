@@ -12,7 +12,7 @@ from fixtures_db.schema import CampaignRow
 from procedures.campaign.plan_steps import Dwell, Step, Turn
 from procedures.planning.campaign_design import HandTimes
 from station.errors import DataRefused
-from station.files.campaign_folder.notes import kept_plan
+from station.files.campaign_folder.plan_file import kept_plan
 
 FEWEST_TIMES = 6  # placings, or turns, that were timed, below which the stated default stands
 LEAST_S, MOST_S = 10.0, 300.0  # s: what is quicker was simulated, what is slower was a break

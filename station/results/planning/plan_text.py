@@ -5,8 +5,7 @@ from typing import Any
 from procedures.units import ARCSEC_PER_RAD, UG_PER_G
 from station.results.parameters_by_name import title_of
 from station.results.planning.plan_json import given_up, not_met
-from station.text.rounding import significant
-from station.text.table import table_lines
+from station.text import significant, table_lines
 
 SHOWN = {"g": (UG_PER_G, "ug"), "1": (ARCSEC_PER_RAD, "arcsec")}
 DIGITS = 3

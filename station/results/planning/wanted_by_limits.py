@@ -20,8 +20,8 @@ from procedures.frames import TRIADS
 from procedures.planning.design_sigmas import NAMES, WantedSigmas, wanted
 from procedures.units import PPM_PER_ONE
 from station.errors import DataRefused
-from station.files.limits_toml import PPM, limits_in, units_of
-from station.files.toml_reading import read_text_file
+from station.files.limits_file import PPM, limits_in, units_of
+from station.files.toml_file import read_text_file
 from station.results.parameters_by_name import parameters
 
 SIGMAS_OF_HALF = 8.0  # sigmas in half an interval: an expanded uncertainty of two is a quarter of it

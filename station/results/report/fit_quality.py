@@ -8,7 +8,7 @@ import numpy as np
 from procedures.calibration.solution_values import Solution, StepResidual
 from procedures.frames import ATTITUDES
 from procedures.units import ARCSEC_PER_DEG, UG_PER_G
-from station.text.rounding import aligned, decimals, fixed
+from station.text import aligned, decimals, fixed
 
 LIMIT_SIGMAS = 4.0
 NOTICE_SIGMAS = 2.0

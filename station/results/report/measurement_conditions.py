@@ -9,8 +9,7 @@ from procedures.calibration.solution_values import Solution
 from procedures.campaign.campaign import Campaign, Fixture
 from procedures.frames import AXES, FACES
 from procedures.units import ARCSEC_PER_RAD
-from station.text.plural import plural
-from station.text.rounding import MINUS, decimals, fixed, significant
+from station.text import MINUS, decimals, fixed, plural, significant
 
 
 def condition_lines(campaigns: Sequence[Campaign], solution: Solution) -> list[tuple[str, str]]:

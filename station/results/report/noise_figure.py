@@ -21,7 +21,7 @@ from procedures.statistics.allan_deviation import (
 )
 from procedures.units import DEG_H_PER_DEG_S, STANDARD_GRAVITY, UG_PER_G
 from station.results.report.svg import AXIS_STYLE, RULE, draw_svg
-from station.text.rounding import fixed, power_of_ten, significant
+from station.text import fixed, power_of_ten, significant
 
 _GYROSCOPE = {  # from deg/h: name, symbol, unit, factor
     "quantisation": ("Quantisation", "Q", "arcsec", 1.0),

@@ -12,7 +12,7 @@ import numpy as np
 from procedures.calibration.solution_values import Estimate, Solution, TriadCalibration
 from station.results.parameters_by_name import Parameter, parameters, printed_scale
 from station.results.solution_json import estimate_document
-from station.text.rounding import aligned, decimals, fixed
+from station.text import aligned, decimals, fixed
 
 NORMAL_95 = 1.959964  # two-sided 95 % of a normal distribution
 TEXTBOOK = "Yao, Hu, He 2018, {}; its u includes counting noise only"

@@ -23,8 +23,7 @@ from station.results.report.measurement_conditions import condition_lines
 from station.results.report.parameter_tables import bench_groups, matrix_rows, triad_groups
 from station.results.report.report_figures import ReportFigures
 from station.results.verdict import word_said
-from station.text.plural import plural
-from station.text.rounding import significant
+from station.text import plural, significant
 
 SIGNIFICANT_P = 0.01  # of the global test, below which residuals exceed noise
 VERDICT_MARK = {"PASS": "\u2713", "FAIL": "\u2717", "NOT_MEASURED": "\u25cb"}

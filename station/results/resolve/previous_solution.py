@@ -14,7 +14,7 @@ from sqlalchemy.orm import Session
 from fixtures_db.campaigns import known_campaign
 from fixtures_db.stored_calibrations import newest_calibration
 from station.errors import DataRefused
-from station.files.toml_reading import read_text_file
+from station.files.toml_file import read_text_file
 from station.results.measurement_circumstances import diagnosis_kept
 from station.results.parameters_by_name import parameters
 

@@ -8,8 +8,7 @@ from typing import Any
 from station.results.parameters_by_name import Parameter, ParameterShift, largest
 from station.results.resolve.diagnosis_comparison import diagnosis_remarks, is_otherwise
 from station.results.verdict import word_said
-from station.text.plural import plural
-from station.text.table import WIDTH
+from station.text import WIDTH, plural
 
 MIN_SHIFT_SIGMAS = 1.0  # sigma: a shift below is what better arithmetic does, and is only counted
 Entry = Mapping[str, Any]

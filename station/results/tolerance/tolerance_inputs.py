@@ -34,7 +34,7 @@ from procedures.tolerance.drawing_items import ITEMS, angles
 from procedures.tolerance.estimator_errors import ToleranceUnit
 from procedures.tolerance.neglected_effects import SET_ASIDE
 from station.errors import DataRefused
-from station.files.toml_reading import read_tables, read_text_file
+from station.files.toml_file import read_tables, read_text_file
 
 LARGEST_ANGLE = 0.1  # rad
 USUAL = {name: item.size for name, item in SET_ASIDE.items()}

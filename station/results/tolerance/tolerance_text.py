@@ -7,7 +7,7 @@ from typing import Any
 from procedures.tolerance.drawing_items import ITEMS
 from procedures.units import ARCSEC_PER_RAD, DEG_H_PER_RAD_S, PPM_PER_ONE, RAD_PER_ARCSEC, UG_PER_G
 from station.results.tolerance.tolerance_study import ESTIMATORS
-from station.text.table import WIDTH, table_lines
+from station.text import WIDTH, table_lines
 
 ERROR_TITLES = {
     "p1_case": "paper's case",

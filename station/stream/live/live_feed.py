@@ -1,29 +1,29 @@
 """A live stream cut into blocks of a second, with everything watched that may go wrong with it."""
 
+import contextlib
 import time
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 from typing import Protocol
 
 import numpy as np
 
 from drivers.addresses import DeviceAddress
-from drivers.errors import LinkLost, LinkSilent, ReplayEnded, WrongFormat
+from drivers.errors import DriverError, LinkLost, LinkSilent, ReplayEnded, WrongFormat
 from drivers.framing import seen_instead, sniff
 from drivers.ports import wire_of
 from drivers.wire import FORMATS, WireFormat
 from station.errors import DataRefused
-from station.stream.device_addresses import not_another
-from station.stream.live.power_cycle import PowerWatch
-from station.stream.live.silent_channels import SilentChannels
+from station.files.atomic_file import journal_path
+from station.stream.connected_unit import Unit, not_another, refuse_other, unit_of
 from station.stream.live.stillness import TICKS_PER_BLOCK, Block, block_of
-from station.stream.live.stream_trouble import StreamTrouble
-from station.stream.reader import Chunk, GapMark
+from station.stream.live.stream_trouble import PowerWatch, SilentChannels, StreamTrouble
+from station.stream.reader import Chunk, Reader, StreamGap
 from station.stream.reader.messages import LOST
-from station.stream.recorder.connected_unit import Unit, refuse_other, unit_of
-from station.stream.recorder.pulse_ages import PulseAges
 from station.stream.recorder.sample_buffer import SampleBuffer
 from station.stream.recorder.sample_stream import DecodedChunk, SampleStream
+from station.stream.recorder.sample_times import PulseAges
 
 BLOCK_S = 1.0
 MIN_HELD_SAMPLES = 10  # samples at least that a block waits for what would show that it is not the device's
@@ -44,7 +44,7 @@ class ChunkSource(Protocol):
 
     address: DeviceAddress
 
-    def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
+    def poll(self, timeout_s: float) -> list[Chunk | StreamGap]:
         """Return what has come, within ``timeout_s``."""
         ...
 
@@ -72,7 +72,7 @@ class LiveFeed:
         self._silent_s = self._frameless_s = 0.0
         self._wrong: WrongFormat | None = None  # found so ...
         self._looked_s = 0.0  # ... after so long without a frame
-        self._is_anew = True
+        self._is_restarted = True
         self.lost = ""  # why the port is not there, empty where it is
         self.losses = 0  # how often it went away
         self.restarts = 0  # how often the device was switched off and on since the feed began
@@ -81,7 +81,7 @@ class LiveFeed:
         self._pieces: list[DecodedChunk] = []  # the last ones taken
         self.stamp: tuple[int, float] | None = None  # when the newest sample was read [ns], its device time [s]
         self._ages = PulseAges(wire.pulse)
-        self.pulse_age: float | None = None  # s before that a pulse came, where the device tells
+        self.pulse_age: float | None = None  # s since a pulse, where the device reports it
         self._pulses = deque[float](maxlen=MAX_PULSES)  # their device times [s]; several may be of one
         for chunk in held:
             self._take(chunk)
@@ -165,7 +165,7 @@ class LiveFeed:
             held = max(MIN_HELD_SAMPLES, round(self.wire.hindsight_s / self.period))
             if self._begin != self.buffer.begin:
                 self._at = self._begin = self.buffer.begin
-                self._is_anew = True
+                self._is_restarted = True
             self._at = max(self._at, self.buffer.first)  # what was let go is in no block
             if self.buffer.end - self._at < size + held:
                 return
@@ -173,9 +173,9 @@ class LiveFeed:
                 self._at = broken
             else:
                 first, self._at = self._at, self._at + size
-                is_anew, self._is_anew = self._is_anew, False
+                is_restarted, self._is_restarted = self._is_restarted, False
                 is_broken = self.buffer.last_break(first - 1, first + 1) is not None
-                yield self._block(first, self._at, is_broken=is_broken, is_anew=is_anew)
+                yield self._block(first, self._at, is_broken=is_broken, is_restarted=is_restarted)
 
     def newest(self) -> Block | None:
         """Return the last second as a block of its own, for a look in between; None if it is not whole."""
@@ -186,11 +186,11 @@ class LiveFeed:
             or self.buffer.last_break(first, self.buffer.end) is not None
         ):
             return None
-        return self._block(first, self.buffer.end, is_broken=False, is_anew=False)
+        return self._block(first, self.buffer.end, is_broken=False, is_restarted=False)
 
-    def _block(self, first: int, last: int, *, is_broken: bool, is_anew: bool) -> Block:
+    def _block(self, first: int, last: int, *, is_broken: bool, is_restarted: bool) -> Block:
         samples = self.buffer.block(first, last)
-        return block_of(samples, first, self.period, is_broken=is_broken, is_anew=is_anew)
+        return block_of(samples, first, self.period, is_broken=is_broken, is_restarted=is_restarted)
 
     def pieces(self, look: Callable[[], None] = lambda: None) -> Iterator[DecodedChunk]:
         """Yield the stream's pieces, for ever; samples are not kept. ``look`` is called often, whatever comes."""
@@ -216,7 +216,7 @@ class LiveFeed:
         self._pieces.clear()
         frames = self.stream.decoder.counters.frames
         for item in items:
-            if isinstance(item, GapMark):
+            if isinstance(item, StreamGap):
                 self._mark(item)
                 waited = 0.0  # it was not for this port
             else:
@@ -250,21 +250,21 @@ class LiveFeed:
         return found
 
     def replace_source(self, source: ChunkSource) -> None:
-        """Go on with another reader of the same device; what comes next begins anew."""
+        """Continue with another reader of the same device; the stream restarts."""
         self._source = source
-        self.begin_anew()
+        self.reset()
 
-    def begin_anew(self) -> None:
+    def reset(self) -> None:
         """Let go what came last, as another unit's, and take what comes next as a new beginning."""
-        self.stream.begin_anew()
-        self.buffer.begin_anew()
+        self.stream.reset()
+        self.buffer.reset()
         self._silent_s = self._frameless_s = 0.0
 
-    def _mark(self, mark: GapMark) -> None:
+    def _mark(self, mark: StreamGap) -> None:
         self.lost = "" if mark.is_open else mark.reason.removeprefix(LOST) or "gone"
         self.losses += not mark.is_open
         self._silent_s = self._frameless_s = 0.0
-        self.stream.begin_anew()
+        self.stream.reset()
 
     def _watch(self, waited_s: float, *, is_idle: bool, has_frames: bool) -> None:
         """Add up the time waited in vain; a station that was itself held up did not wait."""
@@ -325,3 +325,32 @@ def no_recording(ended: ReplayEnded, wanted: str) -> DataRefused:
     """Return the refusal of a replayed file that is at its end before it was known what it is."""
     found = f"{ended.size} bytes without enough frames of {wanted}"
     return DataRefused(ended.path, None, found, "bytes as a device sent them", "name a recording")
+
+
+RETRY_S = 1.0  # between two tries to read a port whose reader died
+
+
+class RestartableReader:
+    """Reads ``url`` into journals of ``folder``; `restart` has the reader of ``feed`` begin again."""
+
+    def __init__(self, url: str, folder: Path) -> None:
+        self._url, self._folder = url, folder
+        self.reader = Reader(url, journal_path(folder))
+        self.reader.start()
+        self.feed: LiveFeed | None = None
+        self._retry_at = 0.0
+
+    def restart(self) -> None:
+        """Begin it again, if it has ended and a second has passed."""
+        if self.feed is None or self.reader.ended is None or time.monotonic() < self._retry_at:
+            return
+        self._retry_at = time.monotonic() + RETRY_S
+        self.reader.close()
+        self.reader = Reader(self._url, journal_path(self._folder))
+        with contextlib.suppress(DriverError):  # tried again and again
+            self.reader.start()
+            self.feed.replace_source(self.reader)
+
+    def close(self) -> None:
+        """End the reader."""
+        self.reader.close()

@@ -6,13 +6,46 @@ block is still where no channel shows more than 16 times that (four times in amp
 ticks of white noise passes it once in 10^9).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from procedures.arrays import FloatArray
-from procedures.counts.sample_records import SampleBlock
-from station.stream.live.rates_as_counts import as_counts
+from procedures.arrays import FloatArray, IntArray
+from procedures.counts.sample_records import (
+    BLOCK_FIELDS,
+    CountBlock,
+    CountSeries,
+    SampleBlock,
+    Series,
+    block_series,
+)
+from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
+
+RATE_UNIT = 2.0**27
+
+
+def as_counts(block: SampleBlock, period: float) -> CountBlock:
+    """Return a block of ``period`` [s] as counts; a device that counts has sent them."""
+    if isinstance(block, CountBlock):
+        return block
+    columns = {name: getattr(block, name) for name in BLOCK_FIELDS}
+    return CountBlock(**(columns | {name: _counts(columns[name], period) for name in ("gyro", "accel")}))
+
+
+def series_as_counts(series: Series) -> CountSeries:
+    """Return a step's series as counts."""
+    if isinstance(series, CountSeries):
+        return series
+    gyro, accel = (
+        None if values is None else _counts(values, series.period) for values in (series.gyro, series.accel)
+    )
+    return CountSeries(series.t, gyro, accel, series.temperature, series.period, series.starts, series.extra)
+
+
+def _counts(values: FloatArray, period: float) -> IntArray:
+    return np.rint(values * (period * RATE_UNIT)).astype(np.int64)
+
 
 TICKS_PER_BLOCK = 10
 STILL_NOISE_RATIO = 16.0
@@ -27,8 +60,8 @@ class Block:
 
     ``rate`` (6,) counts/s, gyros then accelerometers; ``variance`` (6,) of the ticks [count^2]; ``begins`` and
     ``ends`` the device's time [s]; ``temperature`` [degC] the mean, nan where unknown; ``is_healthy`` what the
-    device's status says. ``is_broken``: something is missing just before it; ``is_anew``: device or port have
-    begun anew since the block before.
+    device's status says. ``is_broken``: something is missing just before it; ``is_restarted``: device or port have
+    restarted since the block before.
     """
 
     first: int
@@ -40,10 +73,10 @@ class Block:
     temperature: float
     is_healthy: bool
     is_broken: bool
-    is_anew: bool
+    is_restarted: bool
 
 
-def block_of(samples: SampleBlock, first: int, period: float, *, is_broken: bool, is_anew: bool) -> Block:
+def block_of(samples: SampleBlock, first: int, period: float, *, is_broken: bool, is_restarted: bool) -> Block:
     """Return what a block of consecutive samples says; ``period`` [s]."""
     block = as_counts(samples, period)
     counts = np.hstack((block.gyro, block.accel)).astype(float)
@@ -60,7 +93,7 @@ def block_of(samples: SampleBlock, first: int, period: float, *, is_broken: bool
         temperature=_mean_known(samples.temperature),
         is_healthy=bool(samples.healthy.all()),
         is_broken=is_broken,
-        is_anew=is_anew,
+        is_restarted=is_restarted,
     )
 
 
@@ -78,7 +111,7 @@ class Stillness:
 
     def learn(self, block: Block) -> None:
         """Take a block, still or not."""
-        if block.is_anew:
+        if block.is_restarted:
             self._recent.clear()
         self._recent = [*self._recent, block.variance][-NOISE_BLOCKS:]
         if len(self._recent) == NOISE_BLOCKS:
@@ -98,3 +131,22 @@ class Stillness:
     def is_still(self, block: Block) -> bool:
         """Judge a block."""
         return self.is_known and block.is_healthy and bool(np.all(block.variance <= self.limit))
+
+
+def runs_of_blocks(blocks: Sequence[Block], samples: int | None) -> list[SampleRun]:
+    """Return the runs of consecutive samples that blocks make up, the first ``samples`` of them."""
+    runs, left = list[SampleRun](), samples
+    for block in blocks:
+        last = block.last if left is None else min(block.last, block.first + left)
+        if left is not None:
+            left -= last - block.first
+        if runs and runs[-1][1] == block.first and not block.is_broken:
+            runs[-1] = (runs[-1][0], last)
+        elif last > block.first:
+            runs.append((block.first, last))
+    return runs
+
+
+def series_of_runs(buffer: SampleBuffer, runs: Sequence[SampleRun], period: float) -> CountSeries:
+    """Return the samples of runs as a step's counts; ``period`` [s] where they are too few to determine it."""
+    return block_series([as_counts(buffer.block(first, last), period) for first, last in runs], period)

@@ -1,6 +1,9 @@
-"""Reading a device is a process of its own: it reads, stamps, journals and hands on, nothing else."""
+"""Reading a device is its own process: it reads, stamps, journals and streams, nothing else.
 
-from station.stream.reader.messages import Chunk, GapMark
+`reader` starts the process and receives its `messages`; `__main__` is the process; `journal` writes every byte.
+"""
+
+from station.stream.reader.messages import Chunk, StreamGap
 from station.stream.reader.reader import Reader
 
-__all__ = ["Chunk", "GapMark", "Reader"]
+__all__ = ["Chunk", "Reader", "StreamGap"]

@@ -1,12 +1,13 @@
 """The reader process: ``python -m station.stream.reader URL [JOURNAL]``; messages on stdout until stdin is closed.
 
-It holds no lock that another process could keep and knows nothing of frames: read, stamp, journal, hand on.
+It holds no lock that another process could keep and knows nothing of frames: read, stamp, journal, stream.
 """
 
 import os
 import sys
 import threading
 import time
+from collections import deque
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -18,18 +19,82 @@ from drivers.ports import frame_descriptions, open_port
 from station.errors import CannotWrite
 from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC, GNSS_RAW_TOPIC, RAW_TOPIC, WHEEL_RAW_TOPIC
 from station.stream.reader.journal import Journal
-from station.stream.reader.messages import LOST, Chunk, GapMark, Item, Quiet, Refusal, packed
-from station.stream.reader.send_queue import Outbox
+from station.stream.reader.messages import LOST, Chunk, Item, Quiet, Refusal, StreamGap, packed
+
+MAX_WAITING_BYTES = 64 * 2**20  # bytes: an hour of 17 kB/s; the journal has it all
+
+
+class Outbox:
+    """Sends messages in order over a pipe on its own thread; beyond `MAX_WAITING_BYTES` it refuses."""
+
+    def __init__(self, descriptor: int, limit: int = MAX_WAITING_BYTES) -> None:
+        self._descriptor, self._limit = descriptor, limit
+        self._messages: deque[bytes] = deque()
+        self._waiting = 0
+        self._changed = threading.Condition()
+        self._is_closed = self._is_deaf = False
+        self._thread = threading.Thread(target=self._run, name="outbox", daemon=True)
+        self._thread.start()
+
+    def put(self, message: bytes, *, always: bool = False) -> bool:
+        """Queue a message and return at once; False if there is no room, unless it goes ``always``."""
+        with self._changed:
+            if self._waiting > self._limit and not always:
+                return False
+            self._messages.append(message)
+            self._waiting += len(message)
+            self._changed.notify_all()
+            return True
+
+    def wait_for_room(self, timeout_s: float) -> None:
+        """Wait until half the room is free again, at most ``timeout_s``."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._waiting < self._limit / 2 or self._is_deaf, timeout_s)
+
+    def close(self, timeout_s: float) -> None:
+        """Send what is queued, for at most ``timeout_s``."""
+        with self._changed:
+            self._is_closed = True
+            self._changed.notify_all()
+        self._thread.join(timeout_s)
+
+    def _run(self) -> None:
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: self._messages or self._is_closed)
+                if not self._messages:
+                    return
+                batch = b"".join(self._messages)
+                self._messages.clear()
+            if not self._send(batch):
+                return
+
+    def _send(self, batch: bytes) -> bool:
+        view = memoryview(batch)
+        while view:
+            try:
+                sent = os.write(self._descriptor, view[:65536])
+            except OSError:  # the station is gone: its pipe is closed
+                with self._changed:
+                    self._is_deaf, self._waiting = True, 0
+                    self._changed.notify_all()
+                return False
+            view = view[sent:]
+            with self._changed:
+                self._waiting -= sent
+                self._changed.notify_all()
+        return True
+
 
 READ_BYTES = 65536
 REOPEN_S = (0.05, 0.1, 0.2, 0.4, 0.8)  # back-off; the last one again and again
 FAREWELL_S = 2.0
-# what stands beside an IMU; its own is RAW_TOPIC
+# what stands alongside an IMU; its own is RAW_TOPIC
 TOPICS = {"mavlink": GNSS_RAW_TOPIC, "camera": CAMERA_RAW_TOPIC, "wheel": WHEEL_RAW_TOPIC}
 
 
 def main(url: str, journal: str = "") -> None:
-    """Read a device until told to stop; without a journal the bytes are handed on and not kept."""
+    """Read a device until the station stops it; without a journal the bytes are streamed and not kept."""
     messages = os.dup(sys.stdout.fileno())
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # a stray print must not be taken for a message
     outbox = Outbox(messages)
@@ -92,7 +157,7 @@ class _Session:
         if self._refused:
             where = "they are in the journal only" if self._journal is not None else "they are lost"
             reason = f"{self._refused} bytes not collected in time; {where}"
-            if self._outbox.put(packed(GapMark(chunk.host_ns, reason, True))):
+            if self._outbox.put(packed(StreamGap(chunk.host_ns, reason, True))):
                 self._refused = 0 if self._outbox.put(message) else len(chunk.data)
                 return
         self._refused += len(chunk.data)
@@ -113,7 +178,7 @@ class _Session:
             return
 
     def _mark(self, reason: str, *, is_open: bool) -> None:
-        mark = GapMark(self._now(), reason, is_open)
+        mark = StreamGap(self._now(), reason, is_open)
         self._keep(mark)
         self._outbox.put(packed(mark), always=True)
 

@@ -14,10 +14,10 @@ from queue import Empty, SimpleQueue
 
 from fixtures_db.folder_on_disk import sync_folder
 from station.errors import CannotWrite, cannot_write
-from station.files.flush_pace import FlushPace
-from station.files.mcap_files.new_file import new_channel, new_file
+from station.files.atomic_file import FlushInterval
 from station.files.mcap_files.schemas import MESSAGES, RAW, SCHEMA
-from station.stream.reader.messages import Chunk, GapMark, Item
+from station.files.mcap_files.writer import new_channel, new_file
+from station.stream.reader.messages import Chunk, Item, StreamGap
 
 FLUSH_S = 0.2
 SYNC_S = 0.5
@@ -75,7 +75,7 @@ class Journal:
             self._stream.close()
 
     def _write_all(self) -> None:
-        pace, synced = FlushPace(FLUSH_S), time.monotonic()
+        pace, synced = FlushInterval(FLUSH_S), time.monotonic()
         while True:
             try:
                 item = self._items.get(timeout=FLUSH_S)
@@ -96,7 +96,7 @@ class Journal:
             case Chunk(host_ns, data):
                 content = MESSAGES[RAW](data=data, host_ns=host_ns).SerializeToString()
                 self._writer.add_message(self._raw, log_time=host_ns, data=content, publish_time=host_ns)
-            case GapMark(host_ns, reason, is_open):
+            case StreamGap(host_ns, reason, is_open):
                 told = {"host_ns": str(host_ns), "reason": reason, "is_open": str(is_open).lower()}
                 self._writer.add_metadata(GAP, told)
 

@@ -1,4 +1,4 @@
-"""What the reader process tells the station, and its bytes on the pipe between them."""
+"""Messages from the reader process to the station, and their bytes on the pipe between them."""
 
 import pickle
 import struct
@@ -21,7 +21,7 @@ class Chunk:
 
 
 @dataclass(frozen=True, slots=True)
-class GapMark:
+class StreamGap:
     """Bytes may be missing here; ``is_open`` says whether the port is open now [ns as in `Chunk`]."""
 
     host_ns: int
@@ -53,7 +53,7 @@ class Refusal:
         return error
 
 
-Item = Chunk | GapMark
+Item = Chunk | StreamGap
 Message = Item | Quiet | Refusal
 
 

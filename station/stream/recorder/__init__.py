@@ -1,1 +1,5 @@
-"""From bytes to accepted steps on the disk: decoding with gaps seen, cutting, writing, hashing."""
+"""From bytes to accepted steps on the disk.
+
+`sample_stream` decodes chunks and sees every gap; `sample_buffer` keeps the last stretch; `sample_times` gives
+UTC; `accepted_step_writer` writes and hashes a step of a campaign, `plain_recording` anything else.
+"""

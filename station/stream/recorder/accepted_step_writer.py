@@ -25,6 +25,7 @@ from fixtures_db.schema import SiteRow
 from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak, Step, Turn
 from procedures.frames import TURN_START
 from station.errors import cannot_write
+from station.files.atomic_file import free_path
 from station.files.campaign_folder.campaign_schema import (
     CampaignImuTable,
     CampaignTable,
@@ -40,14 +41,12 @@ from station.files.campaign_folder.campaign_schema import (
     TurnTable,
     attitude,
 )
-from station.files.campaign_folder.notes import write_tables
+from station.files.campaign_folder.plan_file import write_tables
 from station.files.mcap_files import BY_OUTPUT, StepWriter
-from station.files.new_folder import free_path
 from station.files.sha256sums import append_hash
-from station.stream.recorder.connected_unit import Unit
-from station.stream.recorder.pulse_ages import PulseAges
-from station.stream.recorder.row_times import RowTimes, Utc
+from station.stream.connected_unit import Unit
 from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
+from station.stream.recorder.sample_times import PulseAges, RowTimes, Utc
 
 TOML = "campaign.toml"
 _REPEAT = re.compile(r"dwell_\d+_repeat(\d*)(?:_\d+)?\.")
@@ -65,7 +64,7 @@ class CampaignRecorder:
     """Writes the accepted steps of one campaign; made by `open_campaign`, or reopened.
 
     ``accepted`` counts by step name how often it was accepted; all but the last are superseded. ``utc``, where a
-    reference is read beside the device, says what UTC [s] a moment of the station's clock [ns] was; ``pulse``
+    reference is read alongside the device, says what UTC [s] a moment of the station's clock [ns] was; ``pulse``
     reads that of a device that is given a pulse a second.
     """
 
@@ -218,7 +217,7 @@ def write_runs(
     writer, times, pulses = StepWriter(path, output), RowTimes(utc), PulseAges(pulse)
     try:
         for run in runs:
-            times.begin_anew()  # between two the device's clock may have gone elsewhere
+            times.reset()  # between two the device's clock may have gone elsewhere
             for chunk, block in buffer.recording([run]):
                 writer.write_raw(chunk.host_ns, chunk.data)
                 age = pulses.of(chunk.data, block)
@@ -232,7 +231,7 @@ def write_runs(
 
 
 def _with_step(tables: CampaignTable, step: Step, file: str, said: Mapping[str, object]) -> CampaignTable:
-    """Return the tables with ``step`` in ``file``, its recording before left out with its moves."""
+    """Return the tables with ``step`` in ``file``, its recording before omitted with its moves."""
     kind, table = _table(step, file)
     table = type(table).model_validate(table.model_dump() | dict(said))
     there = getattr(tables, kind)

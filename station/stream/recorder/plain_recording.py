@@ -8,15 +8,14 @@ from typing import TYPE_CHECKING
 
 from drivers.errors import ReplayEnded
 from station.errors import CannotWrite, cannot_write
-from station.files.flush_pace import FlushPace
+from station.files.atomic_file import FlushInterval
 from station.files.mcap_files import BY_OUTPUT, StepWriter
 from station.files.sha256sums import append_hash
 from station.stream.live.live_feed import LiveFeed
-from station.stream.recorder.pulse_ages import PulseAges
-from station.stream.recorder.row_times import RowTimes
+from station.stream.recorder.sample_times import PulseAges, RowTimes
 
 if TYPE_CHECKING:
-    from station.stream.gnss.gnss_feed import GnssFeed
+    from station.stream.gnss_feed import GnssFeed
 
 RECORDING_FILE = "recording.mcap"
 FLUSH_S = 0.2
@@ -50,7 +49,7 @@ def record(
         If the disk refuses; what it took stays.
     """
     decoder, times = feed.stream.decoder, RowTimes(gnss.utc if gnss else None)
-    writer, pace = StepWriter(folder / RECORDING_FILE, BY_OUTPUT[decoder.wire.output]), FlushPace(FLUSH_S)
+    writer, pace = StepWriter(folder / RECORDING_FILE, BY_OUTPUT[decoder.wire.output]), FlushInterval(FLUSH_S)
     period, samples, pulses = 0.0, 0, PulseAges(decoder.wire.pulse)
 
     def beside() -> None:
@@ -63,7 +62,7 @@ def record(
             for piece in feed.pieces(beside):
                 writer.write_raw(piece.chunk.host_ns, piece.chunk.data)
                 if piece.anew is not None:
-                    times.begin_anew()
+                    times.reset()
                 age = pulses.of(piece.chunk.data, piece.block)
                 if len(piece.block):
                     at = float(piece.block.device_time[-1])

@@ -17,7 +17,7 @@ _REACH = 2**16  # bytes: how far before a chunk a sample that it completes may b
 class SampleBuffer:
     """Samples are numbered from 0 at the session's first.
 
-    ``begin`` is the first sample of the time that still goes on: what came before has no relation to it.
+    ``begin`` is the first sample of the time that still continues: what came before has no relation to it.
     ``end`` is one beyond the newest, ``first`` the oldest kept. Old samples are let go by `forget_before`.
     """
 
@@ -50,7 +50,7 @@ class SampleBuffer:
         if piece.anew is not None:
             self.forget_before(self.begin)
 
-    def begin_anew(self) -> None:
+    def reset(self) -> None:
         """Let everything go: what comes next has no relation to it."""
         self.begin = self.end
         self.forget_before(self.end)

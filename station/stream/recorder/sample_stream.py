@@ -1,10 +1,10 @@
 """Chunks of bytes to samples in sequence: counters unwrapped, repeats dropped, every break seen.
 
-A break is where increments are missing or time does not go on: a lost frame, a device that began anew, a port
-that was closed in between. What stands on its two sides is never averaged over it.
+`raw_check` decodes a step's recorded bytes again and compares them with its samples.
 """
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,8 @@ from drivers.wire import WireFormat
 from procedures.arrays import FloatArray, IntArray
 from procedures.counts.sample_records import SampleBlock, block_rows
 from procedures.counts.sample_times import GAP_PERIODS
+from station.errors import Altered
+from station.files.mcap_files import read_step
 from station.stream.reader import Chunk
 
 PERIOD_SAMPLES = 33  # samples from which the period is taken where the device does not state it
@@ -27,7 +29,7 @@ class DecodedChunk:
 
     ``block`` holds the samples, counters and device time unwrapped; ``edges`` (n, 2) says where the bytes of
     each begin and end, counted from the chunk's first; ``breaks`` the samples before which something is missing.
-    ``anew`` is the sample from which device or port have begun anew, so that nothing before it has a relation in
+    ``anew`` is the first sample after a restart of device or port, so that nothing before it has a relation in
     time to it; None if they have not.
     """
 
@@ -40,11 +42,11 @@ class DecodedChunk:
 
 @dataclass(slots=True)
 class StreamCounters:
-    """What was met beside good samples; ``lost`` are frames by their counter, where the format has one.
+    """What was met alongside good samples; ``lost`` are frames by their counter, where the format has one.
 
     ``contradicted`` are those of the repeated ones that say something else, as another device's would, and frames
     that do where a sample takes several;
-    ``clock_jumps`` breaks in the device's time where its counter goes on.
+    ``clock_jumps`` breaks in the device's time where its counter continues.
     """
 
     samples: int = 0
@@ -67,9 +69,9 @@ class SampleStream:
         self._time = np.nan
         self._host = HostTimes()
         self._learnt: list[float] = []
-        self._is_anew = True
+        self._is_restarted = True
         self._values: FloatArray | IntArray | None = None  # of the newest frame
-        self._is_doubted = False  # it was contradicted
+        self._is_ambiguous = False  # it was contradicted
 
     @property
     def period(self) -> float | None:
@@ -85,9 +87,9 @@ class SampleStream:
             return stated
         return float(np.median(self._learnt)) if len(self._learnt) >= PERIOD_SAMPLES else None
 
-    def begin_anew(self) -> None:
+    def reset(self) -> None:
         """Take the next sample as a new beginning, as after a gap mark."""
-        self._is_anew = True
+        self._is_restarted = True
 
     def take(self, chunk: Chunk) -> DecodedChunk:
         """Decode a chunk."""
@@ -97,10 +99,10 @@ class SampleStream:
         self.counters.contradicted += contradicted
         n = len(block)
         if not n:
-            self._is_doubted |= contradicted > 0
+            self._is_ambiguous |= contradicted > 0
             return DecodedChunk(chunk, block, self.decoder.edges, np.arange(0), None)
-        if self._is_anew:
-            self._counter, self._time, self._values, self._is_doubted = None, np.nan, None, False
+        if self._is_restarted:
+            self._counter, self._time, self._values, self._is_ambiguous = None, np.nan, None, False
             self._host.reset()
         steps = self._steps(block)
         time, seconds = self._times(chunk, block, steps)
@@ -114,10 +116,10 @@ class SampleStream:
         period = self.period
         missing = (steps > 1) | (seconds > GAP_PERIODS * period if period else np.zeros(n, dtype=bool))
         self._count(repeat, back, missing, steps)
-        missing |= self._doubted(block, repeat) | (contradicted > 0)
-        self._is_doubted |= contradicted > 0
-        back[0] |= self._is_anew
-        self._is_anew = False
+        missing |= self._ambiguous(block, repeat) | (contradicted > 0)
+        self._is_ambiguous |= contradicted > 0
+        back[0] |= self._is_restarted
+        self._is_restarted = False
         kept = np.flatnonzero(~repeat)
         breaks, begins = np.flatnonzero((back | missing)[kept]), np.flatnonzero(back[kept])
         anew = int(begins[-1]) if len(begins) else None
@@ -127,7 +129,7 @@ class SampleStream:
         """Return each sample's time [s] and how far it is from the one before."""
         if not self.decoder.kind.has_time:
             time = self._host.take(chunk.host_ns / 1e9, steps)
-            self._is_anew |= self._host.is_reset
+            self._is_restarted |= self._host.is_reset
             return time, np.diff(time, prepend=self._time)
         modulus, time = self.decoder.wire.time_modulus, block.device_time
         if modulus is None:
@@ -137,14 +139,14 @@ class SampleStream:
         return first + np.concatenate(([0.0], np.cumsum(seconds[1:]))), seconds
 
     def _steps(self, block: SampleBlock) -> IntArray:
-        """Return by how many samples the sequence goes on at each frame; all ones where nothing counts them."""
+        """Return by how many samples the sequence continues at each frame; all ones where nothing counts them."""
         if self._modulus is None:
             return np.ones(len(block), dtype=np.int64)
         first = int(block.counter[0]) - 1
         last = first if self._counter is None else self._counter
         return np.diff(unwrap(block.counter, self._modulus, last), prepend=last)
 
-    def _doubted(self, block: SampleBlock, repeat: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    def _ambiguous(self, block: SampleBlock, repeat: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Return before which frames something is amiss, as two frames of one number say different things."""
         values = np.hstack((block.gyro, block.accel))
         before = values[:1] if self._values is None else self._values[None]
@@ -154,8 +156,8 @@ class SampleStream:
         number = np.cumsum(~repeat)  # 0: repeats of what the chunk before ended with
         doubted = np.zeros(number[-1] + 1, dtype=bool)
         doubted[number[differs]] = True
-        doubted[0] |= self._is_doubted
-        self._is_doubted = bool(doubted[-1])
+        doubted[0] |= self._is_ambiguous
+        self._is_ambiguous = bool(doubted[-1])
         doubted[1:] |= doubted[:-1].copy()
         amiss: NDArray[np.bool_] = ~repeat & doubted[number]
         return amiss
@@ -173,3 +175,49 @@ class SampleStream:
         self.counters.restarts += int(back.sum())
         if self._modulus and self.decoder.kind.has_time:
             self.counters.clock_jumps += int(((back | missing) & (steps == 1)).sum())
+
+
+_WORD = 0xFFFFFFFF
+_ROUNDING_NS = 1
+
+
+def check_raw_bytes(path: Path, wire: WireFormat) -> int:
+    """Decode the raw bytes of a step's file again and return how many samples they give, equal to its counts.
+
+    Raises
+    ------
+    Altered
+        If a count, counter, time, temperature or status differs.
+    """
+    recorded = read_step(path)
+    again = SampleStream(wire).take(Chunk(0, b"".join(data for _, data in recorded.raw))).block
+    if (recorded.gyro is None and recorded.accel is None) or len(again) != len(recorded):
+        raise Altered(path, f"{len(recorded)} samples", f"{len(again)} in the raw bytes beside them")
+    triads = {"gyro": (recorded.gyro, again.gyro), "accel": (recorded.accel, again.accel)}
+    pairs = {name: pair for name, pair in triads.items() if pair[0] is not None} | {
+        "counter": _same_turn(recorded.counter, np.maximum(again.counter, 0) & _WORD, wire.counter_modulus),
+        "device time": _times(wire, recorded.device_ns, again),
+        "status": (recorded.status, again.status & _WORD),
+        "temperature": (np.nan_to_num(recorded.temperature), np.nan_to_num(again.temperature)),
+    }
+    for name, (found, expected) in pairs.items():
+        if len(rows := np.argwhere(found != expected)):
+            row = tuple(int(i) for i in rows[0])
+            raise Altered(path, f"{name} {found[row]} in sample {row[0]}", f"{expected[row]} in the raw bytes")
+    return len(recorded)
+
+
+def _same_turn(found: IntArray, again: IntArray, modulus: int | None) -> tuple[IntArray, IntArray]:
+    """Return two columns without the turns that were counted before the step began."""
+    return (found, again) if modulus is None else (found % modulus, again % modulus)
+
+
+def _times(wire: WireFormat, device_ns: IntArray, again: SampleBlock) -> tuple[IntArray, IntArray]:
+    """Return recorded time and time decoded again [ns]; nothing where the host's clock stood in."""
+    if "device_time" not in wire.carries:
+        return device_ns[:0], device_ns[:0]
+    times = np.rint(again.device_time * 1e9).astype(np.int64)
+    if wire.joiner is not None and len(times):  # counted from a counter that wraps: from the beginning as recorded
+        shifted = times + (device_ns[0] - times[0])
+        return device_ns, np.where(np.abs(shifted - device_ns) <= _ROUNDING_NS, device_ns, shifted)
+    return _same_turn(device_ns, times, None if wire.time_modulus is None else round(wire.time_modulus * 1e9))

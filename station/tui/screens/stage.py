@@ -12,7 +12,7 @@ from textual.screen import Screen
 from textual.widgets import Static
 
 from station.guide.view import CalibrationView, CommandVerb, LinkView, OperatorCommand, StageName
-from station.text.plural import plural
+from station.text import plural
 from station.tui.screens.modals import MIN_COLUMNS, ConfirmScreen, HelpScreen, keys_of
 from station.tui.widgets.common import (
     Banner,

@@ -10,7 +10,7 @@ from textual.events import DescendantBlur
 from textual.widgets import Button, Input, OptionList, Select, Static
 from textual.widgets.option_list import Option
 
-from station.files.setup import Setup
+from station.files.campaign_setup import Setup
 from station.guide.setup_view import StartView, UnfinishedCampaign
 from station.guide.view import CalibrationView, CommandVerb, OperatorCommand
 from station.tui.screens.modals import ReadyLines, ReadyScreen

@@ -8,7 +8,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from station.files.setup import Setup
+from station.files.campaign_setup import Setup
 
 MAVLINK = "mavlink:udpin:0.0.0.0:14550"
 RECEIVER = re.compile(r"mavlink:((udpin|udpout|tcp):(//)?[^?]+:\d{1,5}|serial:(//)?/[^?]+)(\?.+)?")

@@ -10,7 +10,7 @@ from textual.events import DescendantBlur
 from textual.message import Message
 from textual.widgets import Input, Label, Select, Static
 
-from station.files.setup import Setup
+from station.files.campaign_setup import Setup
 from station.guide.setup_view import Choice, PortCheck, StartView
 from station.tui.widgets.common import ValueWidget
 from station.tui.widgets.setup_entries import ENTRIES, Entry, problems, setup_of, texts_of

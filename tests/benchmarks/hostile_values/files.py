@@ -12,10 +12,10 @@ from typing import Any
 
 from station import cli
 from station.exit_codes import explain
-from station.files.campaign_folder.plan_toml import read_mounting, read_plan
-from station.files.faults_file import read_faults
-from station.files.limits_example import example_limits
-from station.files.scenario.scenario_reading import read_scenario
+from station.files.campaign_folder.plan_file import read_mounting, read_plan
+from station.files.limits_file import example_limits
+from station.files.scenario import read_scenario
+from station.files.scenario_schema import read_faults
 from station.results.certificate.laboratory import read_laboratory
 from tests.station.effect_examples import DEAD_ZONE, WARMING
 from tests.station.results.certificate.factory import EXAMPLE

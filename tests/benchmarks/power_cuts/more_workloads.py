@@ -5,7 +5,7 @@ from tempfile import TemporaryDirectory
 
 from fixtures_db.database import open_db
 from procedures.campaign.plan_steps import Step
-from station.files.new_folder import new_folder
+from station.files.atomic_file import new_folder
 from station.guide.campaign.folder_lock import folder_lock
 from station.guide.campaign.folder_recorder import FolderRecorder
 from station.stream.live.live_feed import open_feed

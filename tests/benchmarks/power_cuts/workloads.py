@@ -12,14 +12,14 @@ from fixtures_db.fixture_transfer import dump
 from fixtures_db.migrations.upgrade import config
 from fixtures_db.stored_calibrations import accept_calibration
 from station.errors import CannotWrite
-from station.files.fixture_files.csv_folder import write_csv
+from station.files.atomic_file import new_folder
+from station.files.fixture_files import write_csv
 from station.files.mcap_files.schemas import RAW_TOPIC
-from station.files.new_folder import new_folder
 from station.guide.campaign.folder_lock import folder_lock
 from station.guide.campaign.folder_recorder import FolderRecorder
 from station.guide.campaign.interrupted_campaigns import reopen
 from station.stream.live.live_feed import open_feed
-from station.stream.reader import Chunk, GapMark, journal
+from station.stream.reader import Chunk, StreamGap, journal
 from station.stream.reader.journal import Journal
 from station.stream.recorder import plain_recording
 from station.stream.recorder.accepted_step_writer import CampaignRecorder, MovedFrom, open_campaign
@@ -69,7 +69,7 @@ class _Journalled(Source):
 
     journal: Journal
 
-    def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
+    def poll(self, timeout_s: float) -> list[Chunk | StreamGap]:
         """Return what has come, journalled."""
         items = super().poll(timeout_s)
         for item in items:

@@ -10,7 +10,7 @@ import pytest
 from drivers.can.wheel_signal import WheelDecoder, wheel_signal
 from drivers.ports import open_port
 from drivers.simulated.companions.wheel_on_can import DBC, SIGNAL, SimulatedWheel, wheel_speeds, wheel_toml
-from station.stream.wheel.description import read_description
+from station.stream.wheel import read_description
 from tests.patience import until
 
 

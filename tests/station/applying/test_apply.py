@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from station.files.sample_files import WRITERS
-from station.sending.foxglove_message import CalibratedSample
+from station.sending.to_foxglove import CalibratedSample
 from tests.station.applying.independent import drawn_std, evaluated
 from tests.station.applying.inputs import (
     COLUMNS,
@@ -205,7 +205,7 @@ def test_what_is_interrupted_leaves_nothing(tmp_path: Path) -> None:
     from station.applying.open_source import open_source
     from station.applying.output_request import OutputRequest
     from station.calibration import load
-    from station.files.logs.log_columns import ToldColumns
+    from station.files.logs.log_columns import ColumnOptions
 
     class Interrupted(Progress):
         def at(self, done: float, samples: int) -> None:
@@ -215,7 +215,7 @@ def test_what_is_interrupted_leaves_nothing(tmp_path: Path) -> None:
     for suffix in READERS:
         out = tmp_path / f"o{suffix}"
         with pytest.raises(KeyboardInterrupt):
-            apply_to(open_source(source, ToldColumns(), None), known, out, OutputRequest(), Interrupted())
+            apply_to(open_source(source, ColumnOptions(), None), known, out, OutputRequest(), Interrupted())
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.npz", "calibration.json"]
 
 

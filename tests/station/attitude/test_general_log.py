@@ -10,7 +10,7 @@ from procedures.error_codes import ErrorCode
 from station.attitude.general_log import read_any_log
 from station.cli import run
 from station.errors import DataRefused
-from station.files.logs.log_columns import ToldColumns
+from station.files.logs.log_columns import ColumnOptions
 from tests.procedures.attitude.test_axes_check import G, rocking
 from tests.refusals import refused
 
@@ -55,20 +55,20 @@ def test_a_phones_log_becomes_roll_at_its_own_times(
 
 def test_a_told_unit_is_held_against_motion(tmp_path: Path) -> None:
     phone_log(tmp_path / "log.csv", rate=180 / np.pi)
-    assert read_any_log(tmp_path / "log.csv", ToldColumns(unit_gyro="deg/s")).log is not None
+    assert read_any_log(tmp_path / "log.csv", ColumnOptions(unit_gyro="deg/s")).log is not None
     with refused(DataRefused, ErrorCode.UNIT, "--unit-gyro deg/s"):
-        read_any_log(tmp_path / "log.csv", ToldColumns(unit_gyro="rad/s"))
+        read_any_log(tmp_path / "log.csv", ColumnOptions(unit_gyro="rad/s"))
     phone_log(tmp_path / "log.csv")
-    for told in ("deg/s", "mdeg/s", "deg/h"):
+    for stated in ("deg/s", "mdeg/s", "deg/h"):
         with refused(DataRefused, None, "--unit-gyro rad/s"):
-            read_any_log(tmp_path / "log.csv", ToldColumns(unit_gyro=told))
+            read_any_log(tmp_path / "log.csv", ColumnOptions(unit_gyro=stated))
 
 
 def test_rates_of_a_unit_that_nothing_tells_are_asked_for(tmp_path: Path) -> None:
     phone_log(tmp_path / "log.csv", still=True)
     with refused(DataRefused, ErrorCode.UNIT, "--unit-gyro"):
         read_any_log(tmp_path / "log.csv", None)
-    assert read_any_log(tmp_path / "log.csv", ToldColumns(unit_gyro="rad/s")).log.nominal == pytest.approx(0.02)
+    assert read_any_log(tmp_path / "log.csv", ColumnOptions(unit_gyro="rad/s")).log.nominal == pytest.approx(0.02)
 
 
 def test_linear_acceleration_is_refused(tmp_path: Path) -> None:
@@ -101,4 +101,4 @@ def test_axes_turn_both_sensors(tmp_path: Path) -> None:
 def test_missing_axes_are_refused(tmp_path: Path) -> None:
     phone_log(tmp_path / "log.csv")
     with refused(DataRefused, ErrorCode.COLUMNS):
-        read_any_log(tmp_path / "log.csv", ToldColumns(gyro=("gx", "gy", "-")))
+        read_any_log(tmp_path / "log.csv", ColumnOptions(gyro=("gx", "gy", "-")))

@@ -16,7 +16,7 @@ from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from drivers.wire import WireFormat
 from station import cli
-from station.stream.recorder.raw_check import check_raw_bytes
+from station.stream.recorder.sample_stream import check_raw_bytes
 from tests.patience import longer, paced
 
 SPEED, PERIOD_S = 200.0, 0.1  # as many frames/s as 2000 samples/s give

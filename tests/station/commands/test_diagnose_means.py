@@ -9,9 +9,9 @@ import pytest
 from procedures.error_codes import ErrorCode
 from station import cli
 from station.errors import DataRefused
-from station.files.logs import read_log
-from station.files.logs.log_columns import ToldColumns
+from station.files.logs.log_columns import ColumnOptions
 from station.files.logs.means_table import means_of
+from station.files.tables.reader import read_table
 from tests.procedures.free_positions.test_pose_means import BIAS, SIX, K, directions, outputs
 from tests.refusals import refused
 
@@ -78,7 +78,7 @@ def test_a_cell_of_a_count_or_a_standard_deviation_is_refused_by_its_line(
     rows[4][head.index(column)] = cell
     file.write_text("\n".join(map(",".join, [head, *rows])))
     with refused(DataRefused, ErrorCode.COLUMNS, column, line=6):
-        means_of(read_log(file), ToldColumns())
+        means_of(read_table(file), ColumnOptions())
 
 
 def test_gyroscopes_at_rest_give_a_bias_alone(tmp_path: Path) -> None:

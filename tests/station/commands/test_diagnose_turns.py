@@ -11,8 +11,8 @@ import pytest
 from procedures.error_codes import ErrorCode
 from station import cli
 from station.errors import DataRefused
-from station.files.logs.log_campaign import ToldLogs, campaign_of_logs
-from station.files.logs.log_columns import ToldColumns
+from station.files.logs.log_campaign import LogOptions, campaign_of_logs
+from station.files.logs.log_columns import ColumnOptions
 from tests.refusals import refused
 
 PERIOD, SPEED, REST_S, NOISE = 0.01, 30.0, 15.0, 0.01  # s, deg/s, s, deg/s a sample
@@ -82,12 +82,12 @@ def test_an_angle_that_nobody_told_is_asked_for_and_not_rounded(
 ) -> None:
     log = saved(tmp_path, turned_deg, scale)
     with refused(DataRefused, ErrorCode.TURN_ANGLE, "turn:+z:") as asked:
-        campaign_of_logs([log], ToldLogs(kinds=("turn:+z",)))
+        campaign_of_logs([log], LogOptions(kinds=("turn:+z",)))
     said = re.search(r"[0-9.]+(?= deg)", str(asked.value))
     assert said is not None
     assert float(said[0]) == pytest.approx(turned_deg * scale, abs=0.1)
     with refused(DataRefused, ErrorCode.TURN_ANGLE):
-        campaign_of_logs([log], ToldLogs(ToldColumns(unit_gyro="raw"), kinds=("turn:+z",)))
+        campaign_of_logs([log], LogOptions(ColumnOptions(unit_gyro="raw"), kinds=("turn:+z",)))
 
 
 @pytest.mark.parametrize(("turned_deg", "scale"), [(366.76, 1.01), (180.0, 0.98)])
@@ -144,7 +144,7 @@ def test_a_reference_and_a_gyroscope_that_agree_on_no_single_angle_are_asked_abo
     turned_deg: float, scale: float, ends: tuple[float, float], sign: int, kinds: tuple[str, ...], tmp_path: Path
 ) -> None:
     log = with_reference(saved(tmp_path, turned_deg, scale), ends, sign)
-    told = ToldLogs(ToldColumns(reference="enc_deg"), kinds=kinds)
+    told = LogOptions(ColumnOptions(reference="enc_deg"), kinds=kinds)
     with refused(DataRefused, ErrorCode.TURN_ANGLE):
         campaign_of_logs([log], told)
 

@@ -11,7 +11,7 @@ from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import turn_steps
 from station import cli
-from station.files.campaign_folder.plan_toml import read_plan
+from station.files.campaign_folder.plan_file import read_plan
 from station.files.effect_file import read_effect
 from station.results.certificate.laboratory import Laboratory
 from station.results.certificate.missing_statements import missing, only_proposed

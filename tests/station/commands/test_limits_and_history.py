@@ -12,8 +12,7 @@ from fixtures_db.stored_calibrations import accept_calibration
 from station import cli
 from station.demo.comparison import truth_values
 from station.errors import DataRefused
-from station.files.limits_example import example_limits
-from station.files.limits_toml import limits_in
+from station.files.limits_file import example_limits, limits_in
 from tests.fixtures_db.factory import facts, solution
 from tests.refusals import refused
 

@@ -22,7 +22,7 @@ from station import cli
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.mcap_files import read_step
 from station.files.sha256sums import verify_folder
-from station.stream.recorder.raw_check import check_raw_bytes
+from station.stream.recorder.sample_stream import check_raw_bytes
 from tests.patience import paced
 from tests.station.commands.program import Program
 

@@ -12,7 +12,7 @@ import pytest
 
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
-from station.files.setup import Setup
+from station.files.campaign_setup import Setup
 from station.guide.plain_screen import command_of
 from station.guide.setup_view import StartView
 from station.guide.view import CalibrationView, OperatorCommand

@@ -14,7 +14,7 @@ from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import Dwell, FreePosition, Soak, Step
 from station import cli
 from station.files.campaign_folder.campaign_reading import read_campaign
-from station.files.campaign_folder.plan_toml import write_plan
+from station.files.campaign_folder.plan_file import write_plan
 from station.files.sha256sums import verify_folder
 from tests.patience import paced
 from tests.station.commands.program import Program

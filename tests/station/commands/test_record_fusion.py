@@ -17,7 +17,7 @@ from drivers.simulated.truth import Truth
 from station import cli
 from station.files.fusion_folder import read_fusion
 from station.files.mcap_files import read_step
-from station.files.mcap_files.fix_reader import Record, read_fixes
+from station.files.mcap_files.gnss_file import Record, read_fixes
 from tests.drivers.simulated.drives import bends
 from tests.patience import paced
 from tests.station.commands.program import Program

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from station.errors import DataRefused
+from station.files.sample_arrays import MatSamples, SampleColumns
 from station.files.sample_files import WRITERS, writer_for
-from station.files.sample_files.mat_samples import MatSamples
-from station.files.sample_files.sample_file import SampleColumns
 from tests.refusals import refused
 
 NAMES = (

@@ -13,9 +13,9 @@ from drivers.wire import FORMATS
 from fixtures_db.database import Database, open_db
 from procedures.campaign.plan_steps import Dwell, Step
 from station.files.campaign_folder.campaign_schema import SiteTable
+from station.stream.connected_unit import Unit
 from station.stream.reader import Chunk
 from station.stream.recorder.accepted_step_writer import CampaignRecorder, open_campaign
-from station.stream.recorder.connected_unit import Unit
 from station.stream.recorder.sample_buffer import SampleBuffer
 from station.stream.recorder.sample_stream import SampleStream
 

@@ -10,7 +10,7 @@ from drivers.simulated.truth import Truth
 from drivers.wire import ALL_CHANNELS
 from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Dwell, Step
-from station.files.campaign_folder.notes import WantedRecord, read_no_moves, write_note
+from station.files.campaign_folder.plan_file import WantedRecord, read_no_moves, write_note
 from station.guide.campaign.accepted_steps import NO_ACCEPTED_STEPS, AcceptedSteps, read_accepted_steps
 from station.guide.campaign.checklist import Checklist
 from station.guide.campaign.folder_recorder import FolderRecorder

@@ -17,7 +17,7 @@ from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import Database, open_db
 from station.files.campaign_folder.campaign_reading import read_campaign
-from station.files.setup import Setup
+from station.files.campaign_setup import Setup
 from station.guide.client import EngineConnection, engine_process
 from station.guide.options import EngineOptions
 from station.guide.start_screen import unfinished_campaigns

@@ -19,7 +19,7 @@ from drivers.simulated.truth import Truth
 from fixtures_db.database import Database
 from station.errors import CannotWrite
 from station.exit_codes import exit_code
-from station.files.setup import Setup
+from station.files.campaign_setup import Setup
 from station.guide.engine import REFUSALS, CalibrationEngine
 from station.guide.headless import run_headless
 from station.guide.options import CalibrationOptions, EngineOptions

@@ -9,8 +9,8 @@ from fixtures_db.database import Database
 from fixtures_db.stored_calibrations import history
 from procedures.campaign.plan_steps import Dwell, turn_steps
 from station.files.campaign_folder.campaign_schema import read_campaign_toml
-from station.files.campaign_folder.notes import keep_plan, write_note
-from station.files.setup import Setup
+from station.files.campaign_folder.plan_file import keep_plan, write_note
+from station.files.campaign_setup import Setup
 from station.guide.engine import CalibrationEngine
 from station.guide.options import CalibrationOptions
 from station.guide.view import OperatorCommand

@@ -14,9 +14,9 @@ from fixtures_db.stored_calibrations import accept_calibration
 from procedures.campaign.plan_steps import Turn
 from procedures.error_codes import ErrorCode
 from station.errors import CannotWrite, DataRefused
+from station.files.atomic_file import new_folder
 from station.files.campaign_folder.campaign_reading import read_campaign
-from station.files.campaign_folder.notes import keep_plan
-from station.files.new_folder import new_folder
+from station.files.campaign_folder.plan_file import keep_plan
 from station.files.sha256sums import verify_folder
 from station.guide.campaign.folder_lock import FolderInUse, folder_lock
 from station.guide.campaign.interrupted_campaigns import (
@@ -27,9 +27,9 @@ from station.guide.campaign.interrupted_campaigns import (
     reopen,
 )
 from station.guide.start_screen import unfinished_campaigns
+from station.stream.connected_unit import Unit
 from station.stream.recorder import accepted_step_writer as recording
 from station.stream.recorder.accepted_step_writer import write_tables
-from station.stream.recorder.connected_unit import Unit
 from tests.fixtures_db.factory import facts, solution
 from tests.refusals import refused
 from tests.station.guide.recorded import accept, begin, die, everything, killed, step

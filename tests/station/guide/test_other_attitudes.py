@@ -11,8 +11,8 @@ from procedures.earth.gyrocompass import quarters_to, turned_position
 from procedures.frames import ATTITUDES, FACES, face_of, nominal_C_lb, vertical_rotation
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_campaign
-from station.files.campaign_folder.plan_toml import read_plan, write_plan
-from station.files.setup import Setup
+from station.files.campaign_folder.plan_file import read_plan, write_plan
+from station.files.campaign_setup import Setup
 from station.guide.campaign.campaign_start import usual_steps
 from station.guide.wording import instruction
 from tests.station.guide.rig import GuideRig, dwells

@@ -26,7 +26,7 @@ from station.guide.campaign.folder_recorder import interim_calibration
 from station.guide.campaign.interrupted_campaigns import reopen
 from station.guide.view import CalibrationView
 from station.guide.wording import instruction, laws_in_words
-from station.stream.recorder.connected_unit import Unit
+from station.stream.connected_unit import Unit
 from tests.refusals import refused
 from tests.station.campaign_writing import write_campaign
 from tests.station.guide.rig import GuideRig

@@ -20,8 +20,8 @@ from fixtures_db.schema import CubeRow, SiteRow, SlabRow
 from fixtures_db.stored_calibrations import calibration
 from procedures.campaign.campaign import FaceCertificate
 from procedures.frames import FACES
-from station.files.campaign_folder.notes import write_note
-from station.files.setup import Setup
+from station.files.campaign_folder.plan_file import write_note
+from station.files.campaign_setup import Setup
 from station.guide.campaign.campaign_start import usual_steps
 from station.guide.campaign.campaign_tables import site_table
 from station.guide.campaign.readiness import read_prior_knowledge, readiness
@@ -31,8 +31,8 @@ from station.results.campaign_results import CampaignResults, make_results, stor
 from station.results.certificate.certificate_inputs import Certificate
 from station.results.certificate.missing_statements import missing
 from station.results.verdict import judge
+from station.stream.connected_unit import Unit
 from station.stream.recorder.accepted_step_writer import open_campaign
-from station.stream.recorder.connected_unit import Unit
 from tests.fixtures_db.factory import level_row, survey_columns
 from tests.station.guide.stored import recorded
 from tests.station.results.certificate.factory import laboratory

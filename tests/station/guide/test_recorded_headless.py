@@ -19,7 +19,7 @@ from station import cli
 from station.errors import Altered
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML
-from station.files.setup import Setup
+from station.files.campaign_setup import Setup
 from station.files.sha256sums import SHA256SUMS, append_hash, sha256_of
 from station.guide.campaign.campaign_tables import copy_effects
 from station.guide.headless import record_headless

@@ -9,7 +9,7 @@ import pytest
 from procedures.campaign.plan_steps import Dwell
 from procedures.planning.campaign_design import CampaignDesign, Placement
 from procedures.planning.least_time import NextPlacement
-from station.files.campaign_folder.notes import WantedRecord
+from station.files.campaign_folder.plan_file import WantedRecord
 from station.guide.campaign import sequential_campaign
 from station.guide.campaign.accepted_steps import AcceptedDwell
 from station.guide.campaign.sequential_campaign import NOISE_S, SequentialCampaign

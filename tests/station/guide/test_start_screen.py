@@ -18,7 +18,7 @@ from fixtures_db.database import Database, open_db
 from fixtures_db.fixtures import add_fixture
 from fixtures_db.schema import CubeRow, SlabRow
 from station.errors import CannotWrite
-from station.files.setup import Setup
+from station.files.campaign_setup import Setup
 from station.guide.campaign.port_check import check_port, check_receiver
 from station.guide.engine import CalibrationEngine
 from station.guide.last_setup import load_setup, save_setup, setup_file

@@ -11,7 +11,7 @@ from drivers.simulated.truth import Truth
 from procedures.error_codes import ErrorCode
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.guide.campaign.accepted_steps import read_accepted_steps
-from station.stream.recorder.connected_unit import UnitChanged
+from station.stream.connected_unit import UnitChanged
 from tests.refusals import refused
 from tests.station.guide.rig import GuideRig, dwells
 
@@ -39,10 +39,10 @@ def test_another_unit_is_refused_and_none_of_its_samples_are_used(rig: Make) -> 
     guided.source.device = ByteDevice(Truth.example(2), 1, "counts")
     with refused(UnitChanged, ErrorCode.WRONG_UNIT, found="SIM-2", expected="SIM-1"):
         guided.run(guided.done(1))
-    guided.feed.begin_anew()
+    guided.feed.reset()
     guided.guide.stream_failed(UnitChanged("port", "SIM-2", "SIM-1"))
     guided.source.device = own
-    guided.feed.begin_anew()
+    guided.feed.reset()
     guided.guide.stream_is_back()
     guided.run(guided.done(1))
     assert any("the data stream was interrupted" in text for text in guided.texts)

@@ -12,7 +12,7 @@ from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import Dwell, Monitor, Turn
 from procedures.twelve_positions.placement_transfers import MAX_CONING_RAD, coning_of, long_enough_s
 from procedures.units import RAD_PER_ARCSEC
-from station.files.campaign_folder import notes
+from station.files.campaign_folder import plan_file
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.sha256sums import verify_folder
 from station.guide.checks.transfers import INTERRUPTED, LONG, LOST, RESTARTED, TransferChain
@@ -122,7 +122,7 @@ KILLS: dict[str, tuple[object, str, int, bool, bool]] = {
     "between the step's file and campaign.toml": (recording, "write_tables", 1, False, False),
     "between campaign.toml and the row": (recording, "write_tables", 1, True, True),
     "before the commit": (recording, "accept_step", 1, True, True),
-    "after the commit, before the note of a missing move": (notes, "write_note", 1, False, True),
+    "after the commit, before the note of a missing move": (plan_file, "write_note", 1, False, True),
 }
 
 

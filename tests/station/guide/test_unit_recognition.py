@@ -8,11 +8,11 @@ import pytest
 from drivers.simulated.bench_in_memory import SimulatedBench
 from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import Dwell
-from station.files.campaign_folder.notes import UnitRecord, read_note, write_note
+from station.files.campaign_folder.plan_file import UnitRecord, read_note, write_note
 from station.guide.stages.guide import Guide
 from station.guide.stages.unit_recognition_stage import same_unit
+from station.stream.connected_unit import UnitChanged
 from station.stream.live.stillness import TICKS_PER_BLOCK
-from station.stream.recorder.connected_unit import UnitChanged
 from tests.station.guide.rig import GuideRig, dwells
 
 SECONDS = 20

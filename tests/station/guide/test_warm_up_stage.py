@@ -8,7 +8,7 @@ import pytest
 from drivers.simulated.truth import Truth
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.campaign_schema import read_campaign_toml
-from station.files.campaign_folder.notes import kept_plan
+from station.files.campaign_folder.plan_file import kept_plan
 from tests.station.guide.rig import GuideRig, dwells
 
 Make = Callable[..., GuideRig]

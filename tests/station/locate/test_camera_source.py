@@ -13,8 +13,8 @@ from procedures.fusion.vision.feature_tracks import FeatureTracks
 from station import cli
 from station.errors import DataRefused
 from station.files.fusion_folder import FusionLog, read_fusion
-from station.files.fusion_folder.tracks import write_tracks
-from station.locate.camera_clock import ClockedTracks, on_imu_clock, suspected_offset
+from station.files.fusion_folder.fusion_tables import write_tracks
+from station.locate.camera_source import ClockedTracks, on_imu_clock, suspected_offset
 from station.locate.locate_folder import location_text
 from tests.procedures.fusion.motions import Eight
 from tests.procedures.fusion.seen import CAMERA, tracks_of

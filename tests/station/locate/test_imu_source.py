@@ -13,8 +13,7 @@ from station.files.fusion_folder import read_tum
 from station.locate.locate_folder import location_text
 from tests.procedures.fusion.drives import SCALE, SLIPS, Drive
 from tests.procedures.fusion.motions import GRAVITY, NO_LEVER, Eight
-from tests.station.files.fusion_folder.drive_folders import write_drive
-from tests.station.files.fusion_folder.folders import TOML, write_rows
+from tests.station.files.fusion_folder.drive_folders import TOML, write_drive, write_rows
 
 GNSS_HEADER = "t_s,e_m,n_m,u_m,ve_m_s,vn_m_s,vu_m_s"
 RATE_HEADER = "t_s,wx_rad_s,wy_rad_s,wz_rad_s,fx_m_s2,fy_m_s2,fz_m_s2"

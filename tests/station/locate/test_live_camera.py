@@ -8,7 +8,7 @@ from procedures.fusion.inner.camera_frames import SPACING
 from procedures.fusion.vision.feature_tracks import FeatureTracks
 from procedures.fusion.visual_alignment.camera_time import CameraTimeOffset
 from station.locate.live_camera import LiveCamera
-from station.stream.camera.feature_following import FeaturePositions
+from station.stream.camera import FeaturePositions
 from tests.procedures.fusion.seen import CAMERA
 from tests.procedures.fusion.visual_alignment.test_camera_time import rocking, seen
 
@@ -80,7 +80,7 @@ def test_what_is_told_is_kept() -> None:
     assert not live.is_due
     assert live.offset_std == 0.0
     assert live.said == "120 features, stamps 60 ms late"
-    live.begin_anew()
+    live.reset()
     assert live.said == "no image yet"
     assert live.offset == CameraTimeOffset(-LATE_S, 0.0)
 

@@ -5,7 +5,7 @@ import pytest
 
 from procedures.fusion.odometry import OdometryDrift
 from procedures.fusion.outer.pose_graph import PoseGraph
-from station.locate.live_graph import LiveGraph
+from station.locate.live_alignment import LiveGraph
 from tests.procedures.fusion.motions import Eight, only
 
 DRIFT = OdometryDrift(0.02, 0.03, 0.01)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from station import cli
-from tests.station.files.fusion_folder.folders import write_folder, write_rows
+from tests.station.files.fusion_folder.drive_folders import write_folder, write_rows
 
 OFF = np.array([0.0, 20.0, 20.0, 0.0, 0.0, 0.0, 0.0])
 

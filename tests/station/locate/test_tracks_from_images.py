@@ -16,7 +16,7 @@ from station.files.fusion_folder import read_fusion
 from station.locate.tracks_from_images import follow_all, listed_images, make_tracks
 from tests.procedures.fusion.rendered import FOCAL, HEIGHT, WIDTH, Scene, frames
 from tests.refusals import refused
-from tests.station.files.fusion_folder.folders import write_folder
+from tests.station.files.fusion_folder.drive_folders import write_folder
 
 cv2 = pytest.importorskip("cv2", reason="opencv is not installed")
 TRACKS = f"""[tracks]

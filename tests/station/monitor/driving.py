@@ -20,8 +20,7 @@ from procedures.fusion.visual_alignment.camera_time import CameraTimeOffset
 from station.calibrated import InUse
 from station.calibrated.calibration_choice import AppliedCalibration
 from station.calibrated.output_frame import DEFAULT_AXES, body_axes
-from station.files.mcap_files.fix_reader import Record
-from station.files.mcap_files.fix_writer import FixWriter
+from station.files.mcap_files.gnss_file import FixWriter, Record
 from station.locate.live_camera import LiveCamera
 from station.monitor.locator_thread import locating
 from station.monitor.monitor import Monitor, MonitorOptions
@@ -35,7 +34,7 @@ from tests.station.stream.live.bench_in_memory import Source
 
 
 class Receiver:
-    """An autopilot heard without a port, at the IMU's own time; as `station.stream.beside.LiveCompanion`.
+    """An autopilot heard without a port, at the IMU's own time; as `station.stream.auxiliary.LiveCompanion`.
 
     What is read is told ``late_s`` [s] later, as by a reader on a busy machine.
     """
@@ -159,7 +158,7 @@ def driven_along(
     window = rig.monitor._options.locating._window  # noqa: SLF001
     is_seen = rig.sight is not None and window is not None
     of_images = (window.seen_until, window.awaited) if is_seen else (np.nan, -1)
-    rig.feed.begin_anew()
+    rig.feed.reset()
     return DrivenAlong(lines, view, rig.run(1.0), *of_images)
 
 

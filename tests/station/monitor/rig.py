@@ -39,8 +39,8 @@ class MonitorRig:
         answer = self.source.device.execute(command)
         assert answer.startswith("ok"), answer
 
-    def obey(self, verb: MonitorVerb) -> None:
-        self.monitor.obey(verb)
+    def execute(self, verb: MonitorVerb) -> None:
+        self.monitor.execute(verb)
 
     @property
     def view(self) -> MonitorView:

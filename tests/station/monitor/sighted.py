@@ -9,7 +9,7 @@ from drivers.camera import CameraImage
 from drivers.simulated.vehicle_track import MIN_SPEED_M_S, VehicleTrack
 from procedures.fusion.fusion_records import Trajectory
 from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
-from station.stream.camera.feature_following import FeaturePositions
+from station.stream.camera import FeaturePositions
 from station.stream.stream_events import StreamState
 from tests.drivers.simulated.camera_tracks import View, simulate_tracks
 from tests.station.stream.live.bench_in_memory import Source

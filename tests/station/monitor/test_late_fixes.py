@@ -9,9 +9,9 @@ import pytest
 from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.truth import Truth
 from procedures.earth.gnss_records import FixType, GnssFix
-from station.live_attitude.joint_filter import AidValues
+from station.attitude.live_kalman_filter import AidValues
 from station.monitor import monitor
-from station.monitor.gnss_aid import USUAL_LATENCY, aiding_of
+from station.monitor.auxiliary_inputs import USUAL_LATENCY, aiding_of
 from tests.drivers.simulated.drives import bends
 from tests.station.monitor.driving import DriveRig
 from tests.station.monitor.test_driving import TRUTH

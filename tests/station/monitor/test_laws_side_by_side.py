@@ -13,9 +13,9 @@ from drivers.simulated.truth import Truth
 from procedures.attitude.complementary_gains import Gains
 from procedures.attitude.laws import parse_laws
 from station import cli
+from station.attitude.live_complementary_filter import ComplementaryFilterTrack
+from station.attitude.live_kalman_filter import AidValues
 from station.calibrated.rates_and_forces import RatesAndForces
-from station.live_attitude.joint_filter import AidValues
-from station.live_attitude.mixing_law import MixingLawTrack
 from station.monitor.monitor import MonitorOptions
 from station.monitor.text_lines import json_line, reading_line
 from tests.drivers.simulated.drives import bends
@@ -135,7 +135,7 @@ def test_what_a_law_cannot_use_is_said_in_a_line(
 
 @pytest.mark.parametrize("hz", [10, 100])
 def test_the_velocity_filter_is_said_to_diverge_after_a_minute_of_turning_at_any_rate(hz: int) -> None:
-    track, size = MixingLawTrack("paper-filter", "airspeed-filter"), max(1, hz // 10)
+    track, size = ComplementaryFilterTrack("paper-filter", "airspeed-filter"), max(1, hz // 10)
     aid, notes = AidValues(airspeed=15.0), list[tuple[float, str]]()
     for first in range(0, 90 * hz, size):
         t = np.arange(first, first + size) / hz

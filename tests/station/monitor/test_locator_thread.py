@@ -95,7 +95,7 @@ class Slow:
         self.images.append(len(taken.images))
         self.dropped += taken.images_dropped
 
-    def begin_anew(self) -> None:
+    def reset(self) -> None:
         self.images.append(-1)
 
 
@@ -105,7 +105,7 @@ def test_a_thread_that_is_far_behind_goes_on_without_images() -> None:
     tick = LocatorTick(ImuSeries(np.zeros(1), none, none), (), (), (CameraImage(0, None, b""),))
     for _ in range(2 * FAR_BEHIND):
         thread.take(tick)
-    thread.begin_anew()
+    thread.reset()
     slow.go.set()
     while -1 not in slow.images:
         Event().wait(0.01)

@@ -20,12 +20,11 @@ from station.calibrated.calibration_choice import find_calibration
 from station.calibrated.output_frame import body_axes
 from station.errors import DataRefused
 from station.files.mcap_files import read_step
-from station.monitor.alarms import Alarm
 from station.monitor.monitor import MonitorOptions
 from station.monitor.text_lines import json_line, reading_line
-from station.monitor.view import MonitorView
-from station.stream.recorder.connected_unit import Unit
-from station.stream.recorder.raw_check import check_raw_bytes
+from station.monitor.view import Alarm, MonitorView
+from station.stream.connected_unit import Unit
+from station.stream.recorder.sample_stream import check_raw_bytes
 from tests.paths import ROOT
 from tests.refusals import refused
 from tests.station.monitor.rig import MonitorRig
@@ -115,13 +114,13 @@ def test_a_zero_changes_what_is_shown_and_nothing_else() -> None:
     one, other = MonitorRig(FLAT), MonitorRig(FLAT)
     for rig in (one, other):
         rig.run(20.0)
-    one.obey("zero")
+    one.execute("zero")
     for rig in (one, other):
         rig.run(10.0)
     assert one.view.reading == other.view.reading
     assert one.view.shown != other.view.shown
     assert abs(one.view.shown[0]) < 0.02
-    one.obey("zero")
+    one.execute("zero")
     assert one.view.shown == other.view.shown
 
 
@@ -143,12 +142,12 @@ def test_an_alarm_rings_once_and_ends_below_its_limit() -> None:
 
 def test_it_records_bytes_and_counts_and_what_happened(tmp_path: Path) -> None:
     rig = MonitorRig(FLAT, folder=tmp_path)
-    rig.obey("record")
+    rig.execute("record")
     rig.run(10.0)
-    rig.obey("mark")
-    rig.obey("record")
+    rig.execute("mark")
+    rig.execute("record")
     rig.run(5.0)
-    rig.obey("record")
+    rig.execute("record")
     rig.run(5.0)
     rig.monitor.close()
     assert check_raw_bytes(tmp_path / "recording.mcap", FORMATS["counts"]) == pytest.approx(500, abs=60)

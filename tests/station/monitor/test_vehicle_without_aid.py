@@ -9,9 +9,9 @@ from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.forward_right_down import down_of, inclination
 from procedures.attitude.kalman_state import KalmanSettings
 from procedures.units import STANDARD_GRAVITY
+from station.attitude.live_kalman_filter import AttitudeEstimator
 from station.calibrated.filter_settings import filter_settings, in_a_vehicle
 from station.calibrated.rates_and_forces import RatesAndForces
-from station.live_attitude.joint_filter import AttitudeEstimator
 from tests.drivers.simulated.vehicles import MEMS, vehicle_log
 from tests.procedures.attitude.test_unaided_motion import in_a_hand
 

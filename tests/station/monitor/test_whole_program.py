@@ -18,7 +18,7 @@ from drivers.simulated.truth import Truth
 from station import cli
 from station.calibrated.output_frame import body_axes
 from station.files.sha256sums import verify_folder
-from station.monitor import readers_beside
+from station.monitor import auxiliary_inputs
 from tests.patience import paced
 from tests.station.commands.program import Program
 from tests.station.monitor.unit import write_calibration
@@ -89,7 +89,7 @@ def test_attitude_is_told_by_mavlink(tmp_path: Path, capsys: pytest.CaptureFixtu
 def test_a_receiver_aids_and_the_replay_with_its_file_ends_in_the_same(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(readers_beside, "MAX_HOLD_S", -1.0)  # s: no tick waits for the receiver's reader
+    monkeypatch.setattr(auxiliary_inputs, "MAX_HOLD_S", -1.0)  # s: no tick waits for the receiver's reader
     calibration = str(write_calibration(tmp_path, FLAT))
     same = ["--calibration", calibration, "--json"]
     speed = paced(SPEED)

@@ -2,14 +2,14 @@
 
 import math
 
-from station.calibrated import InUse
-from station.live_attitude.readings import (
+from station.attitude.live_readings import (
     AttitudeReading,
-    LawReading,
+    FilterReading,
     RestErrorComparison,
     RestErrors,
     SettlesAt,
 )
+from station.calibrated import InUse
 from station.locate.location import Location
 from station.monitor.view import ChartPoint, MonitorView
 from station.stream.stream_events import Event, StreamState
@@ -118,10 +118,10 @@ BLIND = _with(
     ),
 )  # fmt: skip
 BEHIND = _with(LOCATED, reading=_with(LOCATED.reading, t=824.0))
-_JOINT = LawReading(
+_JOINT = FilterReading(
     "joint", "Kalman filter, aid gnss", READING.roll, READING.pitch, (0.07535, 0.2132, 0.9741), READING.bias
 )
-_PAPER = LawReading(
+_PAPER = FilterReading(
     "paper", "forward speed (10)", 12.145, -3.101, (0.0541, 0.2101, 0.9762), (1.1, -0.4, 0.0),
     SettlesAt(-0.138, 1.226, 0.338, 0.194),
 )  # fmt: skip

@@ -24,8 +24,8 @@ from procedures.frames import FACES
 from station.errors import Altered, CannotWrite
 from station.files.atomic_file import replace_file
 from station.files.campaign_folder.campaign_reading import read_campaign
-from station.files.campaign_folder.notes import write_note
-from station.files.setup import Setup
+from station.files.campaign_folder.plan_file import write_note
+from station.files.campaign_setup import Setup
 from station.guide.campaign.interrupted_campaigns import cancel_campaign
 from station.guide.campaign.verdict import verdict_view
 from station.results import campaign_results as module

@@ -15,9 +15,9 @@ from procedures.counts.sample_records import SampleBlock, joined_blocks
 from station.calibrated import InUse
 from station.calibrated.calibration_choice import AppliedCalibration
 from station.sending.live_samples import LiveSamples
-from station.sending.samples import CalibratedSamples
+from station.sending.outputs import CalibratedSamples
 from station.stream.live.live_feed import open_feed
-from station.stream.reader import Chunk, GapMark
+from station.stream.reader import Chunk, StreamGap
 from tests.station.monitor.unit import calibration_of
 from tests.station.stream.live.bench_in_memory import Source
 
@@ -29,7 +29,7 @@ class KeptSource(Source):
 
     data = b""
 
-    def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
+    def poll(self, timeout_s: float) -> list[Chunk | StreamGap]:
         items = super().poll(timeout_s)
         self.data += b"".join(item.data for item in items if isinstance(item, Chunk))
         return items

@@ -14,7 +14,7 @@ from procedures.campaign.campaign import UNKNOWN
 from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 from station.sending.chosen_calibration import chosen_calibration, refuse_unfit
-from station.stream.recorder.connected_unit import Unit
+from station.stream.connected_unit import Unit
 from tests.fixtures_db.factory import facts, solution
 from tests.refusals import refused
 

@@ -5,9 +5,8 @@ import threading
 import numpy as np
 import pytest
 
-from station.files.mcap_files.calibrated_sample import COLUMNS
-from station.sending.outputs import open_outputs
-from station.sending.quality import Quality
+from station.files.mcap_files.schemas import COLUMNS
+from station.sending.outputs import Quality, open_outputs
 from tests.free_port import free_tcp_port
 from tests.patience import until
 from tests.station.sending.test_outputs import ABOUT, made

@@ -10,9 +10,8 @@ from drivers.simulated.faults import Fault
 from procedures.arrays import FloatArray
 from procedures.counts.sample_records import CountBlock
 from station.calibration import calibration_of as library_of
-from station.sending.quality import Quality, names
-from station.sending.sample_times import SampleTimes
-from station.sending.samples import CalibratedSamples
+from station.sending.live_samples import SampleTimes
+from station.sending.outputs import CalibratedSamples, Quality, names
 from tests.station.monitor.unit import G, calibration_of
 from tests.station.sending.effects import EFFECTS
 from tests.station.sending.rig import UNIT, LiveRig
@@ -185,6 +184,6 @@ def test_a_pulse_tells_utc_however_late_reads_are_and_its_end_is_seen() -> None:
 def test_a_restart_of_the_device_forgets_which_second_its_pulses_were() -> None:
     times = SampleTimes(lambda host_ns: host_ns / 1e9)
     times.of(np.array([200.25]), read_ns(200.25), 0.25)
-    times.begin_anew()  # it counts from 0 again
+    times.reset()  # it counts from 0 again
     _, utc = times.of(np.array([2.25]), read_ns(202.25), 0.25)
     assert utc == pytest.approx(EPOCH + 202.25, abs=1e-6)

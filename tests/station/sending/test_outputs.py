@@ -11,10 +11,7 @@ from pymavlink import mavutil
 
 from drivers.errors import DriverError, PortBusy, PortNotFound
 from station.errors import CannotWrite
-from station.sending.output import BadAddress, Output
-from station.sending.outputs import open_outputs
-from station.sending.quality import Quality
-from station.sending.samples import About, CalibratedSamples
+from station.sending.outputs import About, BadAddress, CalibratedSamples, Output, Quality, open_outputs
 from station.sending.to_stdout import MAX_WAITING, StdoutLines
 from tests.free_port import free_tcp_port
 from tests.patience import HANG_S, until

@@ -24,7 +24,7 @@ from drivers.wire import FORMATS
 from station import cli
 from station.calibration import load
 from station.files.mcap_files import read_step
-from station.files.mcap_files.calibrated_sample import COLUMNS
+from station.files.mcap_files.schemas import COLUMNS
 from tests.patience import paced
 from tests.station.commands.program import STATION, Program
 from tests.station.monitor.unit import write_calibration

@@ -12,8 +12,7 @@ import numpy as np
 import pytest
 
 from drivers.sample_datagram import DATAGRAM, MAGIC
-from station.sending.outputs import open_outputs
-from station.sending.quality import Quality
+from station.sending.outputs import Quality, open_outputs
 from tests.free_port import free_udp_port
 from tests.paths import ROOT
 from tests.station.sending.test_outputs import ABOUT, made

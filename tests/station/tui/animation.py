@@ -14,7 +14,7 @@ from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from station.demo.example_bench import GRAVITY_STD, add_example
-from station.files.setup import Setup
+from station.files.campaign_setup import Setup
 from station.guide.headless import run_headless
 from station.guide.options import EngineOptions
 from station.guide.view import CalibrationView, OperatorCommand

@@ -1,6 +1,6 @@
 """Views of the start screen made by hand: a form filled in, campaigns to go on with, what lacks."""
 
-from station.files.setup import Setup
+from station.files.campaign_setup import Setup
 from station.guide.setup_view import Choice, PortCheck, Readiness, ReadyLine, StartView, UnfinishedCampaign
 from station.guide.view import CalibrationView
 

@@ -10,7 +10,7 @@ from drivers.errors import DriverError, LinkLost, LinkSilent, PortBusy, PortDeni
 from station.errors import DataRefused, cannot_write
 from station.guide.stages.guide import trouble_of
 from station.guide.view import CalibrationView, StageName
-from station.stream.recorder.connected_unit import UnitChanged
+from station.stream.connected_unit import UnitChanged
 from station.stream.stream_events import Event
 from tests.station.tui import start_views, views
 from tests.station.tui.session import SMALL, Screens, screens

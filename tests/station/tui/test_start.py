@@ -3,7 +3,7 @@
 import pytest
 from textual.events import Key
 
-from station.files.setup import Setup
+from station.files.campaign_setup import Setup
 from station.guide.setup_view import Choice, PortCheck, Readiness, ReadyLine, StartView
 from station.guide.view import CalibrationView, OperatorCommand
 from station.tui.screens.modals import HelpScreen, ReadyScreen

@@ -14,8 +14,8 @@ from fixtures_db.database import open_db
 from fixtures_db.stored_calibrations import history
 from procedures.campaign.plan_steps import Dwell, turn_steps
 from station.files.campaign_folder.campaign_reading import read_campaign
-from station.files.campaign_folder.plan_toml import write_plan
-from station.files.setup import Setup
+from station.files.campaign_folder.plan_file import write_plan
+from station.files.campaign_setup import Setup
 from station.guide.client import EngineConnection, engine_process
 from station.guide.options import EngineOptions
 from station.guide.view import CalibrationView

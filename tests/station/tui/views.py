@@ -18,7 +18,7 @@ from station.guide.view import (
     VerdictRow,
     WarmUpView,
 )
-from station.stream.recorder.connected_unit import UnitChanged
+from station.stream.connected_unit import UnitChanged
 from tests.station.tui import start_views
 from tests.station.tui.campaign_under_way import EVENTS, LINK, UNIT, pose, running, steps
 from tests.station.tui.start_views import FOLDER

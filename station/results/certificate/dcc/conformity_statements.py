@@ -4,7 +4,7 @@ from station.results.certificate.certificate_wording import greatest_risks
 from station.results.certificate.content import CertificateContent
 from station.results.certificate.dcc.elements import Element, Said, dcc
 from station.results.certificate.dcc.statement import statement
-from station.text.plural import plural
+from station.text import plural
 
 CONFORMITY = {"PASS": "pass", "FAIL": "fail"}
 SAID_CONFORMITY = {"PASS": "erfüllt", "FAIL": "nicht erfüllt", "NOT MEASURED": "nicht gemessen"}

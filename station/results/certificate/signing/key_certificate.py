@@ -20,7 +20,7 @@ from pyhanko_certvalidator.errors import PathBuildingError, PathError, Validatio
 from pyhanko_certvalidator.path import ValidationPath
 
 from station.errors import DataRefused
-from station.files.toml_reading import read_text_file
+from station.files.toml_file import read_text_file
 from station.results.certificate.signing.errors import first_line
 from station.results.certificate.signing.signing_key import may_sign
 

@@ -14,7 +14,7 @@ from cryptography.hazmat.primitives.serialization.pkcs12 import load_key_and_cer
 
 from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
-from station.files.toml_reading import read_text_file
+from station.files.toml_file import read_text_file
 
 PrivateKey = rsa.RSAPrivateKey | ec.EllipticCurvePrivateKey
 LEAST_RSA_BITS = 2048  # NIST SP 800-131A rev. 2, table 2

@@ -6,7 +6,7 @@ import pytest
 
 from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak, Turn
 from station.errors import DataRefused
-from station.files.campaign_folder.plan_toml import read_plan, write_plan
+from station.files.campaign_folder.plan_file import read_plan, write_plan
 from tests.refusals import refused
 
 STEPS = (

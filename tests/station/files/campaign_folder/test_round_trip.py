@@ -24,7 +24,7 @@ from procedures.counts.sample_records import CountSeries, RateSeries, Series
 from procedures.frames import FACES, TURN_START
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
-from station.files.toml_writing import toml_text
+from station.files.toml_file import toml_text
 from tests.station.campaign_writing import write_campaign
 
 PERIOD = 0.02

@@ -1,5 +1,7 @@
 """Columns of a step's file as a series: what counts, gaps and periods become, row by row."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -8,14 +10,19 @@ from procedures.counts.sample_records import CountSeries, RateSeries
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import CampaignImuTable
 from station.files.campaign_folder.sample_series import step_data
-from station.files.columns import OUTPUTS, DataFile
+from station.files.tables.strict_csv import OUTPUTS
+from station.files.tables.table import Table
 from tests.refusals import refused
 
 PERIOD = 0.01
 
 
-def table(t: FloatArray, values: FloatArray, **beside: FloatArray) -> DataFile:
-    return DataFile("a.csv", {"t_s": t, **dict(zip(OUTPUTS, values.T, strict=False)), **beside}, 2, "")
+def table(t: FloatArray, values: FloatArray, **beside: FloatArray) -> Table:
+    return Table(
+        Path("a.csv"),
+        {"t_s": t, **dict(zip(OUTPUTS, values.T, strict=False)), **beside},
+        lines=range(2, 2 + len(t)),
+    )
 
 
 def imu(output: str, bits: int | None = None, period: float = PERIOD) -> CampaignImuTable:

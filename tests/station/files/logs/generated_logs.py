@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from procedures.arrays import FloatArray
-from station.files.logs.log_table import LogTable
+from station.files.tables.table import Table
 from tests.station.files.logs.generated_times import Stamps, generated
 
 G = 9.80665  # m/s2
@@ -98,10 +98,10 @@ class Log:
     kind: str
 
     @property
-    def table(self) -> LogTable:
+    def table(self) -> Table:
         """The log as a reader returns it."""
         moments = frozenset({self.time.name}) if self.time.unit == "iso8601" else frozenset[str]()
-        return LogTable(Path(self.file), self.columns, "", moments=moments, time_scale_s=self.time.scale_s)
+        return Table(Path(self.file), self.columns, "", moments=moments, time_scale_s=self.time.scale_s)
 
     def write(self, folder: Path) -> Path:
         """Write it as text; of a scale in the header, the line above the table as a .gcsv has it."""

@@ -12,8 +12,8 @@ import pytest
 from procedures.error_codes import ErrorCode
 from station.cli import run
 from station.errors import DataRefused, TimeUnitAsked
-from station.files.logs.log_campaign import ToldLogs, readings
-from station.files.logs.log_columns import LogColumns, ToldColumns, choose_columns
+from station.files.logs.log_campaign import LogOptions, readings
+from station.files.logs.log_columns import ColumnOptions, LogColumns, choose_columns
 from station.files.logs.log_data import log_data
 from station.files.logs.unit_checks import check_units
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, outputs_per_unit
@@ -26,32 +26,32 @@ ASKED = {ErrorCode.TIME_UNIT: "asked time", ErrorCode.COLUMNS: "asked kind"}
 RIGHT = frozenset({"right", *ASKED.values(), "refused"})
 
 
-def answer(log: Log, told: ToldColumns, asked: DataRefused) -> ToldColumns | None:
+def answer(log: Log, stated: ColumnOptions, asked: DataRefused) -> ColumnOptions | None:
     """Return what who knows the truth says to a question; None where the right answer is not offered."""
     if isinstance(asked, TimeUnitAsked):
         right = [unit for unit, hz, _ in asked.candidates if abs(hz / log.time.rate_hz - 1) < 0.1]
-        return replace(told, unit_time=right[0]) if right else None
+        return replace(stated, unit_time=right[0]) if right else None
     for sensor, text in re.findall(r"--(gyro|accel) ((?:[^,]+,){2}.+?)(?= or --|$)", str(asked)):
         names = tuple(text.split(","))
         if all(each in log.channels and log.channels[each].sensor == sensor for each in names):
-            return replace(told, gyro=names) if sensor == "gyro" else replace(told, accel=names)
+            return replace(stated, gyro=names) if sensor == "gyro" else replace(stated, accel=names)
     return None
 
 
 def outcome(log: Log) -> str:
     """Return what becomes of a log; questions are answered, and what follows is looked at as well."""
-    told, asked, table = ToldColumns(), "", log.table
+    stated, asked, table = ColumnOptions(), "", log.table
     while True:
         try:
-            found = choose_columns(table, told)
+            found = choose_columns(table, stated)
             data, _, _ = log_data(found, None, log.file)
-            check_units(readings(found, data, ToldLogs(told)))
+            check_units(readings(found, data, LogOptions(stated)))
         except DataRefused as error:
             if error.code not in ASKED:
                 return "refused"
-            if (more := answer(log, told, error)) is None or more == told:
+            if (more := answer(log, stated, error)) is None or more == stated:
                 return "asked without the right one"
-            told, asked = more, asked or ASKED[error.code]
+            stated, asked = more, asked or ASKED[error.code]
         else:
             return wrongly(log, found) or asked or "right"
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from station.files.logs.angle_names import degrees_per_angle
 from station.files.logs.header_guesses import (
+    degrees_per_angle,
     guessed_temperature,
     guessed_time,
     time_unit_in_name,

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from station.errors import DataRefused
-from station.files.logs import read_log
 from station.files.logs.header_guesses import guessed_time
-from station.files.logs.log_columns import ToldColumns, choose_columns
+from station.files.logs.log_columns import ColumnOptions, choose_columns
 from station.files.logs.triad_guesses import guessed_triad
+from station.files.tables.reader import read_table
 from tests.refusals import refused
 
 HEADERS = {  # name: header, time, the first gyroscope's and accelerometer's column
@@ -82,7 +82,7 @@ def test_sensor_logger_writes_z_y_x_and_the_file_says_of_what(
 ) -> None:
     rows = [f"{1760000000000000000 + 10000000 * i},{0.01 * i:.6f},{3.3 + i % 2},{2.2},{1.1}" for i in range(40)]
     (tmp_path / name).write_text("\n".join(["time,seconds_elapsed,z,y,x", *rows]))
-    found = choose_columns(read_log(tmp_path / name), ToldColumns(rate_hz=100))
+    found = choose_columns(read_table(tmp_path / name), ColumnOptions(rate_hz=100))
     assert getattr(found, triad) == ("x", "y", "z")
     assert getattr(found, f"unit_{triad}") == unit
     assert any("no gravity" in guess for guess in found.guesses) != has_gravity
@@ -92,7 +92,7 @@ def test_bare_columns_in_a_file_that_says_no_sensor_are_asked_for(tmp_path: Path
     rows = "\n".join(f"{i},{i % 3},{i % 2},{9.81}" for i in range(40))
     (tmp_path / "log7.csv").write_text(f"timestamp,x,y,z\n{rows}\n")
     with refused(DataRefused, None, "--gyro"):
-        choose_columns(read_log(tmp_path / "log7.csv"), ToldColumns(rate_hz=100))
+        choose_columns(read_table(tmp_path / "log7.csv"), ColumnOptions(rate_hz=100))
 
 
 def test_phyphox_writes_quotes_and_semicolons_with_decimal_commas(tmp_path: Path) -> None:
@@ -100,6 +100,6 @@ def test_phyphox_writes_quotes_and_semicolons_with_decimal_commas(tmp_path: Path
     rows = "\n".join(f"{i / 100:.9E};{1e-3 * (i % 5):.9E};{-2e-3:.9E};{3e-3 + 1e-5 * i:.9E}".replace(".", ",")
                      for i in range(300))  # fmt: skip
     (tmp_path / "Gyroscope.csv").write_text(f"{header}\n{rows}\n")
-    table = read_log(tmp_path / "Gyroscope.csv")
+    table = read_table(tmp_path / "Gyroscope.csv")
     assert list(table.columns)[1] == "Gyroscope x (rad/s)"
     assert np.allclose(table.columns["Time (s)"], np.arange(300) / 100)

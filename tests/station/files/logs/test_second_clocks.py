@@ -10,20 +10,20 @@ from procedures.error_codes import ErrorCode
 from station.applying.log_source import LogSource
 from station.errors import ClocksContradict
 from station.exit_codes import exit_code
-from station.files.logs import read_log
-from station.files.logs.log_columns import LogColumns, ToldColumns, choose_columns
+from station.files.logs.log_columns import ColumnOptions, LogColumns, choose_columns
+from station.files.tables.reader import read_table
 from tests.refusals import refused
 
 N = np.arange(6000.0)
 UNIX_MS = 1.79e12 + 10.0 * N
 
 
-def whole(file: Path, told: ToldColumns) -> LogColumns:
-    return choose_columns(read_log(file), told)
+def whole(file: Path, stated: ColumnOptions) -> LogColumns:
+    return choose_columns(read_table(file), stated)
 
 
-def streamed(file: Path, told: ToldColumns) -> LogColumns:
-    return LogSource.open(file, told).found
+def streamed(file: Path, stated: ColumnOptions) -> LogColumns:
+    return LogSource.open(file, stated).found
 
 
 def written(file: Path, columns: dict[str, FloatArray]) -> Path:
@@ -41,13 +41,13 @@ def test_clocks_that_contradict_each_other_are_asked_for_in_both_ways_of_reading
     file = written(tmp_path / "log.csv", {"time_s": 0.01 * N * rate, "unix_ms": UNIX_MS})
     for read in (whole, streamed):
         with refused(ClocksContradict, ErrorCode.TIME_UNIT) as found:
-            read(file, ToldColumns())
+            read(file, ColumnOptions())
         assert exit_code(found.value) == 2
         assert {name: hz for name, hz, _ in found.value.clocks} == pytest.approx(
             {"time_s": 100 / rate, "unix_ms": 100.0}, rel=1e-6
         )
-        for told in ("time_s", "unix_ms"):
-            assert read(file, ToldColumns(time=told)).time == told
+        for stated in ("time_s", "unix_ms"):
+            assert read(file, ColumnOptions(time=stated)).time == stated
 
 
 def fixed_late() -> FloatArray:
@@ -75,8 +75,8 @@ def test_clocks_that_agree_or_cannot_be_compared_are_not_asked_for(
     tmp_path: Path, column: dict[str, FloatArray]
 ) -> None:
     file = written(tmp_path / "log.csv", {"time_s": 0.01 * N} | column)
-    assert choose_columns(read_log(file), ToldColumns()).time == "time_s"
-    assert LogSource.open(file, ToldColumns()).found.time == "time_s"
+    assert choose_columns(read_table(file), ColumnOptions()).time == "time_s"
+    assert LogSource.open(file, ColumnOptions()).found.time == "time_s"
 
 
 def test_text_in_a_clock_that_is_not_needed_is_no_refusal(tmp_path: Path) -> None:
@@ -84,5 +84,5 @@ def test_text_in_a_clock_that_is_not_needed_is_no_refusal(tmp_path: Path) -> Non
     lines = file.read_text().split("\n")
     lines[5000] = lines[5000].replace(lines[5000].split(",")[1], "no fix")
     file.write_text("\n".join(lines))
-    assert choose_columns(read_log(file), ToldColumns()).time == "time_s"
-    assert LogSource.open(file, ToldColumns()).found.time == "time_s"
+    assert choose_columns(read_table(file), ColumnOptions()).time == "time_s"
+    assert LogSource.open(file, ColumnOptions()).found.time == "time_s"

@@ -13,11 +13,10 @@ from station.errors import DataRefused, TimeUnitAsked
 from station.exit_codes import exit_code
 from station.files.campaign_folder.campaign_schema import CampaignImuTable
 from station.files.campaign_folder.sample_series import step_data
-from station.files.columns import DataFile
-from station.files.logs import read_log
-from station.files.logs.log_columns import ToldColumns, choose_columns
-from station.files.logs.log_table import LogTable
+from station.files.logs.log_columns import ColumnOptions, choose_columns
 from station.files.logs.time_units import unit_of_time
+from station.files.tables.reader import read_table
+from station.files.tables.table import Table
 from tests.refusals import refused
 from tests.station.files.logs.generated_times import SECONDS, Stamps, generated, sensors
 
@@ -35,7 +34,7 @@ def outcome(decision: Callable[[], TimeUnit]) -> TimeUnit | TimeUnitAsked:
 def decided(log: Stamps) -> str:
     """Return whether the decision is right, asked with the right one among those offered, or wrong."""
     moments = frozenset({log.name}) if log.unit == "iso8601" else frozenset[str]()
-    table = LogTable(Path("log.csv"), {log.name: log.stamps}, "", moments=moments, time_scale_s=log.scale_s)
+    table = Table(Path("log.csv"), {log.name: log.stamps}, "", moments=moments, time_scale_s=log.scale_s)
     unit = outcome(lambda: unit_of_time(table, log.name, None, None, []))
     if isinstance(unit, TimeUnitAsked):
         is_offered = any(abs(rate / log.rate_hz - 1) < 0.1 for _, rate, _ in unit.candidates)
@@ -80,15 +79,15 @@ def test_a_file_is_read_as_its_columns_are_and_streamed_as_it_is_read(tmp_path: 
         if log.scale_s is not None:
             continue
         file = written(tmp_path / f"{i}.csv", log, KINDS[i % 3], rng)
-        whole = outcome(lambda file=file: choose_columns(read_log(file), ToldColumns()).unit_time)
-        streamed = outcome(lambda file=file: LogSource.open(file, ToldColumns()).found.unit_time)
+        whole = outcome(lambda file=file: choose_columns(read_table(file), ColumnOptions()).unit_time)
+        streamed = outcome(lambda file=file: LogSource.open(file, ColumnOptions()).found.unit_time)
         if isinstance(whole, TimeUnitAsked):
             asked += 1
             assert isinstance(streamed, TimeUnitAsked)
             assert (exit_code(whole), whole.code) == (2, ErrorCode.TIME_UNIT)
             assert [unit for unit, *_ in streamed.candidates] == [unit for unit, *_ in whole.candidates]
-            told = whole.candidates[0][0]
-            assert choose_columns(read_log(file), ToldColumns(unit_time=told)).unit_time.name == told
+            stated = whole.candidates[0][0]
+            assert choose_columns(read_table(file), ColumnOptions(unit_time=stated)).unit_time.name == stated
         else:
             assert whole == streamed
             assert whole.seconds == SECONDS[log.unit], (log, whole)
@@ -100,21 +99,21 @@ def test_a_table_in_memory_that_is_streamed_shows_the_duration_of_the_whole(tmp_
     file = tmp_path / "log.npz"
     np.savez(file, time=t, gx=np.sin(t))
     with pytest.raises(TimeUnitAsked) as asked:
-        LogSource.open(file, ToldColumns())
+        LogSource.open(file, ColumnOptions())
     assert ("ms", pytest.approx(1000.0), pytest.approx(99.999)) in asked.value.candidates
 
 
-@pytest.mark.parametrize(("told", "hz"), [("s", 1.0), ("tick:1e-4", 1e4), ("unix-ms", 1e3), ("epoch_ms", 1e3)])
-def test_a_unit_that_is_told_wins(told: str, hz: float) -> None:
-    table = LogTable(Path("log.csv"), {"time": np.arange(1000.0)}, "")
-    assert 1 / unit_of_time(table, "time", told, None, []).seconds == pytest.approx(hz)
+@pytest.mark.parametrize(("stated", "hz"), [("s", 1.0), ("tick:1e-4", 1e4), ("unix-ms", 1e3), ("epoch_ms", 1e3)])
+def test_a_unit_that_is_told_wins(stated: str, hz: float) -> None:
+    table = Table(Path("log.csv"), {"time": np.arange(1000.0)}, "")
+    assert 1 / unit_of_time(table, "time", stated, None, []).seconds == pytest.approx(hz)
 
 
-@pytest.mark.parametrize("told", ["days", "ns"])
-def test_a_unit_that_is_told_and_makes_no_possible_rate_is_refused(told: str) -> None:
-    table = LogTable(Path("log.csv"), {"time": np.arange(1000.0)}, "")
+@pytest.mark.parametrize("stated", ["days", "ns"])
+def test_a_unit_that_is_told_and_makes_no_possible_rate_is_refused(stated: str) -> None:
+    table = Table(Path("log.csv"), {"time": np.arange(1000.0)}, "")
     with refused(DataRefused, ErrorCode.TIME_UNIT):
-        unit_of_time(table, "time", told, None, [])
+        unit_of_time(table, "time", stated, None, [])
 
 
 @pytest.mark.parametrize(
@@ -124,9 +123,9 @@ def test_a_unit_that_is_told_and_makes_no_possible_rate_is_refused(told: str) ->
 def test_a_second_clock_decides_what_the_steps_leave_open(clock: str, per_second: float) -> None:
     n = np.arange(3000.0)
     other = (1.7e9 + n / 1000) * per_second
-    table = LogTable(Path("log.csv"), {"time": n, clock: other}, "")
+    table = Table(Path("log.csv"), {"time": n, clock: other}, "")
     assert unit_of_time(table, "time", None, None, []).name == "ms"
-    table = LogTable(Path("log.csv"), {"time": n, clock: (1.7e9 + n) * per_second}, "")
+    table = Table(Path("log.csv"), {"time": n, clock: (1.7e9 + n) * per_second}, "")
     assert unit_of_time(table, "time", None, None, []).name == "s"
 
 
@@ -136,4 +135,4 @@ def test_a_campaign_whose_t_s_is_in_another_unit_is_refused(factor: float) -> No
     t, gyro = 0.01 * np.arange(1.0, 500.0) * factor, np.random.default_rng(1).standard_normal((3, 499))
     columns = {"t_s": t, **{f"g{a}": gyro[i] for i, a in enumerate("xyz")}}
     with refused(DataRefused, ErrorCode.TIME_UNIT):
-        step_data(DataFile("soak.csv", columns, 2, ""), imu)
+        step_data(Table(Path("soak.csv"), columns), imu)

@@ -8,8 +8,8 @@ import pytest
 
 from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
-from station.files.logs.log_campaign import ToldLogs, campaign_of_logs
-from station.files.logs.log_columns import ToldColumns
+from station.files.logs.log_campaign import LogOptions, campaign_of_logs
+from station.files.logs.log_columns import ColumnOptions
 from tests.refusals import refused
 
 G, HZ = 9.80665, 50.0
@@ -23,12 +23,14 @@ def truth(seconds: float = 20.0, seed: int = 1) -> tuple[np.ndarray, np.ndarray]
     return f, np.array([1.5, -2.0, 0.5]) + draw.normal(0, 0.05, (n, 3))
 
 
-def read(folder: Path, f: np.ndarray, w: np.ndarray, names: str = "t gx gy gz ax ay az", **told: Any) -> list[str]:
+def read(
+    folder: Path, f: np.ndarray, w: np.ndarray, names: str = "t gx gy gz ax ay az", **stated: Any
+) -> list[str]:
     """Return what is said of a log of these numbers."""
     file, t = folder / "log.csv", np.arange(len(f)) / HZ
     rows = np.column_stack((t, w, f))
     np.savetxt(file, rows, fmt="%.9g", delimiter=",", header=",".join(names.split()), comments="")
-    return list(campaign_of_logs([file], ToldLogs(ToldColumns(unit_time="s", **told))).notes)
+    return list(campaign_of_logs([file], LogOptions(ColumnOptions(unit_time="s", **stated))).notes)
 
 
 RIGHT = [
@@ -53,13 +55,13 @@ WRONG = [  # what was told, outputs in 1 g in truth, what the remedy must hold
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("told", "per_g", "remedy"), WRONG)
+@pytest.mark.parametrize(("stated", "per_g", "remedy"), WRONG)
 def test_a_unit_that_gravity_contradicts_is_refused_with_what_the_data_are(
-    tmp_path: Path, told: str, per_g: float, remedy: str
+    tmp_path: Path, stated: str, per_g: float, remedy: str
 ) -> None:
     f, w = truth()
     with refused(DataRefused, ErrorCode.UNIT) as found:
-        read(tmp_path, f * per_g, w, unit_accel=told)
+        read(tmp_path, f * per_g, w, unit_accel=stated)
     assert remedy in str(found.value)
     read(tmp_path, f * per_g, w, unit_accel="raw")
 
@@ -80,16 +82,16 @@ def test_one_axis_alone_may_show_any_part_of_gravity(tmp_path: Path) -> None:
         read(tmp_path, f * 1000, w, accel=("-", "-", "az"), unit_accel="g")
 
 
-@pytest.mark.parametrize(("told", "per_deg_s", "remedy"), [
+@pytest.mark.parametrize(("stated", "per_deg_s", "remedy"), [
     ("deg/s", 131.0, "--unit-gyro 131/(deg/s)"), ("deg/s", 1e3, "--unit-gyro mdeg/s"),
     ("rad/s", 1.0, "--unit-gyro deg/s"), ("deg/s", 3600.0, "--unit-gyro deg/h"),
 ])  # fmt: skip
 def test_a_rate_at_rest_that_no_bias_explains_is_refused(
-    tmp_path: Path, told: str, per_deg_s: float, remedy: str
+    tmp_path: Path, stated: str, per_deg_s: float, remedy: str
 ) -> None:
     f, w = truth()
     with refused(DataRefused, ErrorCode.UNIT) as found:
-        read(tmp_path, f, w * per_deg_s, unit_accel="g", unit_gyro=told)
+        read(tmp_path, f, w * per_deg_s, unit_accel="g", unit_gyro=stated)
     assert remedy.split()[0] in str(found.value)
     read(tmp_path, f, w * per_deg_s, unit_accel="g", unit_gyro="raw")
 
@@ -98,8 +100,8 @@ def test_twos_complement_that_was_not_applied_is_refused_and_raw_goes_on(tmp_pat
     f, w = truth()
     f[:, 1] -= f[:, 1].mean() + 0.03
     numbers = np.rint(np.hstack(((w - w.mean(axis=0)) * 131, f * 16384))) % 65536
-    told = {"unit_gyro": "131/(deg/s)", "unit_accel": "16384/g"}
-    for units in (told, {}):
+    stated = {"unit_gyro": "131/(deg/s)", "unit_accel": "16384/g"}
+    for units in (stated, {}):
         with refused(DataRefused, ErrorCode.UNIT) as found:
             read(tmp_path, numbers[:, 3:], numbers[:, :3], **units)
         assert "gx, gy, gz" in str(found.value)
@@ -124,7 +126,7 @@ def test_a_length_that_several_units_explain_decides_none(tmp_path: Path, per_g:
     file, t = tmp_path / "log.csv", np.arange(len(f)) / HZ
     rows = np.column_stack((t, w, f * per_g))
     np.savetxt(file, rows, fmt="%.6g", delimiter=",", header="t,gx,gy,gz,ax,ay,az", comments="")
-    found = campaign_of_logs([file], ToldLogs(ToldColumns(unit_time="s")))
+    found = campaign_of_logs([file], LogOptions(ColumnOptions(unit_time="s")))
     assert found.loaded.tables.imu.unit_accel is None
     assert any("--unit-accel" in each for each in found.guesses)
 
@@ -142,17 +144,17 @@ def test_planted_kinds_and_units_are_never_silently_wrong(tmp_path: Path) -> Non
             still = slice(0, 100) if moves == 1 else slice(n - 90, n)
             shaken[still] = 0
             f, w = f + shaken, w + 60 * shaken
-        truly, told = (str(draw.choice(list(accel_units))) for _ in range(2))
+        truly, stated = (str(draw.choice(list(accel_units))) for _ in range(2))
         rates = str(draw.choice(list(gyro_units)))
-        told = truly if i % 2 else told
+        stated = truly if i % 2 else stated
         f, w = f * accel_units[truly], w * gyro_units[rates]
         try:
-            said = read(tmp_path, f, w, unit_accel=told, unit_gyro=rates)
+            said = read(tmp_path, f, w, unit_accel=stated, unit_gyro=rates)
         except DataRefused as error:
             is_named = error.code == ErrorCode.UNIT and truly in str(error)
-            if truly == told or not is_named:
-                falsely.append((truly, told, str(error)))
+            if truly == stated or not is_named:
+                falsely.append((truly, stated, str(error)))
         else:
-            (silent if truly != told and not said else []).append((truly, told))
+            (silent if truly != stated and not said else []).append((truly, stated))
     assert silent == []
     assert falsely == []

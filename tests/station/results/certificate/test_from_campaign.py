@@ -18,8 +18,8 @@ from fixtures_db.stored_calibrations import calibration
 from procedures.campaign.campaign import FaceCertificate
 from procedures.frames import FACES
 from station.files.campaign_folder.campaign_schema import SiteTable
-from station.files.campaign_folder.notes import UnitRecord, write_note
-from station.files.setup import Setup
+from station.files.campaign_folder.plan_file import UnitRecord, write_note
+from station.files.campaign_setup import Setup
 from station.results.campaign_results import make_results, store
 from station.results.certificate.issuing import issue
 from station.results.certificate.missing_statements import missing

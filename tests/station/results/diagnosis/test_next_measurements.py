@@ -10,7 +10,7 @@ from procedures.campaign.plan_steps import Turn
 from procedures.effects import EFFECTS
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import axes_matrix
-from station.files.campaign_folder.plan_toml import read_mounting, read_plan
+from station.files.campaign_folder.plan_file import read_mounting, read_plan
 from station.results.diagnosis.next_measurements import MEASUREMENTS, next_measurements, turned, write_plans
 from tests.refusals import refused
 

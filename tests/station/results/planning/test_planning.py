@@ -15,7 +15,7 @@ from procedures.planning.campaign_design import HandTimes
 from procedures.planning.design_sigmas import NAMES
 from procedures.planning.step_information import UnitNoise
 from station.errors import DataRefused
-from station.files.campaign_folder.plan_toml import write_plan
+from station.files.campaign_folder.plan_file import write_plan
 from station.results.planning.hand_times import hand_times
 from station.results.planning.known_noise import known_noise
 from station.results.planning.plan_json import noise_table

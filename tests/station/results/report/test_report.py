@@ -9,7 +9,7 @@ import pytest
 from procedures.calibration.solution_values import FitQuality
 from procedures.frames import AXES
 from station.results.report.report import render, write_report
-from station.text.rounding import decimals, fixed
+from station.text import decimals, fixed
 from tests.station.results.report import factory
 
 HOSTILE = "<script>alert(1)</script>\"'&$x^2$"

@@ -13,10 +13,9 @@ from drivers.simulated.companions.truths import CameraTruth, camera_toml
 from drivers.simulated.truth import Truth
 from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
-from station.files.fusion_folder.tracks import camera_of, lens_of
-from station.stream.beside import RecordedCompanion
-from station.stream.camera.camera_feed import CameraFeed, open_camera, recorded_images
-from station.stream.camera.description import read_description
+from station.files.fusion_folder.fusion_tables import camera_of, lens_of
+from station.stream.auxiliary import RecordedCompanion
+from station.stream.camera import CameraFeed, open_camera, read_description, recorded_images
 from tests.patience import HANG_S
 from tests.refusals import refused
 

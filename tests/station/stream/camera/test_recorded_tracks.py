@@ -13,7 +13,7 @@ from procedures.fusion.vision.feature_tracker import LensModel
 from procedures.fusion.vision.feature_tracks import FeatureTracks
 from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC
 from station.locate.tracks_from_images import follow_all
-from station.stream.camera.recorded_tracks import recorded_tracks
+from station.stream.camera import recorded_tracks
 from station.stream.reader import Chunk
 from station.stream.reader.journal import Journal
 from tests.procedures.fusion.rendered import FOCAL, HEIGHT, WIDTH, Scene, frames

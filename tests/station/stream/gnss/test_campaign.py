@@ -18,11 +18,11 @@ from fixtures_db.campaigns import campaign
 from fixtures_db.database import open_db
 from station import cli
 from station.files.campaign_folder.campaign_reading import read_campaign
+from station.files.campaign_setup import Setup
 from station.files.mcap_files import read_step
-from station.files.setup import Setup
 from station.guide.campaign import gnss_receiver
 from station.guide.campaign.gnss_receiver import NoFix, reopen_receiver, setup_with_site, utc_now
-from station.stream.gnss.gnss_feed import open_gnss
+from station.stream.gnss_feed import open_gnss
 from tests.patience import paced
 from tests.station.commands.program import Program
 

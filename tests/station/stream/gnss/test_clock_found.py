@@ -25,9 +25,9 @@ from station import cli
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.guide.campaign.gnss_receiver import SampleRateWatch
-from station.stream.gnss.gnss_feed import GnssFeed
+from station.stream.gnss_feed import GnssFeed
 from station.stream.live.live_feed import open_feed
-from station.stream.reader import Chunk, GapMark
+from station.stream.reader import Chunk, StreamGap
 from station.stream.recorder.accepted_step_writer import open_campaign
 from station.stream.stream_events import EventLog
 from tests.patience import paced
@@ -66,7 +66,7 @@ class Imu:
         self._bench = bench
         self.address = parse_device_url("serial:///dev/simulated?format=counts")
 
-    def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
+    def poll(self, timeout_s: float) -> list[Chunk | StreamGap]:
         parts = self._bench.device.chunk(round(READ_S / 0.02))
         return [Chunk(self._bench.stamp(self._bench.now), part) for part in parts if isinstance(part, bytes)]
 
@@ -76,8 +76,8 @@ class Receiver:
         self._bench, self._heard = bench, 0.0
         self.address = parse_device_url("mavlink:udpin:127.0.0.1:14550")
 
-    def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
-        chunks, autopilot = list[Chunk | GapMark](), self._bench.autopilot
+    def poll(self, timeout_s: float) -> list[Chunk | StreamGap]:
+        chunks, autopilot = list[Chunk | StreamGap](), self._bench.autopilot
         while self._heard < self._bench.now:
             self._heard += STEP_S
             sends = self._heard >= min(autopilot._next.values())  # noqa: SLF001 - most steps have nothing due

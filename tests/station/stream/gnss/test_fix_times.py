@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from procedures.earth.gnss_records import FixType, GnssFix, TimeMark
-from station.stream.gnss.fix_times import FixTimes
-from station.stream.gnss.utc_line import UtcLine
+from station.stream.gnss_times import FixTimes, UtcLine
 
 EPOCH = 1_780_000_000 * 10**9
 
@@ -17,9 +16,9 @@ def clocks(seconds: float, span_ns: int | None = None, boot: float = 50.0) -> Fi
     rng, times = np.random.default_rng(1), FixTimes(span_ns)
     for t in np.arange(0.0, seconds, 0.1).tolist():
         late = rng.uniform(0.0, 0.004) + 0.2 * (rng.random() < 0.1)
-        times.mark_imu(EPOCH + round((t + late) * 1e9), 7.0 + t * (1 + 30e-6))
+        times.stamp_imu(EPOCH + round((t + late) * 1e9), 7.0 + t * (1 + 30e-6))
         late = rng.uniform(0.0, 0.004) + 0.2 * (rng.random() < 0.1)
-        times.mark_sender(TimeMark(EPOCH + round((t + late) * 1e9), round((boot + t * (1 - 20e-6)) * 1e9), None))
+        times.stamp_sender(TimeMark(EPOCH + round((t + late) * 1e9), round((boot + t * (1 - 20e-6)) * 1e9), None))
     return times
 
 
@@ -49,8 +48,8 @@ def test_nothing_is_said_before_the_clocks_are_known() -> None:
 def test_a_sender_that_restarts_is_learnt_anew() -> None:
     times = clocks(30.0)
     for t in np.arange(30.0, 40.0, 0.1).tolist():
-        times.mark_imu(EPOCH + round(t * 1e9), 7.0 + t)
-        times.mark_sender(TimeMark(EPOCH + round(t * 1e9), round((t - 29.0) * 1e9), None))
+        times.stamp_imu(EPOCH + round(t * 1e9), 7.0 + t)
+        times.stamp_sender(TimeMark(EPOCH + round(t * 1e9), round((t - 29.0) * 1e9), None))
     restarted = GnssFix("GPS_RAW_INT", 1, EPOCH + round(38.0 * 1e9), FixType.FIX_3D, device_ns=round(8.5 * 1e9))
     assert times.of(restarted) == pytest.approx(7.0 + 37.5, abs=0.005)
 
@@ -60,8 +59,8 @@ def test_a_clock_that_is_set_while_it_runs_makes_no_stamp_wrong(set_by: float) -
     times, read = FixTimes(60 * 10**9, in_order=True), list[tuple[float, GnssFix]]()
     for t in np.arange(0.0, 60.0, 0.1).tolist():
         host_ns, device_ns = EPOCH + round(t * 1e9), round((1e7 + t - 0.03 + (set_by if t > 40 else 0.0)) * 1e9)
-        times.mark_imu(host_ns, 7.0 + t)
-        times.mark_sender(TimeMark(host_ns, device_ns, None))
+        times.stamp_imu(host_ns, 7.0 + t)
+        times.stamp_sender(TimeMark(host_ns, device_ns, None))
         image = GnssFix("image", 1, host_ns, FixType.FIX_3D, device_ns=device_ns)
         read.append((7.0 + t, image))
         if t > 1.0:
@@ -74,10 +73,10 @@ def test_a_clock_that_is_set_while_it_runs_makes_no_stamp_wrong(set_by: float) -
 def test_marks_that_lag_say_nothing_of_a_clock_in_order(slow: float) -> None:
     times, off = FixTimes(60 * 10**9, in_order=True), list[float]()
     for t in np.arange(0.0, 90.0, 0.1).tolist():
-        times.mark_imu(EPOCH + round(t * 1e9), 7.0 + t)
+        times.stamp_imu(EPOCH + round(t * 1e9), 7.0 + t)
         late = 0.01 if t < 20.0 or t > 80.0 else 1.5 + 0.5 * np.sin(t)
         host_ns, device_ns = EPOCH + round((t + late) * 1e9), round((50.0 + t * (1 - slow)) * 1e9)
-        times.mark_sender(TimeMark(host_ns, device_ns, None))
+        times.stamp_sender(TimeMark(host_ns, device_ns, None))
         at = times.of(GnssFix("GPS_RAW_INT", 1, host_ns, FixType.FIX_3D, device_ns=device_ns))
         if t > 5.0 and at is not None:
             off.append(at - 7.0 - t)
@@ -88,10 +87,10 @@ def test_marks_that_lag_say_nothing_of_a_clock_in_order(slow: float) -> None:
 def test_an_imu_whose_time_begins_anew_is_not_placed_by_its_old_time() -> None:
     times = FixTimes(20 * 10**9)
     for t in np.arange(0.0, 5.0, 0.1).tolist():
-        times.mark_imu(EPOCH + round(t * 1e9), 7.0 + t)
+        times.stamp_imu(EPOCH + round(t * 1e9), 7.0 + t)
     assert times.of(fix(4.0, boot=None)) == pytest.approx(11.3, abs=0.001)
-    times.begin_anew()
-    times.mark_imu(EPOCH + round(4.95 * 1e9), 0.0)
+    times.reset()
+    times.stamp_imu(EPOCH + round(4.95 * 1e9), 0.0)
     assert times.of(fix(4.7, boot=None)) is None
 
 
@@ -100,7 +99,7 @@ def test_a_fix_with_utc_is_placed_by_the_pulses_at_the_imus_input(read: float) -
     """The pulses come at whole seconds of UTC; boot time is told 80 ms wrong, or not at all."""
     times = clocks(60.0)
     for second in range(60):
-        times.mark_pulse(7.0 + second * (1 + 30e-6))
+        times.stamp_pulse(7.0 + second * (1 + 30e-6))
     for boot in (50.08, None):
         for true in (12.3, 41.98, 58.999):
             told = replace(fix(true, boot, read), utc_ns=EPOCH + round(true * 1e9))
@@ -109,7 +108,7 @@ def test_a_fix_with_utc_is_placed_by_the_pulses_at_the_imus_input(read: float) -
     assert times.of(without) == pytest.approx(19.3 + read, abs=0.006)
     far = replace(fix(12.3, None, 0.6), utc_ns=EPOCH + round(12.3 * 1e9))  # which second, nobody could tell
     assert times.of(far) == pytest.approx(19.3 + 0.6, abs=0.006)
-    times.begin_anew()
+    times.reset()
     assert not times.all_by_pulse
 
 
@@ -150,5 +149,5 @@ def test_without_marks_nothing_is_told_and_their_scatter_is_that_of_the_reading(
     line = marked(60.0)
     line.utc(HOST + 30 * 10**9)
     assert 2e-4 < line.scatter < 2e-3  # uniform over 2 ms: 0.58 ms
-    line.begin_anew()
+    line.reset()
     assert line.utc(HOST + 45 * 10**9) is None

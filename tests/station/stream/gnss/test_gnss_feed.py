@@ -20,11 +20,10 @@ from drivers.simulated.faults import TimedFault
 from drivers.simulated.truth import Truth
 from procedures.earth.gnss_records import GnssFix
 from procedures.error_codes import ErrorCode
-from station.files.mcap_files.fix_schemas import FIX_MESSAGES
-from station.files.mcap_files.fix_writer import FixWriter
-from station.stream.gnss.gnss_feed import GnssFeed, open_gnss
-from station.stream.reader import Chunk, GapMark
-from station.stream.reader.restarting_reader import RestartingReader
+from station.files.mcap_files.gnss_file import FIX_MESSAGES, FixWriter
+from station.stream.gnss_feed import GnssFeed, open_gnss
+from station.stream.reader import Chunk, StreamGap
+from station.stream.reader.reader import RestartingReader
 from tests.patience import HANG_S, longer
 from tests.refusals import refused
 
@@ -78,7 +77,7 @@ class InMemory:
     def clock(self) -> float:
         return self.now
 
-    def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
+    def poll(self, timeout_s: float) -> list[Chunk | StreamGap]:
         self.now += 0.1
         data = self._autopilot.due(self.now)
         return [Chunk(round(self.now * 1e9), data)] if data else []

@@ -10,10 +10,9 @@ from drivers.simulated.companions.autopilot import Autopilot
 from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.truth import Truth
 from procedures.earth.gnss_records import FixType, GnssFix
-from station.files.mcap_files.fix_writer import FixWriter
-from station.stream.gnss.gnss_feed import GnssFeed
-from station.stream.gnss.gnss_trouble import GnssTrouble
-from station.stream.reader import Chunk, GapMark
+from station.files.mcap_files.gnss_file import FixWriter
+from station.stream.gnss_feed import GnssFeed, GnssTrouble
+from station.stream.reader import Chunk, StreamGap
 
 LINK = "mavlink:udpin:127.0.0.1:14550"
 NS = 10**9
@@ -29,13 +28,13 @@ class Told:
         self.address = parse_device_url(url)
         self.now, self.up_to_ns = 0.0, 0
         self._mav = dialect.MAVLink(None, srcSystem=1, srcComponent=1)
-        self._items = list[Chunk | GapMark]()
+        self._items = list[Chunk | StreamGap]()
         self.say(dialect.MAVLink_heartbeat_message(2, AUTOPILOT, 0, 0, 4, 3))
 
     def clock(self) -> float:
         return self.now
 
-    def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
+    def poll(self, timeout_s: float) -> list[Chunk | StreamGap]:
         items, self._items = self._items, []
         return items
 
@@ -48,7 +47,7 @@ class Told:
         self._items.append(Chunk(round(self.now * NS), data))
 
     def mark(self, reason: str, *, is_open: bool) -> None:
-        self._items.append(GapMark(round(self.now * NS), reason, is_open))
+        self._items.append(StreamGap(round(self.now * NS), reason, is_open))
 
     def lose(self, frames: int) -> None:
         self._mav.seq = (self._mav.seq + frames) % 256

@@ -10,8 +10,8 @@ from drivers.simulated.companions.autopilot import Autopilot
 from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.faults import TimedFault
 from drivers.simulated.truth import Truth
-from station.stream.gnss.gnss_feed import GnssFeed
-from station.stream.reader import Chunk, GapMark
+from station.stream.gnss_feed import GnssFeed
+from station.stream.reader import Chunk, StreamGap
 
 TOLD_S = 15.0  # 8 to ask for all of it, 5 to measure, and the way there
 LINK = "mavlink:udpin:127.0.0.1:14550"
@@ -30,7 +30,7 @@ class Asked:
     def clock(self) -> float:
         return self.now
 
-    def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
+    def poll(self, timeout_s: float) -> list[Chunk | StreamGap]:
         self.now += 0.05
         data = self._answer + self._autopilot.due(self.now)
         self._session.hear(data, self.now)

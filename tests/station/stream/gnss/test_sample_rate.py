@@ -11,7 +11,7 @@ import pytest
 from procedures.counts.reference_time import ClockRate
 from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
-from station.stream.gnss.sample_rate import SampleRate, host_sample_rate
+from station.stream.sample_rate import SampleRate, host_sample_rate
 from tests.refusals import refused
 
 STEP_S = 0.0505  # 100 samples last a little less than 5 s

@@ -8,7 +8,7 @@ from drivers.simulated.device import ByteDevice
 from drivers.simulated.faults import Fault, Silence
 from drivers.simulated.truth import Truth
 from station.files.campaign_folder.campaign_schema import SiteTable
-from station.stream.reader import Chunk, GapMark
+from station.stream.reader import Chunk, StreamGap
 
 SITE = SiteTable(latitude_deg=31.17, gravity_m_s2=Truth().local_gravity)
 
@@ -29,13 +29,13 @@ class Source:
         self.address: DeviceAddress = parse_device_url(f"serial:///dev/simulated?format={format}")
         self.polls = 0
 
-    def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
+    def poll(self, timeout_s: float) -> list[Chunk | StreamGap]:
         self.polls += 1
-        items = list[Chunk | GapMark]()
+        items = list[Chunk | StreamGap]()
         for part in self.device.chunk():
             stamp = round(self.device.imu.time * 1e9)
             if isinstance(part, Silence):
-                marks = [GapMark(stamp, "port lost", False), GapMark(stamp, "port back", True)]
+                marks = [StreamGap(stamp, "port lost", False), StreamGap(stamp, "port back", True)]
                 items += marks if part.kind == "unplug" else []
             else:
                 items.append(Chunk(stamp, part))

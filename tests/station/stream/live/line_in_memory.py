@@ -15,7 +15,7 @@ from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS, WireFormat
 from procedures.arrays import IntArray
 from procedures.counts.sample_records import SampleBlock
-from station.stream.reader import Chunk, GapMark
+from station.stream.reader import Chunk, StreamGap
 
 PERIOD = 0.02
 TRUTH = Truth(sample_period_s=PERIOD, accel_noise_g=0.3, gyro_arw_deg_rt_s=0.01)  # no sample like another
@@ -43,20 +43,20 @@ class LineInMemory:
         """Return the device's time [s]."""
         return self._device.imu.time
 
-    def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
+    def poll(self, timeout_s: float) -> list[Chunk | StreamGap]:
         """Return what has come."""
         parts = self._device.chunk(int(self._rng.integers(1, LONGEST + 1)))
-        now, items, before = self.clock(), list[Chunk | GapMark](), len(self._waiting)
+        now, items, before = self.clock(), list[Chunk | StreamGap](), len(self._waiting)
         stamp = round(now * 1e9)
         for part in parts:
             if isinstance(part, bytes):
                 self._waiting += part if self._grain == 1 else self._received(part, stamp)
             elif part.kind == "unplug":
                 self._waiting, self._back_at = b"", now + part.seconds
-                items.append(GapMark(stamp, "port lost: gone", False))
+                items.append(StreamGap(stamp, "port lost: gone", False))
         if self._back_at is not None and now >= self._back_at:
             self._back_at = None
-            items.append(GapMark(stamp, "port back", True))
+            items.append(StreamGap(stamp, "port back", True))
         if data := self._cut(is_idle=len(self._waiting) == before):
             items.append(Chunk(stamp, data))
         return items

@@ -9,11 +9,11 @@ from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from station.stream.live.live_feed import LiveFeed
-from station.stream.reader import Chunk, GapMark
+from station.stream.reader import Chunk, StreamGap
 
-Item = Chunk | GapMark
+Item = Chunk | StreamGap
 NOISE = bytes(64)
-GONE, BACK = GapMark(5, "port lost: unplugged", False), GapMark(6, "port back", True)
+GONE, BACK = StreamGap(5, "port lost: unplugged", False), StreamGap(6, "port back", True)
 TRIAD = "triad:?x=serial:///dev/x&y=serial:///dev/y&z=serial:///dev/z"
 PERIOD = 0.02
 

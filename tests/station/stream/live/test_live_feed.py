@@ -114,7 +114,7 @@ def blocks_of(items: Iterable[Item]) -> list[Block]:
 
 def test_a_block_begins_where_something_was_missing_and_says_so() -> None:
     found = blocks_of(chunks(device(faults=[Fault("lost", at_s=1.5, count=3)]), 260))
-    assert [(block.is_broken, block.is_anew) for block in found] == [
+    assert [(block.is_broken, block.is_restarted) for block in found] == [
         (True, True), (True, False), (False, False), (False, False),
     ]  # fmt: skip
     firsts = [block.first for block in found]
@@ -127,7 +127,12 @@ def test_a_block_after_the_port_came_back_is_of_a_new_beginning() -> None:
     one = device()
     before, after = chunks(one, 130), chunks(one, 260)
     found = blocks_of([*before, GONE, BACK, *after])
-    assert [(block.first, block.is_anew) for block in found] == [(0, True), (50, False), (130, True), (180, False)]
+    assert [(block.first, block.is_restarted) for block in found] == [
+        (0, True),
+        (50, False),
+        (130, True),
+        (180, False),
+    ]
 
 
 LOST_S = 6.0
@@ -149,7 +154,7 @@ def test_it_is_whole_or_none_and_says_nothing_of_what_was_before() -> None:
         if newest is not None:
             assert (newest.first, newest.last) == (feed.buffer.end - round(1 / PERIOD), feed.buffer.end)
             assert not newest.is_broken
-            assert not newest.is_anew
+            assert not newest.is_restarted
     missing = [at for at, is_whole in looked if not is_whole and at > 2.0]
     assert missing  # while what is lost lies in the last second
     assert LOST_S - 0.3 < missing[0]

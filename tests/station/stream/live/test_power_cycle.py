@@ -10,8 +10,8 @@ from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS, Identity
 from station.files.mcap_files import StepWriter
 from station.stream.live.live_feed import IDENTITY_S, open_feed
-from station.stream.live.power_cycle import switched_on_again, switched_on_again_within
-from station.stream.replay.imu import Replay
+from station.stream.live.stream_trouble import switched_on_again, switched_on_again_within
+from station.stream.replay import Replay
 from tests.station.stream.live.bench_in_memory import Source
 
 

@@ -10,7 +10,7 @@ from drivers.simulated.truth import Truth
 from drivers.wire import ALL_CHANNELS, FORMATS
 from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
-from station.stream.live.silent_channels import SilentChannels, refuse_partial
+from station.stream.live.stream_trouble import SilentChannels, refuse_partial
 from tests.refusals import refused
 
 TRUTH = Truth.example(5)

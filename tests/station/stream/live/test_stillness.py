@@ -8,8 +8,8 @@ from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from procedures.campaign.plan_steps import Dwell
 from procedures.counts.sample_records import CountBlock, CountSeries
-from station.stream.live.sample_moments import SampleMoments
 from station.stream.live.stillness import Block, Stillness, block_of
+from station.stream.recorder.sample_times import SampleMoments
 
 
 def block(gyro: FloatArray, accel: FloatArray) -> Block:
@@ -18,7 +18,7 @@ def block(gyro: FloatArray, accel: FloatArray) -> Block:
     counts = CountBlock(
         np.arange(n), t, gyro.astype(np.int64), accel.astype(np.int64), t, np.arange(n), np.ones(n, dtype=bool)
     )
-    return block_of(counts, 0, 0.02, is_broken=False, is_anew=False)
+    return block_of(counts, 0, 0.02, is_broken=False, is_restarted=False)
 
 
 def still_blocks(seed: int, seconds: int = 200) -> list[Block]:
@@ -57,7 +57,7 @@ def test_samples_of_one_read_were_taken_one_after_another() -> None:
     reads = [(0.1, 1.0), (0.5, 1.0), (1.0, 1.0), (1.1, 2.003), (2.0, 2.003)]  # device time, read at [s]
     found = [moments.of(t, round(read * 1e9)) / 1e9 for t, read in reads]
     assert found[2:] == [1.0, 1.1, 2.0]
-    moments.begin_anew()
+    moments.reset()
     assert moments.of(0.0, 5 * 10**9) == 5 * 10**9
 
 

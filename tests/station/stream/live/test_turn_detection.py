@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from procedures.campaign.plan_steps import Turn
+from station.stream.live.rotation_detection import RotationDetector
 from station.stream.live.stillness import Block
-from station.stream.live.turn_detection import TurnWatch
 
 REST = np.array([3.0, -2.0, 1.0])  # counts/s
 C_SB = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])  # cube z is sensor x
@@ -19,18 +19,18 @@ def block(number: int, *rate: float, last: int | None = None, broken: bool = Fal
     turned = np.array(rate or (0.0, 0.0, 0.0))
     return Block(
         100 * number, last or 100 * number + 100, np.concatenate((REST + turned, np.zeros(3))), np.full(6, 0.4),
-        float(number), number + 1.0, 25.0, is_healthy=True, is_broken=broken, is_anew=False,
+        float(number), number + 1.0, 25.0, is_healthy=True, is_broken=broken, is_restarted=False,
     )  # fmt: skip
 
 
-def watch(step: Turn = STEP, earlier: tuple[float, ...] = ()) -> TurnWatch:
-    made = TurnWatch(step, C_SB, PERIOD, earlier)
+def watch(step: Turn = STEP, earlier: tuple[float, ...] = ()) -> RotationDetector:
+    made = RotationDetector(step, C_SB, PERIOD, earlier)
     for number in range(3):
         made.rest(block(number))
     return made
 
 
-def turned(made: TurnWatch, *rates: tuple[float, ...], first: int = 3) -> TurnWatch:
+def turned(made: RotationDetector, *rates: tuple[float, ...], first: int = 3) -> RotationDetector:
     """Move at the rates, a block each, and rest again."""
     for number, rate in enumerate(rates, first):
         made.take(block(number, *rate), is_still=False)
@@ -122,6 +122,6 @@ def test_lost_samples_and_no_rest_are_told() -> None:
     made = watch()
     made.take(block(3, 500.0, broken=True), is_still=False)
     assert "lost" in turned(made, (500.0, 0.0, 0.0), first=4).fault()
-    one = TurnWatch(STEP, C_SB, PERIOD, ())
+    one = RotationDetector(STEP, C_SB, PERIOD, ())
     one.rest(block(2))
     assert turned(one, (500.0, 0.0, 0.0)).fault() == "there was no rest before it"

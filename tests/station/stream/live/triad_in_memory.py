@@ -14,7 +14,7 @@ from drivers.triad_port import TriadJoiner
 from drivers.wire import FORMATS, WireFormat, triad
 from procedures.arrays import IntArray
 from procedures.counts.sample_records import CountBlock, SampleBlock
-from station.stream.reader import Chunk, GapMark
+from station.stream.reader import Chunk, StreamGap
 
 PERIOD = 0.01
 AXIS = FORMATS["ch70"]
@@ -38,7 +38,7 @@ class TriadInMemory:
         """Return the gyros' time [s]."""
         return self._sent * PERIOD
 
-    def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
+    def poll(self, timeout_s: float) -> list[Chunk | StreamGap]:
         """Return what has come."""
         first, n = self._sent, int(self._rng.integers(3, 9))
         self._sent += n

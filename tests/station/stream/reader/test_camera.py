@@ -13,13 +13,13 @@ from drivers.simulated.companions.camera_server import SimulatedCamera
 from drivers.simulated.truth import Truth
 from procedures.error_codes import ErrorCode
 from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC
-from station.stream.reader import Chunk, GapMark, Reader
-from station.stream.reader.restarting_reader import RestartingReader
+from station.stream.reader import Chunk, Reader, StreamGap
+from station.stream.reader.reader import RestartingReader
 from tests.patience import HANG_S
 from tests.refusals import refused
 
 pytest.importorskip("cv2", reason="opencv is not installed")
-Got = tuple[list[Chunk], list[GapMark], list[CameraImage]]
+Got = tuple[list[Chunk], list[StreamGap], list[CameraImage]]
 
 
 def collect(reader: Reader | RestartingReader, images: int, marks: int = 0) -> Got:
@@ -29,7 +29,7 @@ def collect(reader: Reader | RestartingReader, images: int, marks: int = 0) -> G
     while len(got[2]) < images or len(got[1]) < marks:
         assert time.monotonic() < deadline, decoder.counters
         for item in reader.poll(1.0):
-            if isinstance(item, GapMark):
+            if isinstance(item, StreamGap):
                 got[1].append(item)
             else:
                 got[0].append(item)

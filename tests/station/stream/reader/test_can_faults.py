@@ -13,7 +13,7 @@ from drivers.simulated.imu import SimulatedImu
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from procedures.arrays import IntArray
-from station.stream.reader import Chunk, GapMark, Reader
+from station.stream.reader import Chunk, Reader, StreamGap
 from station.stream.recorder.sample_stream import DecodedChunk, SampleStream
 from tests.patience import HANG_S, paced
 
@@ -31,7 +31,7 @@ class Watched:
             with Reader(device.url, folder / "journal.mcap") as reader:
                 wire = wire_of(reader.address)
                 assert wire is not None
-                self.stream, self.marks, self.pieces = SampleStream(wire), list[GapMark](), list[DecodedChunk]()
+                self.stream, self.marks, self.pieces = SampleStream(wire), list[StreamGap](), list[DecodedChunk]()
                 with BenchControl(device.control) as hands:
                     hands.go()
                 began = time.monotonic()
@@ -40,10 +40,10 @@ class Watched:
                     for item in reader.poll(0.05):
                         self.take(item)
 
-    def take(self, item: Chunk | GapMark) -> None:
-        if isinstance(item, GapMark):
+    def take(self, item: Chunk | StreamGap) -> None:
+        if isinstance(item, StreamGap):
             self.marks.append(item)
-            self.stream.begin_anew()
+            self.stream.reset()
             return
         piece = self.stream.take(item)
         if len(piece.block):

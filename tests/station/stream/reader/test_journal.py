@@ -13,7 +13,7 @@ from procedures.error_codes import ErrorCode
 from station.errors import CannotWrite, DiskFull
 from station.files.mcap_files import read_step
 from station.files.mcap_files.schemas import MESSAGES, RAW, RAW_TOPIC
-from station.stream.reader import Chunk, GapMark
+from station.stream.reader import Chunk, StreamGap
 from station.stream.reader import journal as journal_module
 from station.stream.reader.journal import Journal
 from tests.patience import HANG_S
@@ -30,8 +30,8 @@ def test_bytes_gaps_and_the_sessions_begin_stand_in_it_in_order(tmp_path: Path) 
     journal = Journal(tmp_path / "a.mcap", {"url": "here", "program": "station"}, fail, "/a/topic")
     for i in range(50):
         journal.put(Chunk(HOST + i, bytes([i, 0, 255])))
-    journal.put(GapMark(HOST + 50, "port lost: gone", False))
-    journal.put(GapMark(HOST + 60, "port back after 1 s", True))
+    journal.put(StreamGap(HOST + 50, "port lost: gone", False))
+    journal.put(StreamGap(HOST + 60, "port back after 1 s", True))
     journal.put(Chunk(HOST + 70, b""))
     journal.close()
     with journal.path.open("rb") as stream:

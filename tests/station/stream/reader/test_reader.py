@@ -22,19 +22,19 @@ from drivers.wire import FORMATS
 from procedures.error_codes import ErrorCode
 from station.errors import CannotWrite
 from station.files.mcap_files import read_step
-from station.stream.reader import Chunk, GapMark, Reader
+from station.stream.reader import Chunk, Reader, StreamGap
 from station.stream.reader import __main__ as process
+from station.stream.reader.__main__ import Outbox
 from station.stream.reader.messages import Refusal, packed, unpacked
-from station.stream.reader.send_queue import Outbox
 from tests.patience import HANG_S, paced
 from tests.refusals import refused
 
 RECENT_S = 3600.0
 
 
-def collect(reader: Reader, frames: int) -> list[Chunk | GapMark]:
+def collect(reader: Reader, frames: int) -> list[Chunk | StreamGap]:
     """Read until a decoder has had that many frames."""
-    decoder, items, deadline = Decoder(FORMATS["counts"]), list[Chunk | GapMark](), time.monotonic() + HANG_S
+    decoder, items, deadline = Decoder(FORMATS["counts"]), list[Chunk | StreamGap](), time.monotonic() + HANG_S
     while decoder.counters.frames < frames:
         assert time.monotonic() < deadline, decoder.counters
         for item in reader.poll(1.0):
@@ -44,16 +44,16 @@ def collect(reader: Reader, frames: int) -> list[Chunk | GapMark]:
     return items
 
 
-def rest_of(reader: Reader) -> list[Chunk | GapMark]:
+def rest_of(reader: Reader) -> list[Chunk | StreamGap]:
     """Read until a replay is at its end."""
-    items = list[Chunk | GapMark]()
+    items = list[Chunk | StreamGap]()
     with suppress(ReplayEnded):
         while True:
             items += reader.poll(1.0)
     return items
 
 
-def data_of(items: list[Chunk | GapMark]) -> bytes:
+def data_of(items: list[Chunk | StreamGap]) -> bytes:
     return b"".join(item.data for item in items if isinstance(item, Chunk))
 
 
@@ -90,7 +90,7 @@ def test_an_unplugged_port_is_opened_again_and_the_gap_is_marked_twice(journal: 
         with Reader(device.url, journal) as reader, BenchControl(device.control) as hands:
             hands.go()
             items = collect(reader, 350)
-        marks = [item for item in items if isinstance(item, GapMark)]
+        marks = [item for item in items if isinstance(item, StreamGap)]
     assert [mark.is_open for mark in marks] == [False, True, False, True]
     assert "lost" in marks[0].reason
     assert "back after" in marks[1].reason
@@ -101,7 +101,7 @@ def test_an_unplugged_port_is_opened_again_and_the_gap_is_marked_twice(journal: 
 
 def test_the_journal_survives_the_death_of_its_process(journal: Path) -> None:
     with SimulatedDevice(Truth.example(1), 1, speed=paced(50.0)) as device, Reader(device.url, journal) as reader:
-        items, empty = list[Chunk | GapMark](), journal.stat().st_size
+        items, empty = list[Chunk | StreamGap](), journal.stat().st_size
         while journal.stat().st_size == empty:  # until the first flush
             items += reader.poll(1.0)
         os.kill(reader.pid, signal.SIGKILL)
@@ -214,8 +214,8 @@ def test_each_byte_that_was_not_collected_is_told_of_once(monkeypatch: pytest.Mo
         session._hand_on(Chunk(host_ns, b"x" * size))  # noqa: SLF001
     assert outbox.has_room == []
     assert list(unpacked(outbox.taken)) == [
-        GapMark(2, "8 bytes not collected in time; they are lost", is_open=True),
-        GapMark(3, "7 bytes not collected in time; they are lost", is_open=True),
+        StreamGap(2, "8 bytes not collected in time; they are lost", is_open=True),
+        StreamGap(3, "7 bytes not collected in time; they are lost", is_open=True),
         Chunk(3, b"x" * 11),
         Chunk(4, b"x" * 13),
     ]

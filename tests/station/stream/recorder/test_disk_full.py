@@ -22,10 +22,10 @@ from station.errors import CannotWrite, DiskFull
 from station.files.atomic_file import replace_file
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.sha256sums import verify_folder
-from station.stream.live.accepted_blocks import runs_of_blocks
 from station.stream.live.live_feed import LiveFeed, open_feed
+from station.stream.live.stillness import runs_of_blocks
 from station.stream.recorder.accepted_step_writer import CampaignRecorder, open_campaign
-from station.stream.recorder.raw_check import check_raw_bytes
+from station.stream.recorder.sample_stream import check_raw_bytes
 from tests.patience import paced
 from tests.refusals import refused
 from tests.station.commands.program import Program

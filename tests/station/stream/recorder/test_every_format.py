@@ -16,8 +16,7 @@ from station.files.mcap_files import COUNTS, RATES, read_step
 from station.stream.live.live_feed import LiveFeed, open_feed
 from station.stream.reader import Chunk
 from station.stream.recorder import plain_recording
-from station.stream.recorder.raw_check import check_raw_bytes
-from station.stream.recorder.sample_stream import SampleStream
+from station.stream.recorder.sample_stream import SampleStream, check_raw_bytes
 from tests.drivers.wire.blocks import each_format
 from tests.station.stream.live.bench_in_memory import Source
 

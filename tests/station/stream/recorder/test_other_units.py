@@ -15,10 +15,10 @@ from fixtures_db.database import open_db
 from procedures.campaign.plan_steps import Dwell, turn_steps
 from station import cli
 from station.files.mcap_files import read_step
-from station.stream.live.accepted_blocks import runs_of_blocks
 from station.stream.live.live_feed import open_feed
+from station.stream.live.stillness import runs_of_blocks
 from station.stream.recorder.accepted_step_writer import open_campaign
-from station.stream.recorder.raw_check import check_raw_bytes
+from station.stream.recorder.sample_stream import check_raw_bytes
 from tests.station.stream.live.bench_in_memory import SITE, Source
 
 TRUTH = Truth.example(4)

@@ -16,10 +16,9 @@ from station.files.mcap_files import read_step
 from station.files.mcap_files.schemas import COUNTS
 from station.stream.reader import Chunk
 from station.stream.recorder.accepted_step_writer import write_runs
-from station.stream.recorder.pulse_ages import PulseAges
-from station.stream.recorder.row_times import RowTimes
 from station.stream.recorder.sample_buffer import SampleBuffer
 from station.stream.recorder.sample_stream import SampleStream
+from station.stream.recorder.sample_times import PulseAges, RowTimes
 from tests.drivers.wire.test_stim300 import datagram
 
 PPM = 35.0

@@ -14,12 +14,10 @@ from procedures.error_codes import ErrorCode
 from station import cli
 from station.errors import DataRefused
 from station.files.mcap_files import StepWriter
-from station.files.mcap_files.fix_reader import read_fixes
-from station.files.mcap_files.fix_writer import FixWriter
+from station.files.mcap_files.gnss_file import FixWriter, read_fixes
+from station.stream import replay
 from station.stream.reader import Chunk
-from station.stream.replay import imu
-from station.stream.replay.gnss import recorded_choice
-from station.stream.replay.imu import Replay
+from station.stream.replay import Replay, recorded_choice
 from tests.drivers.simulated.drives import bends
 from tests.refusals import refused
 from tests.station.monitor.driving import record_drive
@@ -45,7 +43,7 @@ class Clock:
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     made = Clock()
-    monkeypatch.setattr(imu, "time", made)
+    monkeypatch.setattr(replay, "time", made)
     return made
 
 

@@ -10,16 +10,15 @@ from drivers.can.frame_record import pack
 from drivers.can.wheel_reading import WheelReading
 from drivers.simulated.companions.wheel_on_can import DBC, wheel_toml
 from station.files.mcap_files.schemas import RAW_TOPIC, WHEEL_RAW_TOPIC
-from station.stream.reader import Chunk, GapMark
+from station.stream.reader import Chunk, StreamGap
 from station.stream.reader.journal import Journal
-from station.stream.wheel.description import WheelDescription, read_description
-from station.stream.wheel.wheel_feed import WheelFeed, recorded_wheel
+from station.stream.wheel import WheelDescription, WheelFeed, read_description, recorded_wheel
 
 NS = 10**9
 BUS = "can://slcan/dev/ttyNONE?bitrate=500000"
 UNKNOWN = pack(288, 0, b"\xff" * 8)  # the signal says that it does not know
 OTHERS = pack(0x7FF, 0, b"\x01" * 8)
-GONE, BACK = GapMark(0, "port lost: gone", False), GapMark(0, "port back", True)
+GONE, BACK = StreamGap(0, "port lost: gone", False), StreamGap(0, "port back", True)
 
 
 @pytest.fixture(scope="module")
@@ -34,20 +33,20 @@ class Bus:
 
     def __init__(self, described: WheelDescription) -> None:
         self.now, self.up_to_ns, self.address = 0.0, 0, described.address
-        self._items, self._signal = list[Chunk | GapMark](), described.signal
+        self._items, self._signal = list[Chunk | StreamGap](), described.signal
         source: Any = self
         self.feed = WheelFeed(source, described, lambda: self.now)
 
-    def poll(self, timeout_s: float) -> list[Chunk | GapMark]:
+    def poll(self, timeout_s: float) -> list[Chunk | StreamGap]:
         items, self._items = self._items, []
         return items
 
-    def hear(self, at: float, *said: float | bytes | GapMark) -> str:
+    def hear(self, at: float, *said: float | bytes | StreamGap) -> str:
         """Return what is wrong after speeds [m/s], other frames and marks came at a time."""
         self.now, host_ns = at, round(at * NS)
         for each in said:
             data = self._signal.frame(each, host_ns) if isinstance(each, float) else each
-            self._items.append(each if isinstance(each, GapMark) else Chunk(host_ns, bytes(data)))  # type: ignore[arg-type]
+            self._items.append(each if isinstance(each, StreamGap) else Chunk(host_ns, bytes(data)))  # type: ignore[arg-type]
         self.feed.advance()
         return self.feed.trouble
 

@@ -5,9 +5,9 @@ from typing import get_args
 import pytest
 from textual.binding import Binding
 
-from station.live_attitude.readings import MotionState
-from station.monitor.alarms import ALARMS
+from station.attitude.live_readings import MotionState
 from station.monitor.text_lines import MONITOR_KEYS
+from station.monitor.view import ALARMS
 from station.tui.monitor_screen import MonitorApp, MonitorScreen
 from tests.paths import ROOT
 from tests.station.tui.monitor.screenshots import PICTURES, picture

@@ -9,7 +9,7 @@ from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from procedures.campaign.plan_steps import Dwell
-from station.files.campaign_folder.notes import keep_plan
+from station.files.campaign_folder.plan_file import keep_plan
 from station.guide.client import EngineConnection
 from station.guide.view import CalibrationView, CommandVerb, OperatorCommand
 from station.tui.common_app import STATION

@@ -1,1 +1,0 @@
-"""Recordings as live devices: their bytes come again as they came then."""

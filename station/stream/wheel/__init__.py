@@ -1,1 +1,0 @@
-"""A vehicle's wheel beside the IMU: what it is, and what it tells over CAN."""
