@@ -122,8 +122,8 @@ def _certificate(file: Path, trust: "Trust | None") -> Kept:
     signing_libraries()
     from fixtures_db.verification import Anchor
     from station.files.xml_document import read_document
-    from station.results.certificate.signing.journal_witness import stamped_head
     from station.results.certificate.signing.key_certificate import Trust
+    from station.results.certificate.signing.verification import stamped_head
 
     head, found = stamped_head(file, read_document(file), trust or Trust())
     assert found.stamped is not None

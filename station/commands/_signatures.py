@@ -85,7 +85,7 @@ def refuse_missing(db: str | None) -> None:
 
 def _by_database(db: str | None, content: bytes, found: "Verified") -> list["Finding"]:
     from fixtures_db.database import default_path, open_db
-    from station.results.certificate.signing.against_database import database_findings
+    from station.results.certificate.signing.verification import database_findings
 
     where = str(default_path()) if db is None else db
     if "://" not in where and not Path(where).exists():  # a check makes no database

@@ -171,7 +171,7 @@ def _write_html(row: "IssuedCertificateRow", html: Path, copy: bool) -> None:
 
 def _copies(row: "IssuedCertificateRow", html: Path, pdf: bool, dcc: bool) -> Iterator[Copy]:
     if dcc and row.dcc is not None:
-        from station.results.certificate.dcc.validation import held_against
+        from station.results.certificate.dcc.digital_certificate import held_against
 
         xml = row.dcc.encode()
         yield html.with_suffix(".xml"), lambda _: xml, f", sha256 {row.dcc_sha256}; {held_against()}"

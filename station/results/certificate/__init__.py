@@ -1,5 +1,6 @@
 """The calibration certificate: a stored calibration as ISO/IEC 17025:2017 wants it handed out.
 
-It is made from the chained record and what the laboratory says of itself (``laboratory.toml``), refused while
-anything is missing, and recorded as it was issued.
+`content` collects what is said, from the chained record and `laboratory`, with `printed_results`, `conformity` and
+`model_statement`; `missing_statements` refuses what is incomplete; `rendering` (HTML, PDF) and `dcc` (XML) write
+it; `issuing` numbers and records it; `signing` signs and verifies its files.
 """

@@ -1,4 +1,4 @@
-"""Issue a certificate: numbered, recorded and handed out, in this order.
+"""Issue a certificate: numbered, recorded and handed out, in this order; list what a new issue changed.
 
 The row, which holds all of it, is committed before the file is written. A kill before the commit leaves nothing, a
 kill after it a certificate that was issued and can be handed out again (`copy_of`), byte by byte.
@@ -8,6 +8,7 @@ import json
 import re
 from dataclasses import replace
 from datetime import UTC, datetime
+from html import unescape
 from pathlib import Path
 
 from sqlalchemy.orm import Session
@@ -28,13 +29,47 @@ from fixtures_db.verification import take_anchor
 from station.errors import DataRefused, Incomplete
 from station.files.sha256sums import sha256_of
 from station.files.toml_file import checked_text
-from station.results.certificate.certificate_inputs import Certificate, ReplacedCertificate
-from station.results.certificate.changed_fields import changed_fields
-from station.results.certificate.content import CertificateContent, content_of
-from station.results.certificate.dcc.checking import checked_xml, load_validators
+from station.results.certificate.content import Certificate, CertificateContent, ReplacedCertificate, content_of
+from station.results.certificate.dcc.digital_certificate import checked_xml, load_validators
 from station.results.certificate.laboratory import Laboratory
 from station.results.certificate.missing_statements import check_received, missing
 from station.results.certificate.rendering import render
+
+FIELDS_THAT_ALWAYS_CHANGE = {
+    "Issued",
+    "Newest calibration",
+    "Newest face certificate",
+    "Newest surface plate level",
+    "Certificate before this",
+    "Journal of the database",
+}
+
+
+TABLE = re.compile(r'<table(?: class="([^"]*)")?[^>]*>(.*?)</table>', re.DOTALL)
+CELL = re.compile(r"<t[hd]\b[^>]*>(.*?)</t[hd]>", re.DOTALL)
+TAG = re.compile(r"<[^>]*>")
+
+
+def changed_fields(before: str, now: str) -> list[str]:
+    """Return the labels of the fields that two certificates print otherwise, in the order of the newer."""
+    old, new = _fields(before), _fields(now)
+    names = [*new, *(name for name in old if name not in new)]
+    return [name for name in names if old.get(name) != new.get(name) and name not in FIELDS_THAT_ALWAYS_CHANGE]
+
+
+def _fields(html: str) -> dict[str, list[str]]:
+    found = dict[str, list[str]]()
+    for table, row in ((table, row) for table, rows in TABLE.findall(html) for row in rows.split("<tr>")[1:]):
+        texts = [" ".join(unescape(TAG.sub("", cell)).split()) for cell in CELL.findall(row)]
+        if table == "house":
+            found["Laboratory"] = texts
+        elif table.startswith("facts"):
+            for label, text in zip(texts[::2], texts[1::2], strict=False):
+                found.setdefault(label, []).append(text)
+        elif table in {"references", "signature"} and texts[0]:
+            found.setdefault(texts[0] if table == "references" else "Authorised by", []).append(" ".join(texts))
+    return found
+
 
 HASH_PREFIX = re.compile(r"[0-9a-f]{6,64}")
 

@@ -1,6 +1,7 @@
-"""The results as a certificate or a report prints them: value and U, coverage factor, degrees of freedom.
+"""The results as a certificate or a report prints them: value, U, k, degrees of freedom, sources of u.
 
 U has two significant digits and the value the same last place (JCGM 100:2008, 7.2.6).
+docs/explanation/uncertainty.md explains how each source is found.
 """
 
 import math
@@ -14,6 +15,9 @@ from station.text import aligned, decimals, fixed
 
 if TYPE_CHECKING:
     from procedures.uncertainty.budget import ParameterBudget
+from collections.abc import Iterable
+
+from procedures.uncertainty import sources
 
 INFINITE = "\u221e"
 SYMBOLS = {"scale_factor": "K", "misalignment": "E", "bias": "D"}
@@ -111,3 +115,34 @@ def main_shares(result: MeasuredParameter) -> list[tuple[str, float]]:
     greatest = sorted(result.contributions, key=lambda part: -part["std"])[:MAX_CONTRIBUTIONS]
     shares = [(part["source"], 100 * part["std"] ** 2 / total) for part in greatest]
     return [(source, share) for source, share in shares if share >= 1]
+
+
+MEANINGS = {
+    sources.COUNTING: "the white noise of the unit\u2019s output",
+    sources.QUANTISATION: "the size of one count",
+    sources.INSTABILITY: "bias instability during the measurement",
+    sources.REST_SCATTER: "differences between repeated positions beyond noise",
+    sources.MOVE_SCATTER: "differences between manual transfers beyond noise",
+    sources.CONING: "rotation between two samples",
+    sources.WARM_UP: "remaining warm-up drift after power-on",
+    sources.TURN_ON: "bias differences between power-ons",
+    sources.CUBE: "the angles of the cube\u2019s faces",
+    sources.SLAB: "the level of the surface plate",
+    sources.HEADING: "the heading in which the cube was set down",
+    sources.SEAT: "the seating of the cube on the surface plate, different at each placement",
+    sources.CLOSURE: "the closure error of a manual rotation",
+    sources.GRAVITY: "the local gravity",
+    sources.SECOND_ORDER: "second-order terms of misalignment and tilts",
+    sources.FRAME: "the reference axes of free positions",
+    sources.LATITUDE: "the latitude",
+    sources.CLOCK: "the unit\u2019s clock",
+    sources.TEMPERATURE: "the temperature dependence of the results",
+    sources.EFFECTS: "the uncertainty of the error terms added to the model",
+    sources.UNEXPLAINED: "the part of the residuals that no known error term explains",
+}
+
+
+def sources_said(results: Iterable[MeasuredParameter]) -> list[tuple[str, str]]:
+    """Return each source that is printed among the main parts of the variance, with what it is."""
+    found = {source for result in results for source, _ in main_shares(result)}
+    return [(source, meaning) for source, meaning in MEANINGS.items() if source in found]

@@ -10,11 +10,10 @@ from pathlib import Path
 
 from fixtures_db.schema import IssuedCertificateRow
 from station.errors import NoPdf
-from station.results.certificate import certificate_wording, model_statement
+from station.results.certificate import model_statement
 from station.results.certificate.conformity import printed
-from station.results.certificate.content import CertificateContent
-from station.results.certificate.printed_results import result_groups
-from station.results.certificate.source_meanings import sources_said
+from station.results.certificate.content import CertificateContent, conditions, greatest_risks, minute
+from station.results.certificate.printed_results import result_groups, sources_said
 from station.results.html_templates import html_template
 
 
@@ -32,9 +31,9 @@ def render(content: CertificateContent) -> str:
         effects=model_statement.effect_rows(document),
         found=found,
         conformity_rows=[] if found is None else printed(found.against),
-        risks="" if found is None else certificate_wording.greatest_risks(found),
+        risks="" if found is None else greatest_risks(found),
         before=content.before,
-        conditions=certificate_wording.conditions(certificate),
+        conditions=conditions(certificate),
         references=content.references,
         deviations=content.deviations,
         diagnosis=content.diagnosis,
@@ -43,7 +42,7 @@ def render(content: CertificateContent) -> str:
         stated=content.stated,
         is_timed=content.is_timed,
         simulated=content.is_simulated,
-        minute=certificate_wording.minute,
+        minute=minute,
         files=sorted(document["inputs"].items()),
     )
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from station.errors import DataRefused
-from station.results.certificate.signing.xml_names import NAMESPACES
+from station.results.certificate.signing.xml_schema import NAMESPACES
 from station.results.fixture_certificate.dsi_reading import (
     ANGLE,
     ANGLE_SQUARED,

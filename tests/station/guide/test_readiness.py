@@ -28,7 +28,7 @@ from station.guide.campaign.readiness import read_prior_knowledge, readiness
 from station.guide.setup_view import PortCheck, Readiness
 from station.results import campaign_results as module
 from station.results.campaign_results import CampaignResults, make_results, store
-from station.results.certificate.certificate_inputs import Certificate
+from station.results.certificate.content import Certificate
 from station.results.certificate.missing_statements import missing
 from station.results.verdict import judge
 from station.stream.connected_unit import Unit

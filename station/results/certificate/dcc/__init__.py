@@ -1,6 +1,6 @@
-"""The certificate as XML: a digital calibration certificate of PTB's schema 3.1.2, quantities in D-SI 2.1.
+"""The certificate as XML: a digital calibration certificate (DCC): PTB's schema 3.1.2, D-SI 2.1.
 
-It is made from the same statements as the HTML (`station.results.certificate.statements`), so that the two cannot
-disagree; ``schema`` holds the schemas unmodified, with their licence.
-docs/how-to/certificate.md maps what stands where.
+`elements` and `names` make XML elements and bilingual texts; `statements`, `administrative`, `results` and
+`measurement` turn `CertificateContent`, the HTML's source too, into the parts of the file; `digital_certificate`
+puts them together and validates them by ``schema`` (unmodified, with its licence) and by the rules of `dcclib`.
 """

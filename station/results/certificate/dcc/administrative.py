@@ -2,8 +2,7 @@
 
 import re
 
-from station.results.certificate.certificate_inputs import Certificate
-from station.results.certificate.content import CertificateContent
+from station.results.certificate.content import Certificate, CertificateContent
 from station.results.certificate.dcc.elements import LANGUAGES, Element, Said, Text, dcc, worded
 from station.results.certificate.dcc.statements import statements
 

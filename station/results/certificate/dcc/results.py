@@ -1,16 +1,35 @@
-"""The results of a digital certificate: every parameter with U, k and probability, beside it its conformity."""
+"""The results of a digital certificate: parameters with U and k, conformity, budget, covariance, as found.
+
+A list of the D-SI has one unit, but the covariance matrix has one for every pair of kinds. So the matrix is given
+as the blocks of its upper triangle, each by rows, labelled ``row|column``. It is the fit's covariance: a
+parameter's U also includes sources beyond the fit, and its u^2 is at least the matrix's diagonal.
+"""
 
 import math
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 from procedures.frames import TRIADS
-from station.results.certificate.conformity import LimitComparison
+from station.results.certificate.conformity import COVERAGE, LimitComparison, Shift, sigmas
 from station.results.certificate.content import CertificateContent
-from station.results.certificate.dcc.conformity_statements import CONFORMITY
-from station.results.certificate.dcc.dsi_units import ONE, DsiUnit, dsi_unit
-from station.results.certificate.dcc.elements import Element, Said, dcc, worded
-from station.results.certificate.dcc.names import PART_NAMES, TRIAD_NAMES, parameter_name
-from station.results.certificate.dcc.quantities import Expanded, quantity, real
+from station.results.certificate.dcc.elements import (
+    ONE,
+    DsiUnit,
+    Element,
+    Expanded,
+    Said,
+    dcc,
+    dsi_unit,
+    no_quantity,
+    number,
+    numbers,
+    of_normal,
+    quantity,
+    real,
+    worded,
+)
+from station.results.certificate.dcc.names import PART_NAMES, TRIAD_NAMES, as_written, parameter_name, source_name
+from station.results.certificate.dcc.statements import CONFORMITY
 from station.results.certificate.printed_results import MeasuredParameter
 
 DOF = Said("effective degrees of freedom", "effektive Freiheitsgrade")
@@ -96,3 +115,176 @@ def _other(one: LimitComparison, content: CertificateContent) -> Element:
     said = worded("noQuantity", NOT_MEASURED) if one.value is None else real(one.value, unit_of(one.limit.unit))
     beside = dcc("measurementMetaData", _conformity(one, content))
     return quantity(parameter_name(one.limit.parameter), said, beside, ref_type=f"fog_{one.limit.parameter}")
+
+
+COVARIANCE_TITLE = Said("Covariance matrix of the fit", "Kovarianzmatrix der Ausgleichung")
+COVARIANCE_MEANING = Said(
+    "Covariances of the parameters as the least-squares solution gives them, by blocks of the upper triangle, "
+    "each by "
+    "rows; a label names row and column. The combined uncertainty U / k of a parameter includes sources beyond "
+    "the fit, "
+    "named in the budget.",
+    "Kovarianzen der Parameter, wie die Ausgleichung sie liefert: Blöcke des oberen Dreiecks, jeder "
+    "zeilenweise; ein "
+    "Etikett nennt Zeile und Spalte. Die kombinierte Unsicherheit U / k eines Parameters enthält auch Quellen "
+    "außerhalb der Ausgleichung, die das Budget nennt.",
+)
+
+
+def covariance_results(content: CertificateContent) -> Iterator[Element]:
+    """Give the matrix, if the calibration holds one; those stored before there was one do not."""
+    stored = content.document.get("covariance", {"names": []})
+    if not (groups := _groups(content, stored["names"])):
+        return
+    kinds = list(groups)
+    blocks = [
+        _block(content, stored, groups, (row, column))
+        for place, row in enumerate(kinds)
+        for column in kinds[place:]
+    ]
+    whole = dcc(
+        "list",
+        worded("name", COVARIANCE_TITLE),
+        worded("description", COVARIANCE_MEANING),
+        *blocks,
+        refType="fog_covariance",
+    )
+    yield result(COVARIANCE_TITLE, whole, ref_type="fog_covarianceMatrix")
+
+
+def _groups(content: CertificateContent, names: list[str]) -> dict[str, list[str]]:
+    """Return the parameters of the certificate that the matrix has, by triad and kind."""
+    found = dict[str, list[str]]()
+    for name in content.results:
+        if name in names:
+            found.setdefault(name.rpartition(".")[0], []).append(name)
+    return found
+
+
+def _block(
+    content: CertificateContent,
+    stored: Mapping[str, list[str]],
+    groups: dict[str, list[str]],
+    pair: tuple[str, str],
+) -> Element:
+    rows, columns = (groups[kind] for kind in pair)
+    at = {name: place for place, name in enumerate(stored["names"])}
+    units = [unit_of(content.results[names[0]].unit) for names in (rows, columns)]
+    values = [float(stored["matrix"][at[row]][at[column]]) for row in rows for column in columns]
+    labels = [f"{row}|{column}" for row in rows for column in columns]
+    one, other = (_kind_name(kind) for kind in pair)
+    return quantity(
+        one + Said(" \u00d7 ", " \u00d7 ") + other,
+        numbers(values, units[0] * units[1], labels),
+        ref_type="fog_covarianceBlock",
+        refId=" ".join(dict.fromkeys((*rows, *columns))),
+    )
+
+
+def _kind_name(kind: str) -> Said:
+    triad, part = kind.split(".")
+    return TRIAD_NAMES[triad] + Said(" ", ", ") + PART_NAMES[part]
+
+
+EFFECTS = Said(
+    "Error terms in the model in addition to K, E and D, standard uncertainty u",
+    "Fehlerterme im Modell neben K, E und D, Standardunsicherheit u",
+)
+AS_FOUND = Said(
+    "As found: errors with the previous parameters", "Eingangszustand: Abweichungen der vorigen Parameter"
+)
+APPLIED, ERROR = Said("applied before", "zuvor angewandt"), Said("error as found", "Abweichung")
+SIGMAS = Said("error over its standard uncertainty", "Abweichung durch ihre Standardunsicherheit")
+FIT = Said("Global test of the fit", "Globaltest der Ausgleichung")
+TESTED = {
+    "chi2": Said("chi-square", "Chi-Quadrat"),
+    "dof": Said("degrees of freedom", "Freiheitsgrade"),
+    "p_value": Said("p-value", "p-Wert"),
+}
+HASH = Said("SHA-256 of its definition", "SHA-256 seiner Definition")
+
+
+def effects_and_global_test(content: CertificateContent) -> Iterator[Element]:
+    """Give what there is of them."""
+    tested = [
+        quantity(name, real(float(residual[key]), ONE), ref_type=f"fog_{key}")
+        for residual in [content.document.get("residual", {})]
+        for key, name in TESTED.items()
+        if key in residual
+    ]
+    if tested:
+        yield result(FIT, dcc("list", *tested), ref_type="fog_globalTest")
+    if effects := content.document.get("effects", ()):
+        yield result(EFFECTS, *map(_effect, effects), ref_type="fog_effects")
+    if content.before is not None and content.before.shifts:
+        yield result(AS_FOUND, *map(_shift, content.before.shifts), ref_type="fog_asFound")
+
+
+def _effect(one: Mapping[str, Any]) -> Element:
+    units = one.get("units", {})
+    coefficients = [
+        _coefficient(f"{one['name']}.{name}", said, str(units.get(name, one["unit"])))
+        for name, said in one["coefficients"].items()
+    ]
+    if "sha256" in one:
+        coefficients.append(no_quantity(HASH, str(one["sha256"]), "fog_effectHash"))
+    return dcc(
+        "list",
+        worded("name", as_written(str(one["name"]))),
+        *coefficients or [no_quantity(EFFECTS, Said("no coefficients", "keine Koeffizienten"))],
+        refType=f"fog_{one['name']}",
+    )
+
+
+def _coefficient(name: str, said: Mapping[str, float], text: str) -> Element:
+    std, unit = said.get("std"), dsi_unit(text)
+    if unit is None:  # a unit of somebody's own
+        written = f"{number(said['value'])} ({text})" + ("" if std is None else f", u = {number(std)}")
+        return no_quantity(as_written(name), written)
+    expanded = None if std is None else of_normal(std)
+    return quantity(as_written(name), real(said["value"], unit, expanded, label=name))
+
+
+def _shift(one: Shift) -> Element:
+    unit, expanded = unit_of(one.unit), of_normal(one.expanded, COVERAGE)
+    return dcc(
+        "list",
+        worded("name", parameter_name(one.name)),
+        quantity(APPLIED, real(one.applied, unit), ref_type="fog_appliedBefore"),
+        quantity(ERROR, real(one.error, unit, expanded), ref_type="basic_measurementError"),
+        quantity(SIGMAS, real(sigmas(one), ONE), ref_type="fog_errorOverStandardUncertainty"),
+        refId=one.name,
+        refType="fog_shift",
+    )
+
+
+BUDGET_TITLE = Said(
+    "Uncertainty budget: contributions, standard uncertainty u",
+    "Unsicherheitsbudget: Beiträge, Standardunsicherheit u",
+)
+COMBINED_U = Said("combined standard uncertainty u", "kombinierte Standardunsicherheit u")
+
+
+def budget_result(content: CertificateContent) -> Element:
+    """Return a list for every parameter, which it names by its id: u, then the contribution of every source."""
+    return result(BUDGET_TITLE, *map(_budget_list, content.results.values()), ref_type="fog_uncertaintyBudget")
+
+
+def _budget_list(one: MeasuredParameter) -> Element:
+    unit = unit_of(one.unit)
+    combined = quantity(COMBINED_U, real(one.std, unit), ref_type="fog_combinedStandardUncertainty")
+    parts = [_contribution(part, unit) for part in one.contributions]
+    return dcc(
+        "list", worded("name", parameter_name(one.name)), combined, *parts, refId=one.name, refType="fog_budget"
+    )
+
+
+def _contribution(part: Mapping[str, Any], unit: DsiUnit) -> Element:
+    dof = float(part.get("dof", math.inf))
+    beside = None if math.isinf(dof) else dcc("measurementMetaData", degrees_of_freedom(dof))
+    return quantity(
+        source_name(str(part["source"])),
+        real(part["std"], unit, label=str(part["source"])),
+        beside,
+        ref_type=f"fog_contribution fog_type{part['type']}",
+    )

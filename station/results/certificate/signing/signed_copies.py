@@ -8,11 +8,9 @@ from cryptography.hazmat.primitives import hashes
 from fixtures_db.database import Database
 from fixtures_db.issued_certificates import record_signed
 from station.files.xml_document import parse_xml
-from station.results.certificate.signing.pdf_signature import sign_pdf
-from station.results.certificate.signing.pdf_verification import open_pdf, verified_pdf
+from station.results.certificate.signing.pdf_signature import open_pdf, sign_pdf, verified_pdf
 from station.results.certificate.signing.signing_key import SigningKey
-from station.results.certificate.signing.xml_signature import sign_xml
-from station.results.certificate.signing.xml_verification import verified_xml
+from station.results.certificate.signing.xml_signature import sign_xml, verified_xml
 
 
 def signed_copy(

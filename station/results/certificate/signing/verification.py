@@ -1,25 +1,41 @@
-"""A certificate's file looked at from every side, each said in a sentence: what holds, what not, what is open."""
+"""A certificate's file verified: by its own signature, by schema, and by the database that issued it.
 
-from collections.abc import Sequence
+Each finding is a sentence: what holds, what does not, what is open. The database gives the recorded bytes, the
+chain and the raw data's hashes; the journal's code in a signed and stamped certificate shows what the database
+held then.
+"""
+
+import hashlib
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from lxml import etree
+from sqlalchemy.orm import Session
+
+from fixtures_db.append_only_rows import verify_rows
+from fixtures_db.errors import NotInDatabase
+from fixtures_db.issued_certificates import issued_numbered, issued_of, signed_as, verify_issued
+from fixtures_db.journal import Head, read_code
+from fixtures_db.journal_verification import missing_entry
+from fixtures_db.schema import CalibrationRow, IssuedCertificateRow, SignedFileRow
+from fixtures_db.stored_calibrations import calibration, verify_chain
 from station.errors import DataRefused
+from station.files.sha256sums import sha256_of
 from station.files.xml_document import parse_xml
-from station.results.certificate.signing.errors import SignatureBroken
+from station.results.certificate.signing.errors import NotVerified, SignatureBroken
 from station.results.certificate.signing.key_certificate import Trust, standing, subject
-from station.results.certificate.signing.pdf_verification import (
+from station.results.certificate.signing.pdf_signature import (
     attached_files,
     has_signature,
     open_pdf,
     verified_pdf,
 )
 from station.results.certificate.signing.time_stamp import read_time_stamp
-from station.results.certificate.signing.xml_names import dcc
-from station.results.certificate.signing.xml_schema import VERSION, schema_fault
-from station.results.certificate.signing.xml_verification import Signed, is_signed, verified_xml
+from station.results.certificate.signing.xml_schema import NAMESPACES, SCHEMA_LOCATION, VERSION, dcc, schema_fault
+from station.results.certificate.signing.xml_signature import Signed, is_signed, verified_xml
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,3 +163,140 @@ def _time_stamp(signed: Signed, trust: Trust) -> tuple[Finding, datetime | None]
         f"{stamp.moment:%Y-%m-%d %H:%M:%S} UTC by {stamp.certificate.subject.rfc4514_string()}: {service.words}"
     )
     return Finding("time stamp", words, service.is_trusted), stamp.moment if service.is_trusted else None
+
+
+_HEADS = ".//dcc:quantity[@refType='fog_head']/dcc:noQuantity/dcc:content"
+
+
+def stated_head(document: Any) -> Head | None:
+    """Return the journal's head that a DCC states; None where there is none, as in those of older stations."""
+    texts = [] if document is None else document.findall(_HEADS, NAMESPACES)
+    return next((head for one in texts if (head := read_code(one.text or "")) is not None), None)
+
+
+def journal_finding(session: Session, found: Verified) -> list[Finding]:
+    """Say whether the journal still has the entry that a certificate states as its newest of then."""
+    if (head := stated_head(found.document)) is None:
+        return []
+    if faults := missing_entry(session.connection(), head):
+        words = f"{faults[0]}: an older copy was restored, or the journal was restarted"
+        return [Finding("journal", words, False)]
+    when = "" if found.stamped is None else f", stamped {found.stamped:%Y-%m-%d %H:%M} UTC"
+    by = f"this confirms all entries before it{when}" if found.is_whole else "unsigned, this confirms nothing"
+    return [Finding("journal", f"has entry {head.entries} as stated; {by}", True)]
+
+
+def stamped_head(file: Path, content: bytes, trust: Trust) -> tuple[Head, Verified]:
+    """Return the journal's head in a certificate's XML or PDF, whose signature and time stamp hold.
+
+    Raises
+    ------
+    NotVerified
+        If signature, key or stamp does not hold.
+    DataRefused
+        If it has no stamp, or states no head: it is then no witness.
+    """
+    found = (verify_pdf if file.suffix.lower() == ".pdf" else verify_xml)(content, file, trust)
+    if found.faults:
+        raise NotVerified(file, found.faults, "give --trust ROOT.pem, or an anchor file")
+    head = stated_head(found.document)
+    if head is None or found.stamped is None:
+        lacks = "no code of the journal" if head is None else "no time stamp"
+        expected = "a certificate whose time stamp covers the journal's code"
+        raise DataRefused(file, None, lacks, expected, "give one, or an anchor file")
+    return head, found
+
+
+def database_findings(session: Session, url: str, content: bytes, found: Verified) -> list[Finding]:
+    """Return what a database says of a file; of one that it did not issue, that."""
+    sha256 = hashlib.sha256(content).hexdigest()
+    signed = signed_as(session, sha256)
+    if signed is None and UNSIGNED in found.findings and content.startswith(PDF_MARK):
+        words = "a PDF without signature is a copy, and its bytes are not recorded: verify the HTML or the XML"
+        return [Finding("database", words, None)]
+    number = signed.number if signed is not None else _number(found.document) or _stated_number(content)
+    row = None if number is None else issued_numbered(session, number)
+    if row is None:
+        words = f"{url} has no certificate No. {number}" if number else f"not the bytes of any file in {url}"
+        return [Finding("database", words, None)]
+    said = [_bytes(session, row, signed, sha256), *_content(row, found.document), *_records(session, row)]
+    return [*said, *journal_finding(session, found)]
+
+
+def _number(document: Any) -> str | None:
+    core = None if document is None else document.find(".//dcc:coreData/dcc:uniqueIdentifier", NAMESPACES)
+    return None if core is None else str(core.text)
+
+
+def _stated_number(content: bytes) -> str | None:
+    """Return the number that an XML states, proven or not; None of a PDF, or where there is none."""
+    try:
+        return _number(parse_xml(content, "certificate"))
+    except DataRefused:
+        return None
+
+
+def _bytes(session: Session, row: IssuedCertificateRow, signed: SignedFileRow | None, sha256: str) -> Finding:
+    """Say whether each byte is as it was handed out."""
+    newest = issued_of(session, row.calibration_sha256)[-1]
+    since = "" if newest.id == row.id else f"; replaced since by No. {newest.number}"
+    if signed is not None:
+        faults = [one for one in verify_rows(session, SignedFileRow) if one.row == f"signed file {signed.id}"]
+        day = f"{signed.signed_utc:%Y-%m-%d}"
+        words = str(faults[0]) if faults else f"every byte as signed on {day}, certificate No. {row.number}{since}"
+        return Finding("database", words, not faults)
+    if sha256 == row.dcc_sha256:
+        return Finding(
+            "database", f"every byte as issued, certificate No. {row.number}, without signature{since}", True
+        )
+    return Finding(
+        "database", f"not the bytes of any file of certificate No. {row.number} as recorded{since}", False
+    )
+
+
+def _content(row: IssuedCertificateRow, document: Any) -> Iterator[Finding]:
+    """Say whether what is signed is what was issued."""
+    if document is None or row.dcc is None:
+        return
+    same = _plain(document) == _plain(etree.fromstring(row.dcc.encode()))
+    words = "as issued" if same else f"not that of certificate No. {row.number} as issued"
+    yield Finding("content", words, same)
+
+
+def _plain(root: Any) -> bytes:
+    """Return a document's canonical form without what signing adds to it."""
+    copy = etree.fromstring(etree.tostring(root))
+    copy.attrib.pop(SCHEMA_LOCATION, None)
+    comment = copy.find(dcc("comment"))
+    if comment is not None and not len(comment):
+        comment.getprevious().tail = comment.tail
+        copy.remove(comment)
+    plain: bytes = etree.tostring(copy, method="c14n", exclusive=True, with_comments=False)
+    return plain
+
+
+def _records(session: Session, row: IssuedCertificateRow) -> list[Finding]:
+    """Say whether the chain to the calibration holds, and whether its raw data are what was recorded."""
+    try:
+        certified = calibration(session, row.calibration_sha256)
+    except NotInDatabase:
+        return [Finding("chain", "the calibration is not in the database", False)]
+    names = {f"issued certificate {row.id}", f"calibration {certified.id}"}
+    faults = [one for one in (*verify_issued(session), *verify_chain(session)) if one.row in names]
+    head = f"certificate {row.sha256[:12]}... to calibration {certified.sha256[:12]}..."
+    chain = Finding("chain", str(faults[0]) if faults else f"whole, from {head}", not faults)
+    return [chain, _raw_data(certified)]
+
+
+def _raw_data(row: CalibrationRow) -> Finding:
+    """Hash the recorded files again where their folder is."""
+    folder = None if row.campaign is None else Path(row.campaign.folder)
+    if folder is None or not folder.is_dir():
+        words = f"hashes of {len(row.inputs)} files stored; their folder is missing, so no file was checked"
+        return Finding("raw data", words, None)
+    for name, expected in row.inputs.items():
+        file = folder / name
+        found = sha256_of(file) if file.is_file() else "none"
+        if found != expected:
+            return Finding("raw data", f"{name}: found sha256 {found}, expected {expected}", False)
+    return Finding("raw data", f"{len(row.inputs)} files of {folder} as recorded", True)

@@ -8,8 +8,7 @@ from typing import Any
 from sqlalchemy.orm import Session
 
 from procedures.calibration.solution_values import Solution
-from station.results.certificate.certificate_inputs import Certificate, ReplacedCertificate
-from station.results.certificate.content import CertificateContent, content_of
+from station.results.certificate.content import Certificate, CertificateContent, ReplacedCertificate, content_of
 from tests.station.results.certificate.factory import NOON, REFERENCES, accepted, drifted, laboratory
 from tests.station.results.report import factory
 

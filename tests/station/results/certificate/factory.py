@@ -11,8 +11,7 @@ from fixtures_db.model_limits import Limit, set_limits
 from fixtures_db.schema import CalibrationRow
 from fixtures_db.stored_calibrations import accept_calibration
 from procedures.calibration.solution_values import Solution
-from station.results.certificate.certificate_inputs import Certificate
-from station.results.certificate.content import content_of
+from station.results.certificate.content import Certificate, content_of
 from station.results.certificate.laboratory import Laboratory, read_laboratory
 from station.results.certificate.rendering import render
 from station.results.parameters_by_name import applied, parameters

@@ -14,7 +14,7 @@ import pytest
 
 from fixtures_db.calibration import utc_text
 from fixtures_db.database import Database
-from station.results.certificate.certificate_inputs import Certificate
+from station.results.certificate.content import Certificate
 from station.results.certificate.issuing import issue
 from station.results.certificate.missing_statements import (
     FROM_CALIBRATION,

@@ -11,10 +11,14 @@ from typing import Any
 import pytest
 
 from station.files.sha256sums import sha256_of
-from station.results.certificate.as_found import AsFound, Shift
-from station.results.certificate.dcc.effects_and_global_test import effects_and_global_test
-from station.results.certificate.dcc.validation import SCHEMA_FOLDER, rule_faults, schema_faults
-from station.results.certificate.dcc.xml_writing import certificate_xml
+from station.results.certificate.conformity import AsFound, Shift
+from station.results.certificate.dcc.digital_certificate import (
+    SCHEMA_FOLDER,
+    certificate_xml,
+    rule_faults,
+    schema_faults,
+)
+from station.results.certificate.dcc.results import effects_and_global_test
 from tests.empty_database import empty_db
 from tests.paths import ROOT
 from tests.station.results.certificate.dcc_kinds import KINDS, content, of_kind

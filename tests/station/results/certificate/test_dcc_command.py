@@ -9,7 +9,7 @@ from sqlalchemy import text
 
 from fixtures_db.database import Database
 from fixtures_db.issued_certificates import issued_of
-from station.results.certificate.dcc.validation import schema_faults
+from station.results.certificate.dcc.digital_certificate import schema_faults
 from station.results.certificate.issuing import find_calibration
 from tests.fixtures_db.factory import unprotect
 from tests.station.results.certificate.conftest import Run, certify

@@ -13,8 +13,8 @@ import pytest
 from lxml import etree
 
 from fixtures_db.hash_chain import canonical, digest
-from station.results.certificate.dcc.dsi_units import dsi_unit
-from station.results.certificate.dcc.xml_writing import certificate_xml
+from station.results.certificate.dcc.digital_certificate import certificate_xml
+from station.results.certificate.dcc.elements import dsi_unit
 from station.results.parameters_by_name import applied, parameters
 from tests.empty_database import empty_db
 from tests.patience import HANG_S

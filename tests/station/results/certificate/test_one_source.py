@@ -8,7 +8,7 @@ from math import pi
 import pytest
 from lxml import etree
 
-from station.results.certificate.dcc.xml_writing import certificate_xml
+from station.results.certificate.dcc.digital_certificate import certificate_xml
 from station.results.certificate.rendering import render
 from tests.empty_database import empty_db
 from tests.station.results.certificate.dcc_kinds import KINDS, of_kind

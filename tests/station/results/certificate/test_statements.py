@@ -15,8 +15,7 @@ from procedures.twelve_positions.bench_parameters import SLAB_TILT_RANGE_RAD
 from procedures.uncertainty.sources import SOURCES
 from station.errors import DataRefused
 from station.results.certificate.conformity import LimitComparison, conformity, greatest_risk, printed
-from station.results.certificate.dcc.german import VERDICTS, in_german
-from station.results.certificate.dcc.names import SOURCE_NAMES, parameter_name
+from station.results.certificate.dcc.names import SOURCE_NAMES, VERDICTS, in_german, parameter_name
 from station.results.certificate.laboratory import Laboratory
 from station.results.certificate.missing_statements import (
     FROM_CALIBRATION,
@@ -31,8 +30,7 @@ from station.results.certificate.model_statement import (
     stated,
     taken_as_zero,
 )
-from station.results.certificate.printed_results import MeasuredParameter
-from station.results.certificate.source_meanings import MEANINGS
+from station.results.certificate.printed_results import MEANINGS, MeasuredParameter
 from tests.station.results.certificate.dcc_kinds import KINDS, of_kind
 
 LIMIT = Limit("gyroscope.bias.x", -1.0, 1.0, "deg/h", 1.64)

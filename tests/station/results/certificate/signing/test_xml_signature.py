@@ -9,10 +9,16 @@ from lxml import etree
 from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 from station.files.xml_document import parse_xml
-from station.results.certificate.signing.xml_names import DS, DS_SCHEMA, SCHEMA_LOCATION, dcc, ds, xades
-from station.results.certificate.signing.xml_schema import schema_fault
-from station.results.certificate.signing.xml_signature import sign_xml
-from station.results.certificate.signing.xml_verification import verified_xml
+from station.results.certificate.signing.xml_schema import (
+    DS,
+    DS_SCHEMA,
+    SCHEMA_LOCATION,
+    dcc,
+    ds,
+    schema_fault,
+    xades,
+)
+from station.results.certificate.signing.xml_signature import sign_xml, verified_xml
 from tests.refusals import refused
 from tests.station.results.certificate.signing.authorities import Owner, issue, laboratory, root
 from tests.station.results.certificate.signing.signed_files import key_of

@@ -9,9 +9,8 @@ from signxml import CanonicalizationMethod, DigestAlgorithm, SignatureMethod
 from signxml.xades import XAdESSigner
 
 from station.results.certificate.signing.errors import SignatureBroken
-from station.results.certificate.signing.xml_names import EXCLUSIVE, NAMESPACES, dcc, ds
-from station.results.certificate.signing.xml_signature import sign_xml, signature_value
-from station.results.certificate.signing.xml_verification import verified_xml
+from station.results.certificate.signing.xml_schema import EXCLUSIVE, NAMESPACES, dcc, ds
+from station.results.certificate.signing.xml_signature import sign_xml, signature_value, verified_xml
 from tests.refusals import refused
 from tests.station.results.certificate.signing.authorities import laboratory, root
 from tests.station.results.certificate.signing.signed_files import key_of

@@ -11,8 +11,8 @@ from signxml.xades import XAdESSigner
 
 from station.results.certificate.signing.errors import SignatureBroken
 from station.results.certificate.signing.verification import verify_xml
-from station.results.certificate.signing.xml_names import ENVELOPED, NAMESPACES, dcc, ds
-from station.results.certificate.signing.xml_verification import verified_xml
+from station.results.certificate.signing.xml_schema import ENVELOPED, NAMESPACES, dcc, ds
+from station.results.certificate.signing.xml_signature import verified_xml
 from tests.station.results.certificate.signing.authorities import laboratory
 from tests.station.results.certificate.signing.signed_files import trusted
 from tests.station.results.certificate.signing.small_dcc import small_dcc

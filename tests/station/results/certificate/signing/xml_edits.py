@@ -7,7 +7,7 @@ from typing import Any
 
 from lxml import etree
 
-from station.results.certificate.signing.xml_names import ds, xades
+from station.results.certificate.signing.xml_schema import ds, xades
 
 Edit = Callable[[Any, random.Random], None]
 

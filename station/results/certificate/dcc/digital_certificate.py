@@ -1,4 +1,7 @@
-"""What a digital certificate is held against: its schemas, and the rules of the `dcclib` where it is installed."""
+"""A certificate as the XML of a digital calibration certificate, validated by schemas and the rules of `dcclib`.
+
+Equal certificates give equal bytes. `dcclib` is used where it is installed.
+"""
 
 from functools import cache
 from importlib import resources
@@ -7,6 +10,25 @@ from pathlib import Path
 from typing import Any
 
 from lxml import etree
+
+from station.errors import BadXml
+from station.results.certificate.content import CertificateContent
+from station.results.certificate.dcc.administrative import administrative_data
+from station.results.certificate.dcc.elements import SCHEMA_VERSION, dcc
+from station.results.certificate.dcc.measurement import measurement_result
+
+
+def certificate_xml(content: CertificateContent) -> bytes:
+    """Return the XML of what a certificate says, UTF-8; it is not checked (`validation`)."""
+    root = dcc(
+        "digitalCalibrationCertificate",
+        administrative_data(content),
+        dcc("measurementResults", measurement_result(content)),
+        schemaVersion=SCHEMA_VERSION,
+    )
+    written: bytes = etree.tostring(root, xml_declaration=True, encoding="UTF-8", pretty_print=True)
+    return written
+
 
 SCHEMA_FOLDER = Path(str(resources.files("station.results.certificate.dcc") / "schema"))
 _LOCAL = {"SI_Format.xsd": SCHEMA_FOLDER / "SI_Format.xsd"}  # the schema names it by its public address
@@ -67,3 +89,23 @@ def schematron() -> Any:
     from dcclib.validation import SchematronValidator
 
     return SchematronValidator.for_dcc()
+
+
+def load_validators() -> None:
+    """Read schema and rules, which takes a second: before a lock is held."""
+    schema_faults(b"<none/>")
+    rule_faults(b"<none/>")
+
+
+def checked_xml(content: CertificateContent) -> bytes:
+    """Return a certificate's XML; the rules of `dcclib` are asked only where it is installed.
+
+    Raises
+    ------
+    BadXml
+        If it breaks the schema or a rule; nothing is issued then.
+    """
+    written = certificate_xml(content)
+    if faults := schema_faults(written) or rule_faults(written):
+        raise BadXml(content.certificate.number, faults[0], len(faults))
+    return written
