@@ -22,8 +22,7 @@ from procedures.counts.count_kernels import smooth
 from procedures.counts.count_propagation import Nodes, propagate
 from procedures.counts.count_rate import estimate_counts
 from procedures.diagnosis.diagnose import diagnose
-from station.results.diagnosis.finding_figure import SIZE_IN, draw_panel
-from station.results.diagnosis.finding_residuals import residual_panels
+from station.results.diagnosis.finding_figure import SIZE_IN, draw_panel, residual_panels
 
 HERE = Path(__file__).parent
 BLUE, ORANGE, GREEN, GREY, PALE = "#1f5a96", "#c4611a", "#3a7d44", "#6b6b6b", "#e4e8ee"

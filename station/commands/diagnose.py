@@ -109,7 +109,7 @@ def _diagnose(
     from procedures.errors import NotObservable
     from station.files.campaign_folder.loaded_campaign import effects_of
     from station.results.diagnosis.magnetic_field import with_magnetic_field
-    from station.results.diagnosis.single_channels import channel_lines, channels_of
+    from station.results.diagnosis.uncalibrated import channel_lines, channels_of
     from station.results.diagnosis.unsolvable_campaign import nothing_at_all, partial_document
 
     loaded = [with_magnetic_field(one) for one in loaded]
@@ -143,8 +143,8 @@ def _print_progress(line: str) -> None:
 def _document(
     found: "Diagnosis", loaded: Sequence["LoadedCampaign"], others: "Mapping[str, LoadedCampaign]"
 ) -> dict[str, Any]:
-    from station.results.diagnosis.closed_loop import with_undetectable_tilts
     from station.results.diagnosis.diagnosis_json import diagnosis_document
+    from station.results.diagnosis.model_refinement import with_undetectable_tilts
 
     validated = {}
     if others:
@@ -158,11 +158,11 @@ def _say(
     document: dict[str, Any], loaded: Sequence["LoadedCampaign"], found: "Diagnosis | None", json: Path | None,
     html: Path | None, plan: Path | None, more: "Discovery | None" = None,
 ) -> None:  # fmt: skip
-    from station.results.diagnosis.beside_findings import beside_findings
+    from station.results.diagnosis.diagnosis_json import noise_and_widened
     from station.results.diagnosis.diagnosis_text import diagnosis_text
     from station.results.solution_text import NOT_SOLVED, triad_lines
 
-    document |= beside_findings(loaded, found)
+    document |= noise_and_widened(loaded, found)
     if guesses := [guess for one in loaded for guess in one.guesses]:
         document["guessed"] = guesses
     if more is not None:
@@ -204,7 +204,7 @@ def _wanted(document: dict[str, Any], loaded: Sequence["LoadedCampaign"]) -> "Se
     )
     if not (names := [one["next"]["measurement"] for one in document["findings"] if "next" in one]):
         return known
-    from station.results.diagnosis.next_of_proposals import planned
+    from station.results.diagnosis.proposed_terms import planned
 
     first = planned(names)
     return [*first, *(one for one in known if one.name not in {each.name for each in first})]

@@ -62,7 +62,7 @@ def show(
     from fixtures_db.user_effects import all_in_force, owner
     from procedures.effects import EFFECTS
     from station.files.effect_file import check_stored, read_effect, stored_effect
-    from station.results.effects_text import effect_text, file_text
+    from station.results.user_defined_effects import effect_text, file_text
 
     if any(effect.name == name for effect in EFFECTS):
         typer.echo(effect_text(name))
@@ -165,8 +165,7 @@ def adopt(
 
     Example: station effects adopt diagnosis.json --out dead_zone.toml
     """
-    from station.results.effect_adopted import adopted
-    from station.results.effect_confirmed import confidence_text
+    from station.results.user_defined_effects import adopted, confidence_text
 
     effect, why = adopted(diagnosis, finding, out)
     typer.echo(f"{out}: {effect.name}, effect/1, sha256 {effect.sha256}")

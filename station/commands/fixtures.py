@@ -38,14 +38,12 @@ def list_(
 
     Example: station fixtures list slab
     """
-    from importlib import import_module
-
     from fixtures_db.database import open_db
-    from station.results.fixture_kinds import KINDS
+    from station.results.fixtures.fixture_listing import KINDS
 
     with open_db(db) as database, database.read() as session:
         for name in KINDS if kind is None else (kind,):
-            for line in import_module(KINDS[name]).lines(session):
+            for line in KINDS[name].lines(session):
                 typer.echo(f"{name} {line}" if kind is None else line)
 
 
@@ -64,13 +62,11 @@ def show(
 
     Example: station fixtures show cube P1
     """
-    from importlib import import_module
-
     from fixtures_db.database import open_db
-    from station.results.fixture_kinds import KINDS
+    from station.results.fixtures.fixture_listing import KINDS
 
     with open_db(db) as database, database.read() as session:
-        typer.echo(import_module(KINDS[kind]).description(session, name))
+        typer.echo(KINDS[kind].description(session, name))
 
 
 def import_(
@@ -135,8 +131,8 @@ def _certificate(
     from station.files.xml_document import read_document
     from station.results.certificate.signing.key_certificate import read_trust
     from station.results.certificate.signing.verification import verify_xml
-    from station.results.fixture_certificate.certificate_import import refuse_unproven, take_in
-    from station.results.fixture_certificate.fixture_document import read_fixture
+    from station.results.fixtures.certificate_import import refuse_unproven, take_in
+    from station.results.fixtures.fixture_document import read_fixture
 
     found = verify_xml(read_document(file), file, read_trust(roots, lists))
     proven = refuse_unproven(found, file, unsigned)

@@ -11,7 +11,7 @@ from station.commands import Database
 from station.commands._options import argument, day_option, option, write_result
 
 if TYPE_CHECKING:
-    from station.results.cube_measurement.known_faces import CubeStudy
+    from station.results.fixtures.measured_cube import CubeStudy
 
 
 def measure(
@@ -44,7 +44,7 @@ def measure(
     from fixtures_db.fixtures import fixture_row
     from fixtures_db.schema import CubeRow
     from station.commands.fixtures_add import day, due_after, noon, past
-    from station.results.cube_measurement.measure_cube import read_campaigns, study
+    from station.results.fixtures.measured_cube import read_campaigns, study
 
     if due is not None and not store:
         raise typer.BadParameter("--due without --store dates nothing; add --store")
@@ -63,8 +63,8 @@ def measure(
                     session, cube, found.measured, campaigns=found.campaigns,
                     measured_utc=found.measured_utc, due_date=day(due),
                 )  # fmt: skip
-    from station.results.cube_measurement.measured_cube_json import document
-    from station.results.cube_measurement.measured_cube_text import study_text
+    from station.results.fixtures.measured_cube import document
+    from station.results.fixtures.measured_cube_text import study_text
 
     text = study_text(found) + (f"\nstored as measured certificate of cube {cube}" if store else "")
     write_result(document(found), text, json, f"cube {cube} as measured" + (", stored" if store else ""))
@@ -125,14 +125,14 @@ def tolerance(
     from procedures.tolerance.tolerances_for_accuracy import AccuracyUnreachable
     from station.errors import DataRefused
     from station.files.atomic_file import replace_file, write_json
-    from station.results.tolerance.tolerance_inputs import (
+    from station.results.fixtures.tolerance_inputs import (
         drawing_of_cube,
         drawing_of_file,
         paper_unit,
         unit_of_solution,
     )
-    from station.results.tolerance.tolerance_study import ToleranceQuestion, document, study
-    from station.results.tolerance.tolerance_text import tolerance_text
+    from station.results.fixtures.tolerance_study import ToleranceQuestion, document, study
+    from station.results.fixtures.tolerance_text import tolerance_text
 
     drawing = drawing_of_file(items) if items is not None else drawing_of_cube(db, str(cube))
     judged = paper_unit(k2_ug * 1e-6) if unit is None else unit_of_solution(unit, k2_ug * 1e-6)
@@ -148,7 +148,7 @@ def tolerance(
         remedy = "the limit of a perfect cube; use another estimator, or correct for K2"
         raise DataRefused(f"cube {drawing.cube}", None, asked_for, least, remedy) from None
     if svg is not None:
-        from station.results.tolerance.tolerance_figure import tolerance_svg
+        from station.results.fixtures.tolerance_figure import tolerance_svg
 
         replace_file(svg, tolerance_svg(found).encode())
     if out is not None:

@@ -51,7 +51,7 @@ def history(
         write_json(json, document)
         typer.echo(f"{json}: {document['format']} of {serial or population}")
     if html is not None:
-        from station.results.history.history_html import history_page
+        from station.results.history.history_page import history_page
 
         replace_file(html, history_page(document).encode())
         typer.echo(f"{html}: history of {serial or population}")
@@ -96,6 +96,6 @@ def _text(document: dict[str, Any]) -> str:
         from station.results.history.unit_history_text import history_text
 
         return history_text(document)
-    from station.results.history.population_text import population_text
+    from station.results.history.population import population_text
 
     return population_text(document)

@@ -46,16 +46,16 @@ def noise(
     })  # fmt: skip
     loaded = _loaded(recordings, told)
     document = _document(loaded)
-    from station.results.noise.noise_text import noise_text
+    from station.results.report.noise_text import noise_text
 
     write_result(document, noise_text(document), json, "noise/1")
     if html is not None:
-        from station.results.noise.noise_html import write_noise_page
+        from station.results.report.noise_page import write_noise_page
 
         write_noise_page(html, document)
         typer.echo(f"{html}: noise")
     if png is not None:
-        from station.results.noise.noise_plot import write_noise_png
+        from station.results.report.noise_page import write_noise_png
 
         write_noise_png(png, document["channels"])
         typer.echo(f"{png}: Allan deviation and spectrum")
@@ -76,7 +76,7 @@ def _loaded(recordings: Sequence[Path], told: _log_options.LogOptions) -> "list[
 def _document(loaded: "Sequence[LoadedCampaign]") -> dict[str, Any]:
     from procedures.calibration.joint_calibration import solve
     from procedures.errors import NotObservable, ProcedureError
-    from station.results.noise.noise_json import noise_document
+    from station.results.report.noise_json import noise_document
 
     try:
         solution = solve([one.campaign for one in loaded])

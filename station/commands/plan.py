@@ -76,9 +76,8 @@ def plan(
     from procedures.planning.design_sigmas import DesignSigmas
     from procedures.planning.step_information import StepInformation
     from station.guide.campaign.campaign_tables import planned_bench
-    from station.results.planning.hand_times import hand_times
-    from station.results.planning.known_noise import known_noise
-    from station.results.planning.wanted_by_limits import last_values, limits_named, wanted_by, wanted_by_name
+    from station.results.known_from_campaigns import hand_times, known_noise
+    from station.results.required_uncertainty import last_values, limits_named, wanted_by, wanted_by_name
 
     with refused_as("--sigma"):
         asked = wanted_by_name(sigma or [])
@@ -112,7 +111,7 @@ def _continue(sigmas: "DesignSigmas", asked: "WantedSigmas", so_far: Path) -> No
     from procedures.planning.campaign_design import usual_design
     from procedures.planning.design_sigmas import with_all_solved
     from procedures.planning.least_time import next_placement
-    from station.results.planning.continued import continued_text, placings_of
+    from station.results.continued_campaign import continued_text, placings_of
 
     whole = with_all_solved(asked, sigmas.of(usual_design()))
     found = next_placement(sigmas, whole, placings_of(so_far))
@@ -131,8 +130,7 @@ def _plan(
     from procedures.planning.design_sigmas import as_good_as, with_all_solved
     from procedures.planning.least_time import least_time, most_in_time
     from station.files.campaign_folder.plan_file import write_plan
-    from station.results.planning.plan_json import not_met, plan_document
-    from station.results.planning.plan_text import plan_text
+    from station.results.plan_document import not_met, plan_document, plan_text
 
     usual = sigmas.of(usual_design())
     is_asked = bool(np.isfinite(asked.sigma).any())

@@ -84,7 +84,7 @@ def resolve(
     from fixtures_db.campaigns import complete_campaigns
     from fixtures_db.database import open_db
     from station.errors import DataRefused
-    from station.results.cluster.engine import open_engine
+    from station.results.resolve.parallel_map import open_engine
 
     if bool(campaigns) == every:
         raise typer.BadParameter("found both campaigns and --all, or neither; expected one of them")
@@ -133,13 +133,13 @@ def report(
 
     loaded = read_for_solve(campaigns)
     # scipy and kernels: not before the data are right
-    from station.results.diagnosis.closed_loop import close_loop
     from station.results.diagnosis.diagnosis_html import section_html
     from station.results.diagnosis.diagnosis_wording import verdict_sentence
+    from station.results.diagnosis.model_refinement import refine_model
     from station.results.report.report import report_context, write_report
     from station.results.verdict import what_to_do
 
-    closed = close_loop(loaded)
+    closed = refine_model(loaded)
     document = solution_document(closed.solution, loaded, closed.effects)
     origin = document["provenance"]
     target = campaigns[0] / "report.html" if out is None else out

@@ -22,8 +22,7 @@ from station.files.campaign_folder.campaign_reading import read_for_solve
 from station.files.campaign_folder.campaign_schema import CampaignTable
 from station.files.campaign_folder.plan_file import read_note
 from station.files.campaign_setup import Setup
-from station.results.contradictory_dwells import contradiction_of
-from station.results.kept_tilted_dwells import doubt_of
+from station.results.contradictory_dwells import contradiction_of, doubt_of
 from station.results.measurement_circumstances import circumstances, diagnosis_kept, judged_values
 from station.results.verdict import LimitVerdict, judge, what_to_do
 
@@ -68,17 +67,17 @@ def make_results(
     """
     loaded = read_for_solve([folder])[0]
     from station.files.atomic_file import write_json
-    from station.results.diagnosis.closed_loop import (
-        NAME as DIAGNOSIS,  # scipy and kernels: not before the data are right
-    )
-    from station.results.diagnosis.closed_loop import close_loop
     from station.results.diagnosis.diagnosis_html import section_html
     from station.results.diagnosis.diagnosis_wording import left_said, verdict_sentence
+    from station.results.diagnosis.model_refinement import (
+        NAME as DIAGNOSIS,  # scipy and kernels: not before the data are right
+    )
+    from station.results.diagnosis.model_refinement import refine_model
     from station.results.report.report import report_context, write_report
     from station.results.solution_json import solution_document
 
     into = folder if into is None else into
-    closed = close_loop([loaded])
+    closed = refine_model([loaded])
     document = solution_document(closed.solution, [loaded], closed.effects)
     with database.read() as session:
         limits = limits_of(session, loaded.tables.imu.model)
@@ -160,8 +159,8 @@ def _write_html(results: CampaignResults, text: str, sha256: str, journal: str) 
 
 
 def _facts(results: CampaignResults, session: "Session") -> CalibrationFacts:
-    from station.results.budget_json import budget_document
-    from station.results.report.measurement_conditions import temperature_range
+    from station.results.diagnosis.model_refinement import budget_document
+    from station.results.report.report import temperature_range
 
     origin, now = results.document["provenance"], datetime.now(UTC)
     setup = read_note(results.folder, Setup)

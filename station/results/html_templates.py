@@ -5,7 +5,7 @@ from functools import cache
 
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined, Template
 
-FOLDERS = ("report", "diagnosis", "history", "certificate", "noise")
+FOLDERS = ("report", "diagnosis", "history", "certificate")
 
 
 def html_template(name: str) -> Template:

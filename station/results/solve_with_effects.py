@@ -20,7 +20,7 @@ def solved(campaigns: Sequence[LoadedCampaign]) -> tuple[Solution, Sequence[Load
     if not files:
         return solve([one.campaign for one in campaigns]), campaigns, []
     from procedures.diagnosis.declared_effects import solve_declared  # the loop, heavy: only where it is needed
-    from station.results.declared_effects import effect_entries
+    from station.results.diagnosis.diagnosis_json import effect_entries
     from station.results.diagnosis.magnetic_field import with_magnetic_field
 
     campaigns = [with_magnetic_field(one) for one in campaigns]

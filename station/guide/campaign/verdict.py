@@ -13,9 +13,9 @@ from procedures.frames import AXES
 from station.files.campaign_folder.plan_file import read_left_out
 from station.guide.step_names import gap_in_words, verdict_without_file_names
 from station.guide.view import Verdict, VerdictRow
+from station.results.contradictory_dwells import worst_kept
 from station.results.diagnosis.diagnosis_text import diagnosis_text, warnings_of
 from station.results.diagnosis.diagnosis_wording import verdict_sentence
-from station.results.kept_tilted_dwells import worst_kept
 from station.results.parameters_by_name import (
     Parameter,
     ParameterShift,
@@ -27,7 +27,7 @@ from station.results.parameters_by_name import (
     shown_sigma,
     title_of,
 )
-from station.results.report.fit_quality import LIMIT_SIGMAS, normalised
+from station.results.report.result_tables import LIMIT_SIGMAS, normalised
 from station.results.verdict import JudgedLimit, LimitVerdict, judged_in_words
 from station.stream.recorder.accepted_step_writer import step_of
 

@@ -14,6 +14,9 @@ from station.results.diagnosis.diagnosis_text import (
     error_rows,
     finding_chance,
     moved_rows,
+    proposed_said,
+    readings_said,
+    searched_said,
     table_rows,
     warnings_of,
 )  # fmt: skip
@@ -33,9 +36,8 @@ from station.results.diagnosis.diagnosis_wording import (
     verdict_title,
     where_text,
 )
-from station.results.diagnosis.proposed_wording import proposed_said, readings_said, searched_said
 from station.results.html_templates import html_template
-from station.results.noise.noise_html import noise_section
+from station.results.report.noise_page import noise_section
 from station.results.solution_text import effect_lines
 
 if TYPE_CHECKING:
@@ -100,12 +102,11 @@ def _wider(document: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
 
 
 def _plots(diagnosis: "Diagnosis", more: "Discovery | None") -> dict[str, dict[str, Any]]:
-    from station.results.diagnosis.finding_figure import caption, residual_svg
-    from station.results.diagnosis.finding_residuals import folded_panels, residual_panels
+    from station.results.diagnosis.finding_figure import caption, folded_panels, residual_panels, residual_svg
 
     found, panels = dict[str, dict[str, Any]](), residual_panels(diagnosis)
     if more is not None and more.proposals:
-        from station.results.diagnosis.proposed_panels import proposed_panels
+        from station.results.diagnosis.finding_figure import proposed_panels
 
         panels += proposed_panels(more)
     for number, panel in enumerate(panels, 1):

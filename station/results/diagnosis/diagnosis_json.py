@@ -11,13 +11,56 @@ from procedures.calibration.solution_values import Solution
 from procedures.effects.effect import REFERENCE_C
 from procedures.evidence.residual_patterns import LeftPattern
 from procedures.frames import TRIADS
-from procedures.inference.result import Diagnosis, EffectTest, Finding, Reason, ResidualRms, TableSensor, Unnamed
+from procedures.inference.result import (
+    DeclaredEffect,
+    Diagnosis,
+    EffectTest,
+    Finding,
+    Reason,
+    ResidualRms,
+    TableSensor,
+    Unnamed,
+)
+from procedures.samples.channel_noise import channel_noise
+from procedures.samples.held_samples import known_scales
+from procedures.uncertainty.budget import ParameterBudget, budget
+from procedures.uncertainty.sources import GivenValues
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign, effects_of
-from station.results.declared_effects import effect_entries, own_definition
-from station.results.diagnosis.single_channels import channels_of
-from station.results.diagnosis.uncalibrated import in_told_unit, without_solution
+from station.files.effect_file import EffectFile
+from station.results.diagnosis.uncalibrated import channels_of, in_specified_unit, without_solution
 from station.results.parameters_by_name import parameters, shifts
+from station.results.report.noise_json import channel_document
 from station.results.solution_json import solution_document
+
+
+def effect_entries(solved: Sequence[DeclaredEffect], files: Sequence[EffectFile]) -> list[dict[str, Any]]:
+    """Return the ``effects`` of solution/1 and calibration/1; what is not finite is left out.
+
+    ``definition`` is the text of the `effect/1`, ``sha256`` that of its bytes, ``units`` those of its parameters.
+    """
+    by_name = {one.name: one for one in files}
+    return [_entry(each, by_name[each.effect]) for each in solved]
+
+
+def _entry(solved: DeclaredEffect, file: EffectFile) -> dict[str, Any]:
+    values = zip(solved.coefficients, solved.value.tolist(), solved.std.tolist(), strict=True)
+    known = {name: {"value": v, "std": s} for name, v, s in values if np.isfinite(v) and np.isfinite(s)}
+    units = {name: one.unit for name, one in file.term.parameters.items()}
+    return {
+        "name": solved.effect, "coefficients": known, "unit": solved.unit, **({"units": units} if units else {}),
+        **({"reference": {"temperature_c": REFERENCE_C}} if "T" in file.term.inputs else {}),
+        **_definition(file),
+    }  # fmt: skip
+
+
+def own_definition(name: str, files: Sequence[EffectFile]) -> dict[str, Any]:
+    """Return the hash and the text of the `effect/1` of a name; nothing of an effect of the catalogue."""
+    return next((_definition(file) for file in files if file.name == name), {})
+
+
+def _definition(file: EffectFile) -> dict[str, Any]:
+    return {"term": list(file.term.terms), "sha256": file.sha256, "definition": file.text}
+
 
 FORMAT = "diagnosis/2"
 BLOCKS_LEFT_OUT = "an eighth of the blocks of samples, held out in turn"
@@ -54,9 +97,9 @@ def diagnosis_document(
         finding_document(finding) | own_definition(finding.effect, files) for finding in diagnosis.findings
     ]
     if not diagnosis.is_calibrated:
-        told = campaigns[0].campaign.nominal_scale
-        findings = [in_told_unit(finding, finding["effect"], told) for finding in findings]
-        errors = [in_told_unit(error, error["quantity"], told) for error in errors]
+        scales = campaigns[0].campaign.nominal_scale
+        findings = [in_specified_unit(finding, finding["effect"], scales) for finding in findings]
+        errors = [in_specified_unit(error, error["quantity"], scales) for error in errors]
     return {
         "format": FORMAT,
         "verdict": diagnosis.verdict,
@@ -219,3 +262,35 @@ def error_document(error: ResidualRms, method: str) -> dict[str, Any]:
     names = ("before", "after", "held_out_before", "held_out_after")
     known = {name: float(v) for name in names if (v := getattr(error, name)) is not None and isfinite(v)}
     return {"quantity": error.quantity, "unit": error.unit, **known, "method": method}
+
+
+MAX_WIDENED = 6
+MIN_GROWTH = 1.01  # of U, from which on a parameter is listed
+
+
+def noise_and_widened(campaigns: Sequence[LoadedCampaign], found: Diagnosis | None) -> dict[str, Any]:
+    """Return ``noise``, as the channels of `noise/1`, and ``widened``; each absent where there is none."""
+    bare = [one.campaign for one in campaigns]
+    scales = known_scales(bare, None if found is None else found.solution)
+    noise = [channel_document(each) for each in channel_noise(bare, scales)]
+    widened = [] if found is None else _widened(found)
+    return {name: part for name, part in (("noise", noise), ("widened", widened)) if part}
+
+
+def _widened(found: Diagnosis) -> list[dict[str, Any]]:
+    """Return the parameters whose expanded uncertainty what is left widens most, the worst first."""
+    if found.unexplained is None or not (found.solution.accelerometer or found.solution.gyroscope):
+        return []
+    given = GivenValues() if found.clock is None else GivenValues(clock=found.clock)
+    without = {each.name: each for each in budget(found.after, given)}
+    left = GivenValues(unexplained=found.unexplained, clock=given.clock)
+    pairs = [(without[each.name], each) for each in budget(found.after, left)]
+    grown = [pair for pair in pairs if pair[1].expanded > MIN_GROWTH * pair[0].expanded]
+    worst = sorted(grown, key=lambda pair: -pair[1].expanded / max(pair[0].expanded, 1e-300))
+    return [_widened_document(*pair) for pair in worst[:MAX_WIDENED]]
+
+
+def _widened_document(without: ParameterBudget, one: ParameterBudget) -> dict[str, Any]:
+    return {
+        "name": one.name, "unit": one.unit, "expanded_without": without.expanded, "expanded": one.expanded
+    }  # fmt: skip

@@ -8,8 +8,10 @@ from procedures.effects.effect import UNITS_OF_NONLINEAR
 from station.results.diagnosis.diagnosis_wording import (
     LEFT_TITLE,
     OTHERS_TITLE,
+    PROPOSED,
     alternatives_said,
     confidence_said,
+    known_findings,
     left_lines,
     not_separable_said,
     notes,
@@ -24,13 +26,72 @@ from station.results.diagnosis.diagnosis_wording import (
     verdict_title,
     where_text,
 )  # fmt: skip
-from station.results.diagnosis.proposed_wording import proposed_lines, searched_said
-from station.results.diagnosis.rests_and_moves_said import rests_and_moves_lines
-from station.results.diagnosis.single_channels import channel_lines
-from station.results.diagnosis.turns_said import turns_lines
-from station.results.noise.noise_text import noise_summary
+from station.results.diagnosis.uncalibrated import channel_lines, rests_and_moves_lines, turns_lines
 from station.results.parameters_by_name import Parameter, shown, shown_sigma, title_of
+from station.results.report.noise_text import noise_summary
 from station.results.solution_text import effect_lines, measured
+
+READINGS_SHOWN = 6  # readings
+OFFERED = ("unexplained", "partly")
+
+
+def proposed_lines(finding: Mapping[str, Any]) -> list[str]:
+    """Return what is said of a proposed finding beside its coefficients; nothing of another."""
+    if finding["confidence"] != PROPOSED:
+        return []
+    return [line for text in proposed_said(finding) for line in _wrapped(text)] + [
+        f"      {line}" for line in readings_said(finding)
+    ]
+
+
+def proposed_said(finding: Mapping[str, Any]) -> list[str]:
+    """Return sentences of a proposed finding: its term, its error held out, how many terms read the same."""
+    held, count = finding["held_out_sigmas"], finding["readings_in_all"]
+    alike = (
+        f"the data cannot separate it from {count} other {'term' if count == 1 else 'terms'}"
+        if count
+        else "no other tested term fits as well"
+    )
+    return [
+        f"it adds {_term(finding)}",
+        f"error of its rows when held out: {held['before']:.2f} sigma without it, "
+        f"{held['after']:.2f} with it (rms)",
+        alike,
+        *([f"measure next: {finding['separate_by']}"] if finding["separate_by"] else []),
+    ]
+
+
+def readings_said(finding: Mapping[str, Any]) -> list[str]:
+    """Return the terms that read the same here, the best first, each with how alike they are."""
+    return [
+        f"{_term(one)}, correlation {one['correlation']:.3f}"
+        for one in finding.get("readings", ())[:READINGS_SHOWN]
+    ]
+
+
+def searched_said(document: Mapping[str, Any]) -> str:
+    """Return how many terms were searched, or the offer to search where the verdict leaves something."""
+    if (searched := document.get("searched")) is None:
+        is_offered = document["verdict"] in OFFERED and "solution" in document
+        return (
+            "--discover searches ten thousand terms for an error term that the catalogue lacks"
+            if is_offered
+            else ""
+        )
+    found = len(document["findings"]) - len(known_findings(document))
+    said = "none is significant" if not found else "one is proposed" if found == 1 else f"{found} are proposed"
+    adopt = " (`station effects adopt` writes it as a file)" if found else ""
+    return f"{searched['terms']} terms were searched: {said}{adopt}"
+
+
+def _term(one: Mapping[str, Any]) -> str:
+    several = len(one["term"]) > 1
+    return " + ".join(f"c{i if several else ''} ({term})" for i, term in enumerate(one["term"], 1))
+
+
+def _wrapped(text: str) -> list[str]:
+    return wrap(text, WIDTH, initial_indent="   ", subsequent_indent="   ", break_long_words=False)
+
 
 WIDTH = 80
 MAX_COEFFICIENTS = 12  # of a finding that are listed; the largest in sigmas

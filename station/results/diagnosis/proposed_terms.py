@@ -1,18 +1,76 @@
-"""Terms that a search proposes, as findings of `diagnosis/2`; they change neither its verdict nor its solution."""
+"""Terms that a search proposes, as findings of `diagnosis/2`, with the measurement that separates their readings.
+
+They change neither the diagnosis' verdict nor its solution. A measurement is given in words and as steps of
+`plan/1`.
+"""
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from procedures.discovery.discover import Discovery, Proposal
-from procedures.discovery.next_plan import NextMeasurement
+from procedures.discovery.next_plan import HEATED_K, LONGER, SPEEDS_DEG_S, NextMeasurement, next_measurement
 from procedures.effects.term.effect_of_term import TermEffect
 from procedures.effects.term.latex import latex
 from station.files.effect_file import FORMAT
 from station.files.toml_file import toml_text
-from station.results.diagnosis.next_of_proposals import next_said, parted_by
+from station.results.diagnosis.next_measurements import (
+    DWELL_S,
+    MIXED,
+    OTHER_ORDER,
+    Make,
+    Measurement,
+    always,
+    positions,
+    turns,
+)
+
+MEASUREMENTS: Mapping[str, Make] = {
+    **{
+        f"turns_at_{speed:g}": always(
+            f"turns_at_{speed:g}",
+            f"Turn about each axis once more, both ways, at about {speed:g} deg/s.",
+            turn=turns(speed_deg_s=speed),
+        )
+        for speed in SPEEDS_DEG_S
+    },
+    "another_order": OTHER_ORDER,
+    "heated": always(
+        "heated",
+        f"Do the twelve positions and the turns again while the unit is heated by {HEATED_K:g} K, evenly from the "
+        f"first step to the last.",
+        **positions(MIXED),
+        turn=turns(),
+    ),
+    "longer_rests": always(
+        "longer_rests",
+        f"Do the twelve positions again, each for {LONGER * DWELL_S:g} s.",
+        **positions(range(1, 13), LONGER * DWELL_S),
+    ),
+}
+
+
+def parted_by(found: Discovery) -> list[NextMeasurement | None]:
+    """Return the measurement that parts each proposal's readings, None where it has none or nothing parts them."""
+    return [next_measurement(found, one) for one in found.proposals]
+
+
+def next_said(one: Proposal, best: NextMeasurement | None) -> str:
+    """Return what to measure next to part a proposal from its readings; nothing where there are none."""
+    if not one.readings:
+        return ""
+    if best is None:
+        return "no repetition of this campaign's steps parts it from them"
+    say = MEASUREMENTS[best.name]({}, ()).say.rstrip(".")
+    return f"{say}: parts it from {best.parted} of them, in {best.minutes:.0f} minutes at the bench"
+
+
+def planned(names: Iterable[str]) -> list[Measurement]:
+    """Return the measurements of some options, each once."""
+    return [MEASUREMENTS[name]({}, ()) for name in dict.fromkeys(names)]
+
 
 PROPOSED = "proposed"
 MAX_READINGS = 12  # that are written; the best

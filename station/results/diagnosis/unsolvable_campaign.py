@@ -22,10 +22,7 @@ from procedures.samples.held_samples import constant_channels, records_at_rest
 from procedures.statistics.spectrum import MIN_SAMPLES
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.results.diagnosis.diagnosis_json import FORMAT
-from station.results.diagnosis.rests_and_moves_said import rests_and_moves
-from station.results.diagnosis.single_channels import channels_of
-from station.results.diagnosis.turns_said import turns
-from station.results.diagnosis.uncalibrated import without_solution
+from station.results.diagnosis.uncalibrated import channels_of, rests_and_moves, turns, without_solution
 
 ALSO_IN_A_TILT = ("accelerometer.bias", "accelerometer.misalignment", "slab.tilt", "placement.dwell")
 ASSUMED_STD = 2e-3  # rad, 1 sigma of bias over 1 g, misalignment and unequal scale factors that are in a tilt

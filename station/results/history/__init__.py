@@ -1,1 +1,4 @@
-"""What the stored calibrations say together: of a unit over time, and of all units of a model."""
+"""The calibrations of a unit over time (`history/1`), and of the units of a model (`population/1`).
+
+`unit_history` and `population` compute; `unit_history_text` and `population` print; `history_page` draws both.
+"""

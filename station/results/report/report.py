@@ -1,29 +1,90 @@
-"""What a report is made from; put together and written, whole or not at all."""
+"""What a report is made from, with the measurement's conditions; written whole or not at all."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from markupsafe import Markup
 
+from procedures.arrays import FloatArray
 from procedures.calibration.solution_values import FitQuality, Solution, TriadCalibration
 from procedures.calibration.undetectable_tilt import ANY_TILT_RAD, UndetectableTilt
-from procedures.campaign.campaign import Campaign
-from procedures.frames import TRIADS
+from procedures.campaign.campaign import Campaign, Fixture
+from procedures.frames import AXES, FACES, TRIADS
 from procedures.uncertainty.budget import ParameterBudget
-from procedures.units import RAD_PER_ARCSEC, UG_PER_G
+from procedures.units import ARCSEC_PER_RAD, RAD_PER_ARCSEC, UG_PER_G
 from station.files.atomic_file import replace_file
 from station.results.certificate.printed_results import INFINITE, MAX_CONTRIBUTIONS, Row, budget_rows
 from station.results.html_templates import html_template
-from station.results.report.fit_quality import LIMIT_SIGMAS, correlations, residual_tables
-from station.results.report.measurement_conditions import condition_lines
-from station.results.report.parameter_tables import bench_groups, matrix_rows, triad_groups
 from station.results.report.report_figures import ReportFigures
+from station.results.report.result_tables import (
+    LIMIT_SIGMAS,
+    bench_groups,
+    correlations,
+    matrix_rows,
+    residual_tables,
+    triad_groups,
+)
 from station.results.verdict import word_said
-from station.text import plural, significant
+from station.text import MINUS, decimals, fixed, plural, significant
+
+
+def condition_lines(campaigns: Sequence[Campaign], solution: Solution) -> list[tuple[str, str]]:
+    """Return label and text of each condition; those equal in all campaigns once."""
+    lines: dict[str, list[str]] = {}
+    for campaign in campaigns:
+        for label, text in _conditions(campaign):
+            texts = lines.setdefault(label, [])
+            if text not in texts:
+                texts.append(text)
+    if solution.reference_temperature is not None:
+        lines["Reference temperature"] = [f"{fixed(solution.reference_temperature, 1)} \u00b0C"]
+    return [(label, "; ".join(texts)) for label, texts in lines.items()]
+
+
+def temperature_range(campaigns: Sequence[Campaign]) -> tuple[float, float] | None:
+    """Return the least and the greatest temperature [degC] of all steps, None if none was measured."""
+    series = [dwell.series for campaign in campaigns for dwell in campaign.dwells]
+    series += [turn.series for campaign in campaigns for turn in campaign.turns]
+    seen = [one.temperature[np.isfinite(one.temperature)] for one in series]
+    measured = np.concatenate(seen) if seen else np.empty(0)
+    return (float(measured.min()), float(measured.max())) if measured.size else None
+
+
+def _conditions(campaign: Campaign) -> Iterator[tuple[str, str]]:
+    site, sigma, span = campaign.site, campaign.sigma, temperature_range([campaign])
+    places = max(decimals(site.gravity_std), 0) if site.gravity_std > 0 else 6
+    gravity, std = fixed(site.gravity, min(places, 9)), significant(site.gravity_std)
+    yield "Latitude", f"{fixed(float(np.degrees(site.latitude)), 4)}\u00b0"
+    yield "Local gravity", f"{gravity}\u00a0m/s\u00b2, u\u00a0=\u00a0{std}\u00a0m/s\u00b2"
+    yield "Heading of a position", f"u\u00a0=\u00a0{significant(float(np.degrees(sigma.heading)))}\u00b0"
+    yield "Closure error of a rotation", f"u\u00a0=\u00a0{significant(float(np.degrees(sigma.closure)))}\u00b0"
+    yield "Steps", f"{plural(len(campaign.dwells), 'dwell')}, {plural(len(campaign.turns), 'rotation')}"
+    yield "Temperature", "not measured" if span is None else f"{span[0]:.1f} to {span[1]:.1f} \u00b0C"
+    yield "Fixture", campaign.fixture.id or "not named"
+    yield "Face certificate", _certificate(campaign.fixture)
+    yield "IMU axes in the cube", ", ".join(_signed_axis(row) for row in campaign.fixture.C_sb)
+
+
+def _certificate(fixture: Fixture) -> str:
+    certified = [face for face in FACES if face in fixture.faces]
+    if fixture.measured is not None:
+        return f"none; measured by {', '.join(fixture.measured.units) or 'IMUs'}"
+    if not certified:
+        return "none: misalignment refers to the mean of the cube's faces"
+    stds = [float(np.sqrt(np.trace(fixture.faces[face].covariance) / 2)) for face in certified]
+    arcsec = significant(max(stds) * ARCSEC_PER_RAD)
+    return f"{len(certified)} of {len(FACES)} faces, u up to {arcsec} arcsec"
+
+
+def _signed_axis(row: FloatArray) -> str:
+    greatest = int(np.argmax(np.abs(row)))
+    return ("+" if row[greatest] > 0 else MINUS) + AXES[greatest]
+
 
 SIGNIFICANT_P = 0.01  # of the global test, below which residuals exceed noise
 VERDICT_MARK = {"PASS": "\u2713", "FAIL": "\u2717", "NOT_MEASURED": "\u25cb"}

@@ -1,1 +1,5 @@
-"""A fleet's recordings through today's code, and what that changes. Nothing that is stored is touched."""
+"""Many campaigns solved and diagnosed again, in parallel, and compared with what was known of them: `resolve/1`.
+
+`fleet` sends each campaign as a `work_item` through `parallel_map` (on a cluster: `dask_engine`); `comparison`
+sets the result against the previous one; `resolve_text` prints it.
+"""

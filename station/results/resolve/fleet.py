@@ -1,5 +1,7 @@
 """Many campaigns, each solved again by whoever has time, to one `resolve/1`. The database is only read."""
 
+import hashlib
+import socket
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
@@ -8,15 +10,110 @@ from typing import Any, TextIO
 
 from fixtures_db.database import Database
 from fixtures_db.model_limits import Limit, limits_of
-from station.results.cluster.engine import Engine
-from station.results.cluster.progress import Progress
-from station.results.cluster.restartable_map import map_restartable
-from station.results.cluster.work_item import ItemFault
-from station.results.resolve.campaign_task import CheckTask, SolveTask, check_files, resolve_one
-from station.results.resolve.diagnosis_comparison import compare_diagnoses
-from station.results.resolve.previous_solution import KnownCampaign, known_of
-from station.results.resolve.solution_comparison import altered, compare
+from procedures.error_codes import ErrorCode
+from station.errors import DataRefused
+from station.files.campaign_folder.campaign_reading import read_for_solve
+from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML, read_campaign_toml
+from station.files.opening import open_inside
+from station.files.sha256sums import SHA256SUMS, read_hashes
+from station.results.resolve.comparison import KnownCampaign, altered, compare, compare_diagnoses, known_of
+from station.results.resolve.parallel_map import Engine, Progress, map_restartable
+from station.results.resolve.work_item import ItemFault
 from station.results.solution_json import software_version
+
+
+@dataclass(frozen=True, slots=True)
+class CheckTask:
+    """A folder to hash, and the files that the database says are in it."""
+
+    folder: str
+    recorded: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class SolveTask:
+    """A folder to solve and the SHA-256 of each file that goes into it, by name."""
+
+    folder: str
+    files: Mapping[str, str]
+
+
+def check_files(item: CheckTask) -> dict[str, Any]:
+    """Hash a campaign's files.
+
+    Returns
+    -------
+    dict
+        ``inputs``: the names of what a solve reads; ``found``: name to SHA-256 of every file that is there;
+        ``sums``: the same as ``SHA256SUMS`` has it, None where there is none; ``fault``: why that cannot be read.
+
+    Raises
+    ------
+    DataRefused
+        If there is no such folder here.
+    """
+    folder = Path(item.folder)
+    if not folder.is_dir():
+        host = socket.gethostname()
+        raise DataRefused(folder, None, f"no such folder on {host}", "one that every worker can read",
+                          "share it with that machine under the same path",
+                              code=ErrorCode.FILE_MISSING)  # fmt: skip
+    inputs, sums, fault = _inputs(folder), None, ""
+    try:
+        sums = {name: sha256 for name, (sha256, _) in read_hashes(folder).items()}
+    except DataRefused as error:
+        fault = str(error) if (folder / SHA256SUMS).exists() else ""
+    names = dict.fromkeys([*inputs, *(sums or {}), *item.recorded])
+    found = {name: sha256 for name in names if (sha256 := _sha256(folder, name)) is not None}
+    return {"inputs": inputs, "found": found, "sums": sums, "fault": fault}
+
+
+def resolve_one(task: SolveTask) -> dict[str, Any]:
+    """Solve and diagnose a campaign: ``solution``, a solution/1, and ``diagnosis``, a diagnosis/2 without it.
+
+    It is solved as its calibration was: where a diagnosis added effects, with them.
+
+    Raises
+    ------
+    DataRefused
+        If it breaks a rule of `campaign/1`, or has other bytes than whoever asks saw.
+    NotObservable
+        If neither triad can be solved.
+    """
+    loaded = read_for_solve([Path(task.folder)])[0]
+    for name, sha256 in loaded.files.items():
+        if (expected := task.files.get(name)) != sha256:
+            raise DataRefused(Path(task.folder) / name, None, f"sha256 {sha256} on {socket.gethostname()}",
+                              f"{expected} as a moment ago", "let nobody write there, then repeat")  # fmt: skip
+    from procedures.calibration.joint_calibration import solve
+    from station.results.diagnosis.model_refinement import added_effects, refine_model
+    from station.results.solution_json import solution_document
+
+    closed = refine_model([loaded])
+    is_with_effects = bool(loaded.effects or added_effects(loaded.folder))
+    solution = closed.solution if is_with_effects else solve([loaded.campaign])
+    diagnosis = {name: part for name, part in closed.document.items() if name != "solution"}
+    return {
+        "solution": solution_document(solution, [loaded], closed.effects if is_with_effects else ()),
+        "diagnosis": diagnosis,
+    }
+
+
+def _inputs(folder: Path) -> list[str]:
+    try:
+        tables = read_campaign_toml(folder)[0]
+        return [CAMPAIGN_TOML, *(step.file for step in tables.steps()), *tables.effect_files()]
+    except DataRefused:  # the solve will say it again, and whether the file was altered shows in its hash
+        return [CAMPAIGN_TOML]
+
+
+def _sha256(folder: Path, name: str) -> str | None:
+    try:
+        with open_inside(folder, name, folder, None) as stream:
+            return hashlib.file_digest(stream, "sha256").hexdigest()
+    except (DataRefused, OSError):
+        return None
+
 
 FORMAT = "resolve/1"
 FileCheck = Mapping[str, Any]

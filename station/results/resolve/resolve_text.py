@@ -6,7 +6,7 @@ from textwrap import wrap
 from typing import Any
 
 from station.results.parameters_by_name import Parameter, ParameterShift, largest
-from station.results.resolve.diagnosis_comparison import diagnosis_remarks, is_otherwise
+from station.results.resolve.comparison import diagnosis_remarks, is_otherwise
 from station.results.verdict import word_said
 from station.text import WIDTH, plural
 

@@ -14,7 +14,7 @@ from station.files.campaign_setup import Setup
 from station.guide.engine import CalibrationEngine
 from station.guide.options import CalibrationOptions
 from station.guide.view import OperatorCommand
-from station.results.kept_tilted_dwells import doubt_of
+from station.results.contradictory_dwells import doubt_of
 from tests.empty_database import empty_db
 from tests.station.guide.stored import recorded
 

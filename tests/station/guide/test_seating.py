@@ -11,7 +11,7 @@ from drivers.simulated.truth import Truth
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.campaign_schema import CampaignTable, read_campaign_toml
 from station.files.campaign_folder.plan_file import write_tables
-from station.results.kept_tilted_dwells import doubt_of
+from station.results.contradictory_dwells import doubt_of
 from station.stream.recorder import accepted_step_writer
 from tests.station.guide.rig import GuideRig, dwells
 

@@ -16,7 +16,7 @@ from procedures.campaign.campaign import Campaign, Site
 from procedures.uncertainty.budget import budget
 from station.files.campaign_folder.campaign_schema import CampaignTable
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
-from station.results.budget_json import budget_document
+from station.results.diagnosis.model_refinement import budget_document
 from station.results.solution_json import solution_document
 from station.results.solution_text import measured
 

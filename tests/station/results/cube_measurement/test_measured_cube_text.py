@@ -6,8 +6,8 @@ import numpy as np
 
 from procedures.campaign.campaign import MeasuredCube
 from procedures.campaign.measured_cube import CubeMeasurement
-from station.results.cube_measurement.known_faces import CubeStudy, KnownCube, StoredMeasurement
-from station.results.cube_measurement.measured_cube_text import study_text
+from station.results.fixtures.measured_cube import CubeStudy, KnownCube, StoredMeasurement
+from station.results.fixtures.measured_cube_text import study_text
 
 FIRST = datetime(2025, 1, 1, tzinfo=UTC)
 TWO_MONTHS = timedelta(days=365.25 / 6)

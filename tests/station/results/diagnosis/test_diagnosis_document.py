@@ -14,15 +14,12 @@ from procedures.statistics.allan_deviation import NoiseTerm
 from procedures.statistics.line_fits import CorrelatedLine
 from procedures.units import DEG_H_PER_DEG_S
 from station.files.effect_file import effect_in
-from station.results.diagnosis import single_channels
+from station.results.diagnosis import uncalibrated
 from station.results.diagnosis.diagnosis_text import not_looked_at
 from station.results.diagnosis.diagnosis_wording import p_text, verdict_sentence
-from station.results.diagnosis.finding_figure import caption, draw_panel
-from station.results.diagnosis.finding_residuals import ResidualPanel
+from station.results.diagnosis.finding_figure import ResidualPanel, caption, draw_panel
 from station.results.diagnosis.plot_coordinates import Coordinate
-from station.results.diagnosis.single_channels import channels_of
-from station.results.diagnosis.turns_said import turns, turns_lines
-from station.results.diagnosis.uncalibrated import in_told_unit
+from station.results.diagnosis.uncalibrated import channels_of, in_specified_unit, turns, turns_lines
 from tests.procedures.diagnosis.test_turns_seen import SCALE, recorded
 
 
@@ -49,7 +46,7 @@ LIVE = SingleChannel(
 @pytest.fixture
 def told(monkeypatch: pytest.MonkeyPatch) -> dict[str, object]:
     """The document of the channel, whatever campaign it came from."""
-    monkeypatch.setattr(single_channels, "single_channels", lambda campaigns, solved: [LIVE])
+    monkeypatch.setattr(uncalibrated, "single_channels", lambda campaigns, solved: [LIVE])
     campaign = SimpleNamespace(
         tables=SimpleNamespace(imu=SimpleNamespace(output="counts")), campaign=SimpleNamespace(nominal_scale={})
     )
@@ -102,12 +99,12 @@ def test_the_parameters_of_an_effect_of_ones_own_stay_as_they_are() -> None:
         "effect": file.name, "unit": "deg/h/K", "definition": file.text, "sha256": file.sha256,
         "coefficients": {"x": {"value": 36.0, "std": 3.6}, "relaxes": seconds, "tau_s": seconds},
     }  # fmt: skip
-    found = in_told_unit(entry, file.name, {})
+    found = in_specified_unit(entry, file.name, {})
     assert found["unit"] == "output/K"
     assert found["coefficients"]["x"] == {"value": 36.0 / DEG_H_PER_DEG_S, "std": 3.6 / DEG_H_PER_DEG_S}
     assert found["coefficients"]["relaxes"] == seconds
     assert found["coefficients"]["tau_s"] == seconds
-    assert in_told_unit(entry, file.name, {"gyroscope": 1.0}) == entry
+    assert in_specified_unit(entry, file.name, {"gyroscope": 1.0}) == entry
 
 
 PANEL = ResidualPanel(

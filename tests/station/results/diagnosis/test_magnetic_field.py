@@ -11,8 +11,8 @@ from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import turn_steps
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
-from station.results.diagnosis.closed_loop import close_loop
 from station.results.diagnosis.magnetic_field import recorded_on, with_magnetic_field, world_magnetic_model
+from station.results.diagnosis.model_refinement import refine_model
 from tests.station.campaign_writing import write_campaign
 
 TODAY = date(2026, 11, 21)
@@ -99,6 +99,6 @@ def test_a_day_that_no_model_holds_on_leaves_the_field_open(recorded: LoadedCamp
 
 
 def test_a_calibration_s_diagnosis_has_the_field_too(recorded: LoadedCampaign) -> None:
-    closed = close_loop([recorded])
+    closed = refine_model([recorded])
     assert closed.diagnosis.before.campaigns[0].site.magnetic is not None
     assert any("no file states its date" in text for text in closed.document["solution"]["warnings"])

@@ -11,8 +11,7 @@ from station import cli
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.results.diagnosis.diagnosis_html import section_html
 from station.results.diagnosis.diagnosis_json import diagnosis_document
-from station.results.diagnosis.finding_figure import caption
-from station.results.diagnosis.finding_residuals import residual_panels
+from station.results.diagnosis.finding_figure import caption, residual_panels
 from tests.procedures.diagnosis.test_rate_tables import table
 
 TOML = """format = "campaign/1"

@@ -5,7 +5,7 @@ import math
 import pytest
 from lxml import etree
 
-from station.results.fixture_certificate.dsi_reading import NoQuantity, read_real, read_unit
+from station.results.fixtures.dsi_reading import NoQuantity, read_real, read_unit
 from tests.refusals import refused
 from tests.station.results.certificate.signing.small_dcc import real
 

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from fixtures_db.model_limits import Limit, each_axis
-from station.results.history.history_html import history_page
-from station.results.history.population import ALPHA, population_document
-from station.results.history.population_text import population_text
+from station.results.history.history_page import history_page
+from station.results.history.population import ALPHA, population_document, population_text
 from station.results.history.unit_history import analysis, entries
 from tests.station.results.history.fleets import MODEL, fleet
 

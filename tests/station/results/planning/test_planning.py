@@ -16,10 +16,9 @@ from procedures.planning.design_sigmas import NAMES
 from procedures.planning.step_information import UnitNoise
 from station.errors import DataRefused
 from station.files.campaign_folder.plan_file import write_plan
-from station.results.planning.hand_times import hand_times
-from station.results.planning.known_noise import known_noise
-from station.results.planning.plan_json import noise_table
-from station.results.planning.wanted_by_limits import wanted_by, wanted_by_name
+from station.results.known_from_campaigns import hand_times, known_noise
+from station.results.plan_document import noise_table
+from station.results.required_uncertainty import wanted_by, wanted_by_name
 from tests.refusals import refused
 
 BIAS = "gyroscope.bias.x"

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from procedures.calibration.solution_values import Estimate, StepResidual, TriadCalibration
-from station.results.report.fit_quality import correlations, residual_tables
-from station.results.report.parameter_tables import triad_groups
+from station.results.report.result_tables import correlations, residual_tables, triad_groups
 
 DWELL = StepResidual(
     "dwell_05", "dwell", "accelerometer", 5, np.array([1e-6, -2e-6, 0.0]), np.array([1e-6, 1e-6, 2e-6]), "g"

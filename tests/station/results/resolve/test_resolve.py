@@ -23,8 +23,8 @@ from station import cli
 from station.files.atomic_file import write_json
 from station.files.campaign_folder.campaign_reading import read_for_solve
 from station.files.sha256sums import append_hash
-from station.results.cluster.code_hash import code_hash
-from station.results.cluster.engine import open_engine
+from station.results.resolve.parallel_map import open_engine
+from station.results.resolve.work_item import code_hash
 from station.results.solution_json import solution_document
 from tests.fixtures_db.factory import NOON
 from tests.station.campaign_writing import write_campaign

@@ -1,0 +1,159 @@
+"""What past campaigns tell of the next one: a unit's noise, and how long manual steps take at this station.
+
+Noise is from the unit's newest campaigns, else from those of other units of its model; times are from when the
+steps were accepted.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+from sqlalchemy import select
+
+from fixtures_db.campaigns import complete_campaigns
+from fixtures_db.database import Database
+from fixtures_db.schema import CampaignRow, ImuRow
+from procedures.arrays import FloatArray
+from procedures.calibration.joint_calibration import CampaignFits, fit
+from procedures.campaign.plan_steps import Dwell, Step, Turn
+from procedures.errors import ProcedureError
+from procedures.planning.campaign_design import HandTimes
+from procedures.planning.step_information import UnitNoise
+from station.errors import DataRefused
+from station.files.campaign_folder.campaign_reading import read_campaign
+from station.files.campaign_folder.plan_file import kept_plan
+
+NEWEST = 3  # campaigns that are looked at
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class KnownNoise:
+    """The noise, and from which recordings: in words."""
+
+    noise: UnitNoise
+    source: str
+
+
+def known_noise(database: Database, model: str | None, serial: str | None, folders: Sequence[Path]) -> KnownNoise:
+    """Return the noise that ``folders`` show where some are named, else what the database knows of a unit.
+
+    Raises
+    ------
+    DataRefused
+        If nothing is known; or as `noise_of` does.
+    """
+    known = noise_of(folders) if folders else noise_in_database(database, model, serial) if model else None
+    if known is None:
+        remedy = "name a campaign of it: --noise CAMPAIGN"
+        raise DataRefused("noise", None, f"no campaign of {model or 'a unit'}", "one that shows its noise", remedy)
+    return known
+
+
+def noise_of(folders: Sequence[Path]) -> KnownNoise:
+    """Return the noise that campaigns of one unit show, on the mean; raise as `read_campaign` and `fit` do."""
+    found = [noise_in(fit([read_campaign(folder).campaign])) for folder in folders]
+    return KnownNoise(mean_noise(found), ", ".join(str(folder) for folder in folders))
+
+
+def noise_in_database(database: Database, model: str, serial: str | None) -> KnownNoise | None:
+    """Return the noise of a unit's newest campaigns, else that of its model's; None where none can be read."""
+    for unit in dict.fromkeys((serial, None)):
+        read = list(_readable(_folders(database, model, unit)))
+        if read:
+            whose = f"{model} {unit}" if unit else f"units of {model}"
+            return KnownNoise(mean_noise([noise for _, noise in read]), f"{len(read)} campaigns of {whose}")
+    return None
+
+
+def _folders(database: Database, model: str, serial: str | None) -> list[Path]:
+    rows = select(CampaignRow).join(ImuRow).where(ImuRow.model == model, CampaignRow.state != "cancelled")
+    if serial is not None:
+        rows = rows.where(ImuRow.serial == serial)
+    with database.read() as session:
+        return [Path(row.folder) for row in session.scalars(rows.order_by(CampaignRow.id.desc()))]
+
+
+def _readable(folders: Iterable[Path]) -> Iterable[tuple[Path, UnitNoise]]:
+    """Give the newest that are still there and determine both triads."""
+    left = NEWEST
+    for folder in folders:
+        if not left:
+            return
+        try:
+            yield folder, noise_in(fit([read_campaign(folder).campaign]))
+        except (DataRefused, ProcedureError, OSError):
+            continue
+        left -= 1
+
+
+def noise_in(fits: CampaignFits) -> UnitNoise:
+    """Return the noise that a campaign shows; raise `DataRefused` where it leaves a triad open."""
+    accelerometer, gyroscope = fits.accelerometer, fits.gyroscope
+    if accelerometer is None or gyroscope is None or fits.accel is None or fits.gyro is None:
+        raise DataRefused("campaign", None, "a triad that is not solved", "a campaign that determines both triads")
+    counts, gyro = fits.campaigns[0].counts, gyroscope.joint
+    never = np.full(3, np.inf)
+    return UnitNoise(
+        fits.accel.noise / accelerometer.k, fits.gyro.noise / gyro.k,
+        accelerometer.k if counts else never, gyro.k if counts else never,
+        float(np.mean(gyro.excess / gyro.k)),
+    )  # fmt: skip
+
+
+def mean_noise(found: Sequence[UnitNoise]) -> UnitNoise:
+    """Return the root mean squares of what campaigns show, and the mean of scale factors."""
+
+    def rms(values: Iterable[FloatArray]) -> FloatArray:
+        mean: FloatArray = np.sqrt(np.mean([value**2 for value in values], axis=0))
+        return mean
+
+    return UnitNoise(
+        rms(one.accel_white for one in found), rms(one.gyro_white for one in found),
+        np.mean([one.accel_scale for one in found], axis=0), np.mean([one.gyro_scale for one in found], axis=0),
+        float(rms(np.array([one.wander]) for one in found)[0]),
+    )  # fmt: skip
+
+
+FEWEST_TIMES = 6  # placings, or turns, that were timed, below which the stated default stands
+LEAST_S, MOST_S = 10.0, 300.0  # s: what is quicker was simulated, what is slower was a break
+NEWEST_CAMPAIGNS = 20  # campaigns
+
+
+def hand_times(database: Database) -> tuple[HandTimes, str]:
+    """Return how long placings and turns take on the median, and where that is from, in words."""
+    placements, turns = list[float](), list[float]()
+    with database.read() as session:
+        for row in list(complete_campaigns(session))[-NEWEST_CAMPAIGNS:]:
+            for step, seconds in _timed(row):
+                (turns if isinstance(step, Turn) else placements).append(seconds)
+    usual = HandTimes()
+    if len(placements) < FEWEST_TIMES:
+        return (
+            usual,
+            f"{usual.placing:g} s per placement as stated: {len(placements)} were timed here, {FEWEST_TIMES} are "
+            "needed",
+        )
+    placing = float(np.median(placements))
+    turn = float(np.median(turns)) if len(turns) >= FEWEST_TIMES else usual.turn
+    said = f"{placing:.0f} s per placement, the median of {len(placements)} of this station"
+    return HandTimes(placing, placing * usual.move / usual.placing, turn), said
+
+
+def _timed(row: CampaignRow) -> Sequence[tuple[Step, float]]:
+    """Return dwells and turns with what they took beside recording, from the step accepted before."""
+    try:
+        steps = {step.name: step for step in kept_plan(Path(row.folder))}
+    except (DataRefused, OSError):
+        return ()
+    accepted = [step for step in row.steps if not step.superseded]
+    found = list[tuple[Step, float]]()
+    for before, after in pairwise(accepted):
+        step = steps.get(after.name)
+        if isinstance(step, Dwell | Turn):
+            recorded = step.seconds if isinstance(step, Dwell) else 0.0
+            seconds = (after.accepted_utc - before.accepted_utc).total_seconds() - recorded
+            if LEAST_S <= seconds <= MOST_S:
+                found.append((step, seconds))
+    return found
