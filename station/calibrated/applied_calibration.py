@@ -2,7 +2,7 @@
 
     N / k = E u + D + e(u, T, ...)        u <- E^-1 (N / k - D - e(u, T, ...))
 
-Effects of the catalogue are taken off a sample after the other (`settling_kernels`), effects of one's own around
+Effects of the catalogue are corrected a sample after the other (`settling_kernels`), effects of one's own around
 that, until u stands still: a round gains as many digits as they change slower than u.
 """
 
@@ -47,7 +47,7 @@ class CalibratedInputs:
     """Specific force ``f`` (n, 3) [g] and angular rate ``omega`` (n, 3) [deg/s], IMU axes; absent triads are None.
 
     ``unsettled`` (n,) are samples whose effects do not settle: nan in f or omega. ``not_applied`` names effects
-    that were left in, and why.
+    that were not corrected, and why.
     """
 
     f: FloatArray | None
@@ -71,9 +71,9 @@ def calibrated_inputs(
 
 @dataclass(frozen=True, eq=False)
 class CalibrationModel:
-    """A `calibration/1` as it is applied: its triads by name, and the ``effects`` that are taken off.
+    """A `calibration/1` as it is applied: its triads by name, and the ``effects`` that are corrected.
 
-    ``names`` are those of all that it holds; ``left`` says why some are left in, whatever is known.
+    ``names`` are those of all that it holds; ``left`` says why some are not corrected, whatever is known.
     """
 
     triads: Mapping[str, Triad]

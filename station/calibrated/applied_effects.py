@@ -163,7 +163,7 @@ CATALOGUE: Mapping[str, Effect] = {effect.name: effect for effect in EFFECTS}
 
 
 def left_for_good(entry: Mapping[str, Any]) -> str:
-    """Return why an effect is never taken off, empty if it may be; raises as `own_effect`."""
+    """Return why an effect is never corrected, empty if it may be; raises as `own_effect`."""
     name = str(entry["name"])
     if "definition" in entry:
         if own_effect(entry).term.looks_back:

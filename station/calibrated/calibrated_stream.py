@@ -34,7 +34,7 @@ def numbers(values: Any, name: str) -> FloatArray:
 
 BLOCK = 2**14  # samples, whose arrays stay in a processor's cache
 ROWS = {"gyroscope": slice(0, 3), "accelerometer": slice(3, 6)}  # of six outputs
-TOLERANCE_K = 0.5  # beyond the temperatures of a calibration, before that is said
+TOLERANCE_K = 0.5  # beyond the temperatures of a calibration, before a warning
 MAX_UNSETTLED = 1e-3  # of all samples, and one in any case: more are a wrong calibration, not a few wild outputs
 
 
@@ -215,7 +215,7 @@ class CalibratedStream:
         self._sigmas.take(found, around)
 
     def _note_left(self, found: CalibratedInputs, triads: list[str], samples: int) -> None:
-        """Note what was left in of the triads that are there, and in how many samples."""
+        """Note what was not corrected of the triads that are there, and in how many samples."""
         for name, reason in (sentence.split(": ", 1) for sentence in found.not_applied):
             if name.split(".")[0] not in triads:
                 continue
@@ -226,7 +226,7 @@ class CalibratedStream:
 
 
 def _offset(model: CalibrationModel, C: FloatArray) -> FloatArray:
-    """Return the bias that is taken off the specific force (3,) [m/s2], in the frame of the output."""
+    """Return the bias that is subtracted from the specific force (3,) [m/s2], in the frame of the output."""
     if (triad := model.triads.get("accelerometer")) is None:
         return np.zeros(3)
     found: FloatArray = STANDARD_GRAVITY * (C @ triad.inverse @ triad.D)

@@ -19,7 +19,7 @@ from procedures.statistics.white_noise import white_noise
 from procedures.units import DEG_H_PER_DEG_S, RAD_S_PER_DEG_H, STANDARD_GRAVITY
 
 MIN_GYRO_NOISE = 1e-7  # rad/sqrt(s)
-TURN_ON = RAD_S_PER_DEG_H  # what a FOG's bias differs by from its calibration, 1 sigma
+TURN_ON = RAD_S_PER_DEG_H  # what a FOG's bias differs by from its calibration, standard uncertainty
 GYRO_BIAS_WALK = 1e-6  # rad/s/sqrt(s), of a FOG's bias
 FORCE_WALK = 1e-6  # m/s2/sqrt(s)
 RESTING_VELOCITY = 1e-3  # m/s*sqrt(s)
@@ -68,12 +68,12 @@ def in_a_vehicle(settings: KalmanSettings, calibration: Mapping[str, Any] | None
 
 
 def gyro_bias_std(calibration: Mapping[str, Any]) -> float:
-    """Return 1 sigma [rad/s] of a calibrated gyro's bias on another day."""
+    """Return the standard uncertainty [rad/s] of a calibrated gyro's bias on another day."""
     return float(np.hypot(np.radians(_largest(calibration["gyroscope"]["bias"])) / DEG_H_PER_DEG_S, TURN_ON))
 
 
 def force_bias_std(calibration: Mapping[str, Any]) -> float:
-    """Return 1 sigma [m/s2] of a calibrated accelerometer's error across gravity: the mean square of its axes.
+    """Return the standard uncertainty [m/s2] across gravity of a calibrated accelerometer: its axes' rms.
 
     A scale factor shows most at 45 deg, by half of its error.
     """

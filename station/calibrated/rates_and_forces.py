@@ -32,7 +32,7 @@ class RatesAndForces:
 class CalibratedBlock:
     """A block as the calibration has it; ``unsettled`` (n,) are samples that it cannot undo, and nan.
 
-    ``temperature`` [degC] is that of the last sample; ``not_applied`` says what was left in.
+    ``temperature`` [degC] is that of the last sample; ``not_applied`` says what was not corrected.
     """
 
     found: RatesAndForces

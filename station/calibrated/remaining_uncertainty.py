@@ -27,7 +27,7 @@ SI = {"accelerometer": STANDARD_GRAVITY, "gyroscope": RAD_PER_DEG}
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Spans:
-    """Spans (m, 2) [s] and 1 sigma (m, 3) [m/s2], [rad/s] in them; nan of a triad that is not there."""
+    """Spans (m, 2) [s] and standard uncertainty (m, 3) [m/s2], [rad/s]; nan for an absent triad."""
 
     span: FloatArray
     force_std: FloatArray
@@ -152,7 +152,7 @@ def _picked(around: Surroundings, at: "np.ndarray[Any, Any]") -> Surroundings:
 ANY_RANGE_K = 20.0  # about 25 degC, where a calibration does not say what it saw
 WARMING_K_MIN = 1.0  # of a unit that warms up
 EARTH_FIELD_UT = 50.0
-RATE_DEG_S = 100.0  # at which what goes with a rate is told
+RATE_DEG_S = 100.0  # at which terms that depend on a rate are reported
 SHOWN_UNITS = {"accelerometer": ("ug", UG_PER_G), "gyroscope": ("deg/h", DEG_H_PER_DEG_S)}
 
 

@@ -1,4 +1,4 @@
-"""What a triad measured, from what it put out: effects taken off, a sample after the other.
+"""What a triad measured, from what it put out: effects corrected, a sample after the other.
 
     N / k = b + (1 + s) (E u + D) + e(u)
 

@@ -2,7 +2,7 @@
 
 A driver turns counts into SI by one nominal scale factor ``k0`` for all axes of a triad, so that it reads
 ``raw = k / k0 (E u + D)``. Inverted without the off-diagonal of E: ``u = (raw - offset) * scale`` with
-``offset = k D / k0`` and ``scale = k0 / (k E_qq)``. What that leaves is said, not hidden.
+``offset = k D / k0`` and ``scale = k0 / (k E_qq)``. The residual is reported, not hidden.
 
 What a flight stack can take of the temperature: a cubic of each sensor's offset, between two temperatures.
 The raw reading at zero input is ``gain (D + b(T))``, b all that goes with the temperature as a polynomial. What

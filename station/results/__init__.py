@@ -1,1 +1,7 @@
-"""What came of measurements, for people and files: solutions, reports, diagnoses, histories, certificates."""
+"""Results of measurements, for people and files.
+
+`campaign_results` makes the results of a campaign: `solution_json`, `verdict`, `report` and `diagnosis`.
+`history`, `resolve`, `fixtures` and `certificate` follow from stored results. `known_from_campaigns`,
+`required_uncertainty`, `plan_document` and `continued_campaign` plan the next campaign. `result_formats` describes
+every file.
+"""

@@ -22,7 +22,7 @@ from station.files.campaign_folder.campaign_reading import read_for_solve
 from station.files.campaign_folder.campaign_schema import CampaignTable
 from station.files.campaign_folder.plan_file import read_note
 from station.files.campaign_setup import Setup
-from station.results.contradictory_dwells import contradiction_of, doubt_of
+from station.results.contradictory_dwells import contradiction_of, kept_tilt_warning
 from station.results.measurement_circumstances import circumstances, diagnosis_kept, judged_values
 from station.results.verdict import LimitVerdict, judge, what_to_do
 
@@ -87,7 +87,7 @@ def make_results(
     if left := left_said(closed.document, budgets):
         outcome = replace(outcome, reason=f"{outcome.reason}. Note: {left}")
     is_certified = len(loaded.campaign.fixture.faces) == len(FACES)
-    doubt = doubt_of(loaded.tables) or contradiction_of(closed.document, is_certified=is_certified)
+    doubt = kept_tilt_warning(loaded.tables) or contradiction_of(closed.document, is_certified=is_certified)
     if doubt:
         outcome = replace(outcome, reason=f"{doubt}. {outcome.reason[:1].upper()}{outcome.reason[1:]}")
     status_reason = "; ".join(reasons)

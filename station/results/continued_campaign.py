@@ -33,9 +33,9 @@ class SigmaSoFar:
     ratio: float
 
 
-def placings_of(folder: Path) -> list[Placement]:
+def placements_of(folder: Path) -> list[Placement]:
     """Return the dwells and turns of a campaign's folder in the order of their times; raise as `read_campaign`."""
-    return [placing for _, placing in placements_in(read_campaign(folder).campaign)]
+    return [placement for _, placement in placements_in(read_campaign(folder).campaign)]
 
 
 def placements_in(campaign: Campaign) -> list[tuple[str, Placement]]:
@@ -46,14 +46,14 @@ def placements_in(campaign: Campaign) -> list[tuple[str, Placement]]:
         for each in campaign.dwells
     ]
     for turn in campaign.turns:
-        placing = Placement(turn.start_position, 0.0, numbers[turn.axis, turn.direction])
-        steps.append((turn.turn_on, float(turn.series.t[0]), turn.name, placing))
+        placement = Placement(turn.start_position, 0.0, numbers[turn.axis, turn.direction])
+        steps.append((turn.turn_on, float(turn.series.t[0]), turn.name, placement))
     steps.sort(key=lambda step: step[:2])
     carried = {(move.before, move.after) for move in campaign.moves}
     before = [""] + [name for _, _, name, _ in steps]
     return [
-        (name, replace(placing, is_carried=(before[i], name) in carried))
-        for i, (_, _, name, placing) in enumerate(steps)
+        (name, replace(placement, is_carried=(before[i], name) in carried))
+        for i, (_, _, name, placement) in enumerate(steps)
     ]
 
 
@@ -62,7 +62,7 @@ def _seconds(dwell: DwellRecord) -> float:
 
 
 def continued_text(found: NextPlacement, asked: WantedSigmas, whole: WantedSigmas) -> str:
-    """Return how far each asked sigma is, how long it will take, and the next placing.
+    """Return how far each asked sigma is, how long it will take, and the next placement.
 
     ``whole`` is what is asked, and all else as well as it is to be solved: said where it alone is not met.
     """

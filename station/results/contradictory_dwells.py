@@ -25,9 +25,9 @@ def contradiction_of(document: Mapping[str, Any], *, is_certified: bool = False)
     """Return what a verdict must say first where dwells contradict each other and no cause is known.
 
     Their error before anything was added to the model, in g, is the tilt [rad] of a cube that would do the same: a
-    cube's own faces are not tilted by more than `PLAUSIBLE_FACE_TILT_RAD`. A model that is then made to fit takes
-    the tilt for the bench's or the sensor's, and neither its sigmas nor the limits can tell. So it is with a seat
-    that is off by more. Empty where they do not contradict, or where the diagnosis knows
+    cube's own faces are not tilted by more than `PLAUSIBLE_FACE_TILT_RAD`. A model that is then made to fit
+    assigns the tilt to bench or sensor, and neither its sigmas nor the limits reveal it. The same holds for a
+    seating that is off by more. Empty where they do not contradict, or where the diagnosis knows
     why, and that is not a face tilted as none is. ``document`` is a ``diagnosis/2``; where the cube
     ``is_certified``, all six faces of it, its faces may not be off at all.
 
@@ -50,8 +50,8 @@ def contradiction_of(document: Mapping[str, Any], *, is_certified: bool = False)
 def _beyond_any_face(document: Mapping[str, Any]) -> Iterator[float]:
     """Yield tilts [rad] that are surely larger than those of a cube's own faces, however sure the diagnosis is.
 
-    Where some faces stood once, their tilts and the misalignments hardly know each other: two cubes that stand
-    askew, also about the vertical, then fit with faces tilted by a third of a degree and a residual of nothing.
+    Where some faces stood once, their tilts and the misalignments hardly know each other: two cubes that are
+    tilted, also about the vertical, then fit with faces tilted by a third of a degree and a residual of nothing.
     """
     for finding in document["findings"]:
         if finding["effect"] in {FACE_TILT, SEAT}:
@@ -61,11 +61,11 @@ def _beyond_any_face(document: Mapping[str, Any]) -> Iterator[float]:
 
 
 def _off_certificate(document: Mapping[str, Any]) -> Iterator[float]:
-    """Yield by how much [rad] faces would be off their certificate, where a seat could be so instead.
+    """Yield by how much [rad] faces would be off their certificate, where a seating could be off instead.
 
-    One seat that is off moves misalignment by half of it, two faces that are tilted by nothing: which of them it
-    was is not told. A sensor that is not linear looks like faces that are off alike along its axis; what is not
-    alike, which is ``where`` a finding has a channel, is no sensor's.
+    One seating that is off changes misalignment by half of it, two tilted faces do not change it: which of them
+    it was is not determined. A sensor that is not linear looks like faces that are off alike along its axis; what
+    is not alike, which is ``where`` a finding has a channel, is no sensor's.
     """
     for finding in document["findings"]:
         is_sensor = QUADRATIC in finding["aliases"] and "channel" not in finding["where"]
@@ -95,8 +95,8 @@ def _said_of_certificate(off: float) -> str:
     )
 
 
-def kept_seats(tables: CampaignTable) -> list[tuple[Dwell, float]]:
-    """Return the dwells whose cube was kept off its seat, by how far [rad], the worst first."""
+def kept_tilted_dwells(tables: CampaignTable) -> list[tuple[Dwell, float]]:
+    """Return the dwells that were kept though the cube was tilted, by how far [rad], the worst first."""
     off = [
         (step, float(np.linalg.norm(dwell.kept_seat_rad)))
         for dwell in tables.dwell
@@ -106,16 +106,16 @@ def kept_seats(tables: CampaignTable) -> list[tuple[Dwell, float]]:
 
 
 def worst_kept(tables: CampaignTable) -> str:
-    """Return the name of the step kept farthest off its seat, empty if there is none."""
-    return next((step.name for step, _ in kept_seats(tables)), "")
+    """Return the name of the kept step with the largest tilt, empty if there is none."""
+    return next((step.name for step, _ in kept_tilted_dwells(tables)), "")
 
 
-def doubt_of(tables: CampaignTable) -> str:
-    """Return what a verdict must say first where a kept seat is off by more than a cube's own faces may be.
+def kept_tilt_warning(tables: CampaignTable) -> str:
+    """Return what a verdict must say first where a kept dwell is tilted by more than a cube's own faces may be.
 
-    Such a step stands in the fit as if it were level, and the limits cannot tell. Empty where there is none.
+    Such a step stands in the fit as if it were level, and the limits do not reveal it. Empty where there is none.
     """
-    bad = {step: off for step, off in kept_seats(tables) if off > PLAUSIBLE_FACE_TILT_RAD}
+    bad = {step: off for step, off in kept_tilted_dwells(tables) if off > PLAUSIBLE_FACE_TILT_RAD}
     if not bad:
         return ""
     which = " and ".join(f"position {step.words}" for step in sorted(bad, key=lambda each: each.name))

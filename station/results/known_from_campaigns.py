@@ -116,13 +116,13 @@ def mean_noise(found: Sequence[UnitNoise]) -> UnitNoise:
     )  # fmt: skip
 
 
-FEWEST_TIMES = 6  # placings, or turns, that were timed, below which the stated default stands
+FEWEST_TIMES = 6  # placements, or turns, that were timed, below which the stated default stands
 LEAST_S, MOST_S = 10.0, 300.0  # s: what is quicker was simulated, what is slower was a break
 NEWEST_CAMPAIGNS = 20  # campaigns
 
 
 def hand_times(database: Database) -> tuple[HandTimes, str]:
-    """Return how long placings and turns take on the median, and where that is from, in words."""
+    """Return how long placements and turns take on the median, and where that is from, in words."""
     placements, turns = list[float](), list[float]()
     with database.read() as session:
         for row in list(complete_campaigns(session))[-NEWEST_CAMPAIGNS:]:
@@ -135,10 +135,10 @@ def hand_times(database: Database) -> tuple[HandTimes, str]:
             f"{usual.placing:g} s per placement as stated: {len(placements)} were timed here, {FEWEST_TIMES} are "
             "needed",
         )
-    placing = float(np.median(placements))
+    placement = float(np.median(placements))
     turn = float(np.median(turns)) if len(turns) >= FEWEST_TIMES else usual.turn
-    said = f"{placing:.0f} s per placement, the median of {len(placements)} of this station"
-    return HandTimes(placing, placing * usual.move / usual.placing, turn), said
+    said = f"{placement:.0f} s per placement, the median of {len(placements)} of this station"
+    return HandTimes(placement, placement * usual.move / usual.placing, turn), said
 
 
 def _timed(row: CampaignRow) -> Sequence[tuple[Step, float]]:

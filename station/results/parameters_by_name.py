@@ -19,7 +19,7 @@ _SMALL_ANGLES = ("misalignment",)  # dimensionless in files, small angles to peo
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """A value and its 1 sigma (None where it has none) in ``unit``, both as in the document."""
+    """A value and its standard uncertainty (None where it has none) in ``unit``, both as in the document."""
 
     name: str
     value: float
@@ -93,7 +93,7 @@ class ParameterShift:
 
 
 def combined_sigma(now: Parameter, before: Parameter) -> float:
-    """Return the 1 sigma of the difference of two whose errors are independent, 0 if one has none."""
+    """Return the standard uncertainty of the difference of two whose errors are independent, 0 if one has none."""
     return 0.0 if now.std is None or before.std is None else hypot(now.std, before.std)
 
 

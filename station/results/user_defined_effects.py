@@ -23,7 +23,7 @@ from station.files.toml_file import read_text_file, toml_text, toml_value
 
 PROPOSED = "proposed"
 LEFT = ("unexplained", "partly")  # verdicts that leave more than noise: a reading that is not the law does
-MAX_LOG_P = np.log(0.01)  # of coefficients of nought
+MAX_LOG_P = np.log(0.01)  # of coefficients of zero
 
 
 def recordings(document: Mapping[str, Any]) -> list[str]:
@@ -34,10 +34,10 @@ def recordings(document: Mapping[str, Any]) -> list[str]:
 def why_not_confirmed(document: Mapping[str, Any], entry: Mapping[str, Any], origin: OriginTable) -> str:
     """Return why a `diagnosis/2` with an effect in its model from the start does not confirm it, empty if it does.
 
-    None of its recordings may have had a part in finding it, its coefficients must differ from nought, and noise
+    None of its recordings may have had a part in finding it, its coefficients must differ from zero, and noise
     be what is left with it. ``entry`` is the solution's of the effect.
     """
-    # two campaigns by one plan have one campaign.toml: it tells only where an origin names no recordings
+    # two campaigns by one plan have one campaign.toml: it decides only where an origin names no recordings
     tomls = set[str]() if origin.data else {said.split()[-1] for said in origin.campaigns}
     if set(recordings(document)) & set(origin.data) or set(_files(document).values()) & tomls:
         return "it was found in some of these recordings"

@@ -64,7 +64,7 @@ def judge(
 ) -> LimitVerdict:
     """Hold a `solution/1` or `calibration/1` document against limits, one for each axis.
 
-    ``std`` are combined standard uncertainties by parameter; the document's 1 sigma stands where there is none.
+    ``std`` are combined standard uncertainties by parameter; where there is none, the document's is used.
     """
     found = {name: replace(one, std=(std or {}).get(name, one.std)) for name, one in parameters(document).items()}
     judged = tuple(_judged(limit, found.get(limit.parameter)) for limit in limits)

@@ -19,7 +19,7 @@ PROGRAM = "run `station"  # in a warning that speaks to the operator
 
 
 def is_simulated(document: Mapping[str, Any]) -> bool:
-    """Say whether a calibration/1 is one of a simulated device, as far as its model tells."""
+    """Say whether a calibration/1 is one of a simulated device, as far as its model says."""
     return str(document["model"]).upper().startswith(SIMULATED)
 
 

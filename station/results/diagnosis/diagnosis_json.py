@@ -65,7 +65,6 @@ def _definition(file: EffectFile) -> dict[str, Any]:
 FORMAT = "diagnosis/2"
 BLOCKS_LEFT_OUT = "an eighth of the blocks of samples, held out in turn"
 LEFT_OUT = "position, rotation, rest, or block of a rate table or soak, held out in turn"
-NOT_DETERMINED = "coefficients of a finding are not determined and were omitted"
 
 
 def diagnosis_document(
@@ -251,7 +250,7 @@ def test_document(test: EffectTest) -> dict[str, Any]:
 
 
 def _p_value(name: str, log_p: float) -> dict[str, float]:
-    """Return p, never nought, and where it is too small for a number its logarithm."""
+    """Return p, never zero, and where it is too small for a number its logarithm."""
     p = max(exp(min(float(log_p), 0.0)), sys.float_info.min)
     short = {"p_value": "log10_p", "p_adjusted": "log10_p_adjusted"}[name]
     return {name: p, short: float(log_p) / log(10)}

@@ -44,7 +44,7 @@ _UNITS = {  # of a row in natural units to people's, by triad and kind
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ResidualPanel:
-    """Rows (n,) of a triad and kind against ``coordinate``: residual ``before``, ``after``, 1 sigma in ``unit``.
+    """Rows (n,) of a triad and kind against ``coordinate``: residual ``before``, ``after``, u in ``unit``.
 
     ``axis`` (n,) is the sensor, -1 where a row is of all three.
     """
@@ -62,7 +62,7 @@ class ResidualPanel:
 
 @let_go_at_the_end()
 def residual_panels(diagnosis: Diagnosis) -> list[ResidualPanel]:
-    """Return a panel for every finding that still can be told apart in the evidence."""
+    """Return a panel for every finding that can still be separated in the evidence."""
     ways = [_way(diagnosis, finding) for finding in diagnosis.findings]
     found = list[ResidualPanel]()
     for finding, way in zip(diagnosis.findings, ways, strict=True):

@@ -103,8 +103,8 @@ def refine_model(campaigns: Sequence[LoadedCampaign]) -> ModelRefinement:
 
 
 def with_undetectable_tilts(found: Diagnosis) -> Diagnosis:
-    """Say in the solution's warnings where a crumb would not be noticed now that the seats found tell nothing."""
-    askew = {
+    """Say in the solution's warnings where debris would not be detected, since the seatings found say nothing."""
+    seatings = {
         (int(str(each.where.get("campaign", 1))) - 1, str(each.where["file"]))
         for each in found.findings
         if each.effect == "placement.dwell"
@@ -112,16 +112,16 @@ def with_undetectable_tilts(found: Diagnosis) -> Diagnosis:
     alone = found.bench_alone
     return replace(
         found,
-        solution=_with_tilts(found.solution, found.after, askew),
-        bench_alone=alone and replace(alone, solution=_with_tilts(alone.solution, alone.fits, askew)),
+        solution=_with_tilts(found.solution, found.after, seatings),
+        bench_alone=alone and replace(alone, solution=_with_tilts(alone.solution, alone.fits, seatings)),
     )
 
 
-def _with_tilts(solution: Solution, fits: CampaignFits, askew: Collection[tuple[int, str]]) -> Solution:
-    if not askew:
+def _with_tilts(solution: Solution, fits: CampaignFits, seatings: Collection[tuple[int, str]]) -> Solution:
+    if not seatings:
         return solution
     tilts, before = (
-        leans_of(fits, solution.quality, askew),
+        leans_of(fits, solution.quality, seatings),
         undetectable_tilt_warnings(solution.undetectable_tilts),
     )
     kept = [each for each in solution.warnings if each not in before]

@@ -17,7 +17,7 @@ from station.files.toml_file import toml_text
 
 WIDTH = 100  # of a plan's remarks
 DWELL_S, LONG_S, SOAK_S = 100.0, 600.0, 3600.0
-SLOW_DEG_S, REVOLUTIONS = 12.0, 3  # a hand turns at about 35 deg/s unless told
+SLOW_DEG_S, REVOLUTIONS = 12.0, 3  # a hand turns at about 35 deg/s unless specified
 OTHER_SPEEDS_DEG_S = {"+": 55.0, "-": 100.0}  # beyond that of a hand, for the form of a curve
 FREE = 12  # more than the K2 and the cross products of three axes
 MIXED = (1, 9, 6, 12, 4, 7, 2, 10, 5, 11, 3, 8)  # every flip between other faces than in 1..12

@@ -159,7 +159,7 @@ def _rotation_document(seen: TurnSeen, nominal: float | None) -> dict[str, Any]:
 
 
 def turns_lines(document: Mapping[str, Any]) -> Iterator[str]:
-    """Yield what `turns` found, as text in 80 columns; +- is 1 sigma."""
+    """Yield what `turns` found, as text in 80 columns; +- is the standard uncertainty."""
     for each in document.get("turns", []):
         yield f"{each['channel']}, {each['axis']} in {each['recording']}, {each['seconds']:.0f} s"
         for key, name in (
@@ -241,7 +241,7 @@ def _correlated_line(name: str, line: CorrelatedLine | None, factor: float, unit
 
 
 def channel_lines(channels: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    """Yield what single channels show, as text in 80 columns; +- is 1 sigma."""
+    """Yield what single channels show, as text in 80 columns; +- is the standard uncertainty."""
     for each in channels:
         yield f"{each['channel']} alone, {each['seconds']:.0f} s of {each['recording']}"
         for key, name in (

@@ -25,12 +25,12 @@ from station.results.diagnosis.diagnosis_json import FORMAT
 from station.results.diagnosis.uncalibrated import channels_of, rests_and_moves, turns, without_solution
 
 ALSO_IN_A_TILT = ("accelerometer.bias", "accelerometer.misalignment", "slab.tilt", "placement.dwell")
-ASSUMED_STD = 2e-3  # rad, 1 sigma of bias over 1 g, misalignment and unequal scale factors that are in a tilt
+ASSUMED_STD = 2e-3  # rad, u of bias over 1 g, misalignment and unequal scale factors that are in a tilt
 MAX_TILT = 0.5  # rad: beyond, the vertical is not where the face says
 
 
 def partial_document(campaigns: Sequence[LoadedCampaign], missing: NotObservable) -> dict[str, Any] | None:
-    """Return what can be said as `diagnosis/2`, None if nothing can; ``missing`` tells what stays open."""
+    """Return what can be said as `diagnosis/2`, None if nothing can; ``missing`` says what stays open."""
     tilts = [found for loaded in campaigns for found in levelling(loaded.campaign)]
     channels = channels_of(campaigns, ())
     recorded = [loaded.campaign for loaded in campaigns]

@@ -88,9 +88,9 @@ def _groups(held_of: dict[str, list[RunParameter]]) -> tuple[list[dict[str, Any]
     )
     found = {key: one for key in every if (one := _shift(held_of, key, frozenset())) is not None}
     adjusted = _without_those_off(held_of, found)
-    told = {(key.kind, key.name) for key in found}
+    significant = {(key.kind, key.name) for key in found}
     untold = sorted(
-        {(key.kind, key.name) for key in every} - told, key=lambda one: (MADE_WITH.index(one[0]), one[1])
+        {(key.kind, key.name) for key in every} - significant, key=lambda one: (MADE_WITH.index(one[0]), one[1])
     )
     rows = [_row(key, one, held_of[key.parameter][-1][1].unit, adjusted[key]) for key, one in found.items()]
     return sorted(rows, key=lambda row: float(row["p_value"])), [f"{kind} {name}" for kind, name in untold]

@@ -137,15 +137,17 @@ def report_context(
 ) -> ReportContext:
     """Return the context of a solution and its ``solution/1`` document, which holds the folders' own warnings."""
     origin = document["provenance"]
-    told = replace(solution, warnings=tuple(document["warnings"]), unused_steps=tuple(document["unused_steps"]))
+    reported = replace(
+        solution, warnings=tuple(document["warnings"]), unused_steps=tuple(document["unused_steps"])
+    )
     return ReportContext(
-        solution=told,
+        solution=reported,
         campaigns=tuple(campaigns),
         files=origin["files"],
         software=origin["software"],
         created_utc=origin["created_utc"],
         budgets=tuple(budgets),
-        figures=ReportFigures(told, campaigns),
+        figures=ReportFigures(reported, campaigns),
     )
 
 
@@ -238,14 +240,14 @@ def _summary(context: ReportContext) -> list[tuple[str, str]]:
     return rows
 
 
-def _detectable_seating(leans: Sequence[UndetectableTilt]) -> str:
+def _detectable_seating(tilts: Sequence[UndetectableTilt]) -> str:
     """Say which seating error of the cube the residuals show, and what a smaller one does; nothing without one."""
-    if not leans:
+    if not tilts:
         return ""
-    shown = [f"{each.lean / RAD_PER_ARCSEC:.0f}" for each in sorted(leans, key=attrgetter("lean"))]
-    shown = shown[: sum(each.lean <= ANY_TILT_RAD for each in leans)]
-    hidden = sorted({each.position for each in leans if each.lean > ANY_TILT_RAD})
-    worst = max(leans, key=attrgetter("sigmas"))
+    shown = [f"{each.lean / RAD_PER_ARCSEC:.0f}" for each in sorted(tilts, key=attrgetter("lean"))]
+    shown = shown[: sum(each.lean <= ANY_TILT_RAD for each in tilts)]
+    hidden = sorted({each.position for each in tilts if each.lean > ANY_TILT_RAD})
+    worst = max(tilts, key=attrgetter("sigmas"))
     said = []
     if shown:
         said.append(f"{' to '.join(dict.fromkeys((shown[0], shown[-1])))} arcsec (detected in half of the cases).")

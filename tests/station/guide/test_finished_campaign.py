@@ -14,7 +14,7 @@ from station.files.campaign_setup import Setup
 from station.guide.engine import CalibrationEngine
 from station.guide.options import CalibrationOptions
 from station.guide.view import OperatorCommand
-from station.results.contradictory_dwells import doubt_of
+from station.results.contradictory_dwells import kept_tilt_warning
 from tests.empty_database import empty_db
 from tests.station.guide.stored import recorded
 
@@ -73,7 +73,7 @@ def test_a_seat_that_spoils_the_calibration_is_the_first_thing_a_verdict_says(
     folder: Path, database: Database
 ) -> None:
     kept_tilted(folder, 8, 0.0, -5e-4)  # as a cube's own face may be
-    assert doubt_of(read_campaign_toml(folder)[0]) == ""
+    assert kept_tilt_warning(read_campaign_toml(folder)[0]) == ""
     kept_tilted(folder, 4, 5.2e-3, 0.0)
     engine = resumed(folder, database)
     verdict = engine.view.verdict

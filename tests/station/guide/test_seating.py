@@ -11,7 +11,7 @@ from drivers.simulated.truth import Truth
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.campaign_schema import CampaignTable, read_campaign_toml
 from station.files.campaign_folder.plan_file import write_tables
-from station.results.contradictory_dwells import doubt_of
+from station.results.contradictory_dwells import kept_tilt_warning
 from station.stream.recorder import accepted_step_writer
 from tests.station.guide.rig import GuideRig, dwells
 
@@ -99,7 +99,7 @@ def test_what_comes_back_the_same_is_the_bench_only_where_a_bench_may_be_so(
     guided.hands(f"place 4 8 0 {tilt_deg} 0")
     guided.run(guided.done(4))
     assert guided.context.badly_seated == marked
-    doubt = doubt_of(read_campaign_toml(guided.folder)[0])
+    doubt = kept_tilt_warning(read_campaign_toml(guided.folder)[0])
     assert ("record position 3 and position 4 again" in doubt) == bool(marked)
     assert (guided.view.step("dwell_03").state == "redo") == bool(marked)  # which of the two it was, nobody knows
 
@@ -141,7 +141,7 @@ def test_a_clean_seat_is_cleared_once_the_crumb_before_it_is_wiped_off(rig: Make
     guided = guide(rig, 1, 2, 3, 4, 5, 6)
     placed(guided, (1, 2, 3, 4, 5), {5: 1.2})
     twice_off(guided, 6)
-    assert "position 5 and position 6" in doubt_of(tables_of(guided))
+    assert "position 5 and position 6" in kept_tilt_warning(tables_of(guided))
     assert guided.view.wanted == "dwell_05"
     if is_resumed:
         guided.resume()
@@ -149,7 +149,7 @@ def test_a_clean_seat_is_cleared_once_the_crumb_before_it_is_wiped_off(rig: Make
     placed(guided, (5,), {})
     assert guided.context.badly_seated == set()
     assert "position 6 was seated correctly" in guided.texts[-1]
-    assert not doubt_of(tables_of(guided))
+    assert not kept_tilt_warning(tables_of(guided))
 
 
 class KilledError(Exception):
@@ -188,4 +188,4 @@ def test_what_stays_off_is_not_asked_for_for_ever(rig: Make) -> None:
     placed(guided, (1, 2), {})  # it might be they that tell of the slab what is wrong
     assert guided.context.badly_seated == {"dwell_03", "dwell_04"}
     assert guided.guide.is_complete
-    assert "position 3 and position 4" in doubt_of(tables_of(guided))
+    assert "position 3 and position 4" in kept_tilt_warning(tables_of(guided))

@@ -172,7 +172,7 @@ class Expanded:
 
 
 def of_normal(uncertainty: float, coverage_factor: float = 1.0) -> Expanded:
-    """Return the uncertainty of a normal distribution, 1 sigma if no coverage factor is given."""
+    """Return the uncertainty of a normal distribution, standard if no coverage factor is given."""
     return Expanded(uncertainty, coverage_factor, math.erf(coverage_factor / math.sqrt(2)))
 
 
