@@ -19,7 +19,7 @@ from station.results.certificate.dcc.measurement import measurement_result
 
 
 def certificate_xml(content: CertificateContent) -> bytes:
-    """Return the XML of what a certificate says, UTF-8; it is not checked (`validation`)."""
+    """Return the XML of what a certificate says, UTF-8; it is not checked (`checked_xml`)."""
     root = dcc(
         "digitalCalibrationCertificate",
         administrative_data(content),
