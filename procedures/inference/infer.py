@@ -103,7 +103,7 @@ def _beside_rivals(
     likeliest = max(shares, key=lambda name: shares[name])
     search, now, found = stands[likeliest]
     causes = tuple(
-        replace(each, probability=each.joint * shares[likeliest], shares=_notable(each.shares | shares))
+        replace(each, probability=each.probability * shares[likeliest], shares=_notable(each.shares | shares))
         if each.hypothesis.name == likeliest
         else each
         for each in found.causes

@@ -89,7 +89,7 @@ def tail(board: Board, squares: FloatArray) -> FloatArray:
     nu = board.evidence.noise_dof
     if not np.isfinite(nu):
         return -0.5 * squares
-    found: FloatArray = -0.5 * (nu + len(board.y)) * np.log1p(squares / nu)
+    found: FloatArray = -0.5 * (nu + len(board.y)) * np.log1p(np.maximum(squares, 0.0) / nu)
     return found
 
 
@@ -177,9 +177,9 @@ def _gains_of_rows(
 
 def _log_positive(G: FloatArray, g: FloatArray, amplitudes: FloatArray) -> FloatArray:
     """Return ln of how much likelier coefficients above zero are with the data than before (b, amplitudes)."""
-    k = G.shape[1]
-    precision = G[:, None] + np.eye(k) / amplitudes[:, :, None, None] ** 2
-    C = np.linalg.inv(precision)
+    size, V = np.linalg.eigh(G)
+    variances = 1 / (np.maximum(size, 0.0)[:, None] + 1 / amplitudes[:, :, None] ** 2)
+    C = (V[:, None] * variances[:, :, None, :]) @ np.swapaxes(V, 1, 2)[:, None]
     mean = np.einsum("baij,bj->bai", C, g)
     found: FloatArray = np.sum(np.log(2) + log_ndtr(mean / np.sqrt(np.einsum("baii->bai", C))), axis=2)
     return found
