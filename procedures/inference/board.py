@@ -32,12 +32,6 @@ class Hypothesis:
     driver: str = ""
 
     @property
-    def log_weights(self) -> FloatArray:
-        """Ln of the weights (m,) [1] of its amplitudes: a coefficient beyond what is stated is rarer."""
-        is_coefficient = self.effect is not None and not self.effect.is_scatter and self.kind != "term"
-        return priors.log_weights(self.amplitudes) if is_coefficient else np.zeros(len(self.amplitudes))
-
-    @property
     def curve(self) -> str:
         """What it is where its own law does not hold: a function of what drives it."""
         return f"a function of {self.driver}" if self.is_named and self.driver else self.name
@@ -95,7 +89,6 @@ class Block:
     G: FloatArray
     g: FloatArray
     amplitudes: FloatArray
-    log_weights: FloatArray
     is_loss: bool
 
 
@@ -169,5 +162,4 @@ def _blocks(board: Board, options: Iterable[int]) -> Iterator[Block]:
             row[: len(board.options[i].columns)] = board.options[i].columns
         W = np.moveaxis(board.W[:, columns], 0, 2)  # (b, k, m)
         amplitudes = np.array([board.hypotheses[board.options[i].hypothesis].amplitudes for i in which])
-        weights = np.array([board.hypotheses[board.options[i].hypothesis].log_weights for i in which])
-        yield Block(np.array(which), columns, W @ np.swapaxes(W, 1, 2), W @ board.y, amplitudes, weights, is_loss)
+        yield Block(np.array(which), columns, W @ np.swapaxes(W, 1, 2), W @ board.y, amplitudes, is_loss)

@@ -117,7 +117,7 @@ def ranked(board: Board, members: Sequence[Member], only: int | None = None) -> 
         most = np.argmax(values, axis=1)
         at = np.arange(len(most))
         shares = np.array([board.options[i].log_share for i in block.options])
-        gains[block.options] = shares + log_mean(values + block.log_weights)
+        gains[block.options] = shares + log_mean(values)
         best[block.options] = shares + values[at, most]
         amplitude[block.options] = block.amplitudes[at, most]
     for i in every.tolist():

@@ -211,12 +211,9 @@ def averaged(board: Board, rest: Sequence[Member], hypothesis: int, member: Memb
         G, g = W.T @ W - of @ held.inverse @ of.T, W.T @ board.y - of @ held.c
         size, V = np.linalg.eigh(G)
         size, along = np.maximum(size, 0.0), V.T @ g
-        of_prior = board.hypotheses[hypothesis]
-        for s, log_weight in zip(of_prior.amplitudes.tolist(), of_prior.log_weights.tolist(), strict=True):
+        for s in board.hypotheses[hypothesis].amplitudes.tolist():
             spread = 1 + s**2 * size
-            weights.append(
-                option.log_share + log_weight + 0.5 * float(np.sum(s**2 * along**2 / spread - np.log(spread)))
-            )
+            weights.append(option.log_share + 0.5 * float(np.sum(s**2 * along**2 / spread - np.log(spread))))
             mean, C = np.zeros(k), np.zeros((k, k))
             mean[option.mask] = option.scale * (V @ (s**2 * along / spread))
             C[np.ix_(option.mask, option.mask)] = (
