@@ -207,13 +207,15 @@ def averaged(board: Board, rest: Sequence[Member], hypothesis: int, member: Memb
         ):
             continue
         W = board.W[:, option.columns]
-        of = W.T @ held.S
-        G, g = W.T @ W - of @ held.inverse @ of.T, W.T @ board.y - of @ held.c
+        beyond, inside, g = held.beside(W, board.y)
+        G = beyond.T @ beyond + inside.T @ (held.stays[:, None] * inside)
         size, V = np.linalg.eigh(G)
         size, along = np.maximum(size, 0.0), V.T @ g
-        for s in board.hypotheses[hypothesis].amplitudes.tolist():
+        of_prior = board.hypotheses[hypothesis]
+        for s, log_weight in zip(of_prior.amplitudes.tolist(), of_prior.log_weights.tolist(), strict=True):
             spread = 1 + s**2 * size
-            weights.append(option.log_share + 0.5 * float(np.sum(s**2 * along**2 / spread - np.log(spread))))
+            gain = 0.5 * float(np.sum(s**2 * along**2 / spread - np.log(spread)))
+            weights.append(option.log_share + log_weight + gain)
             mean, C = np.zeros(k), np.zeros((k, k))
             mean[option.mask] = option.scale * (V @ (s**2 * along / spread))
             C[np.ix_(option.mask, option.mask)] = (
