@@ -96,8 +96,6 @@ class Held:
         """Return columns W (m, n) beyond the members, along them (r, n), and what is left of W'y (n,)."""
         along = self.U.T @ W
         beyond = W - self.U @ along
-        again = self.U.T @ beyond  # what rounding left of it
-        beyond -= self.U @ again
         found: FloatArray = beyond.T @ y + along.T @ self.left
         return beyond, along, found
 
@@ -117,13 +115,12 @@ def ranked(board: Board, members: Sequence[Member], only: int | None = None) -> 
     gains, best, amplitude = np.full(n, -np.inf), np.full(n, -np.inf), np.zeros(n)
     blocks = board.blocks if only is None else board.blocks_of[only]
     every = np.arange(n) if only is None else board.options_of[only]
-    columns = (
-        np.arange(board.W.shape[1])
-        if only is None
-        else np.unique(np.concatenate([board.options[i].columns for i in every.tolist()]))
-    )
-    beyond, along, left = held.beside(board.W[:, columns], board.y)
-    whole = np.vstack((beyond, along * np.sqrt(held.stays)[:, None])).T  # W' C^-1 W is its square
+    columns, W = np.arange(board.W.shape[1]), board.W
+    if only is not None:
+        columns = np.unique(np.concatenate([board.options[i].columns for i in every.tolist()]))
+        W = W[:, columns]
+    beyond, along, left = held.beside(W, board.y)
+    whole = np.hstack((beyond.T, along.T * np.sqrt(held.stays)))  # W' C^-1 W is its square
     number = np.zeros(board.W.shape[1], dtype=np.int64)
     number[columns] = np.arange(len(columns))
     for block in blocks:
