@@ -165,9 +165,7 @@ class Board:
         for together in at.values():
             names = [self.options[i].coefficients for i in together]
             for i, own in zip(together, names, strict=True):
-                found[i] = np.array([
-                    j for j, other in zip(together, names, strict=True) if j == i or own & other
-                ])
+                found[i] = np.array([j for j, other in zip(together, names, strict=True) if j == i or own & other])
         return found
 
     @cached_property

@@ -172,9 +172,7 @@ def _amplitudes(board: Board, option: Option) -> FloatArray:
     return board.hypotheses[option.hypothesis].amplitudes
 
 
-def _gains_of_rows(
-    board: Board, held: Held, option: Option, by_members: FloatArray, g: FloatArray
-) -> FloatArray:
+def _gains_of_rows(board: Board, held: Held, option: Option, by_members: FloatArray, g: FloatArray) -> FloatArray:
     """Return the gain (amplitudes,) of an option whose columns are single rows, beside what is held.
 
     Then G = I - U U' with few columns U: but for these directions it has the eigenvalue 1. ``by_members`` (k, s)
