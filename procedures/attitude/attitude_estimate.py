@@ -6,24 +6,25 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.attitude_log import AttitudeLog, down_of, earth_rate_ned
 from procedures.attitude.complementary_filter import STEEP_PITCH, ComplementaryFilter
-from procedures.attitude.complementary_gains import PAPER_GAINS, Gains
-from procedures.attitude.forward_right_down import down_of, earth_rate_ned
-from procedures.attitude.frozen_rows import (
+from procedures.attitude.complementary_velocity_aids import Observability, observability
+from procedures.attitude.filter_choice import PAPER_GAINS, Gains
+from procedures.attitude.kalman_filter import AID_CODE, AttitudeKalmanFilter
+from procedures.attitude.kalman_state import AIDED_SETTINGS, UNAIDED_SETTINGS, KalmanSettings
+from procedures.attitude.sensor_noise import (
+    at_rest,
+    clipped_rows,
     down_over_gaps,
     frozen_stretches,
+    gate_of,
+    gyro_noise,
     measured_rows,
     rows_of,
     said_of,
     sigma_over_gaps,
 )
-from procedures.attitude.heading_at_rest import heading_at_rest
-from procedures.attitude.kalman_state import AIDED_SETTINGS, UNAIDED_SETTINGS, KalmanSettings
-from procedures.attitude.observability import Observability, observability
-from procedures.attitude.roll_pitch_kalman_filter import AID_CODE, AttitudeKalmanFilter
-from procedures.attitude.sensor_noise import at_rest, clipped_rows, gate_of, gyro_noise
-from procedures.attitude.unaided_motion import run_as_it_moves
+from procedures.attitude.unaided_motion import heading_at_rest, run_as_it_moves
 from procedures.earth.geodesy import EARTH_RATE
 from procedures.units import STANDARD_GRAVITY
 

@@ -1,10 +1,11 @@
 """The mixing law over samples as they come, and over a whole log."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.complementary_gains import PAPER_GAINS, Gains
+from procedures.attitude.attitude_log import AttitudeLog, roll_pitch_of
 from procedures.attitude.complementary_kernels import (
     FORMS,
     MIXER,
@@ -20,9 +21,43 @@ from procedures.attitude.complementary_velocity_aids import (
     mix_log,
     take_velocity,
 )
-from procedures.attitude.final_bias import FinalBias, final_bias
-from procedures.attitude.forward_right_down import roll_pitch_of
+from procedures.attitude.filter_choice import PAPER_GAINS, Gains
 from procedures.units import STANDARD_GRAVITY
+
+MIN_COSINE = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class FinalBias:
+    """By how much roll and pitch [rad] will read too much if the motion goes on as it is, and 1 sigma of it.
+
+    Sigma is nan where the sensors' own biases are not known.
+    """
+
+    roll: float
+    pitch: float
+    roll_std: float
+    pitch_std: float
+
+
+def final_bias(
+    left_out: tuple[float, float], left_std: tuple[float, float], attitude: tuple[float, float], g: float
+) -> FinalBias:
+    """Return the final value at an ``attitude``, roll and pitch [rad].
+
+    Parameters
+    ----------
+    left_out, left_std
+        Forward and right parts of the acceleration that the law does not take off, body axes, and 1 sigma of them
+        with the accelerometers' biases in it [m/s2].
+    g
+        m/s2.
+    """
+    roll, pitch = attitude
+    along = g * max(np.cos(pitch), MIN_COSINE)
+    across = along * max(abs(np.cos(roll)), MIN_COSINE)
+    return FinalBias(-left_out[1] / across, left_out[0] / along, left_std[1] / across, left_std[0] / along)
+
 
 RATE_GATE = 2.5e-3  # rad/s: You and Lee, section 4
 STEEP_PITCH = np.radians(80.0)  # pitch beyond which the Euler form says so

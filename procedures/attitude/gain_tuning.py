@@ -7,9 +7,8 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_estimate import estimate
-from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.complementary_gains import Gains
-from procedures.attitude.forward_right_down import inclination
+from procedures.attitude.attitude_log import AttitudeLog, inclination
+from procedures.attitude.filter_choice import Gains
 from procedures.errors import NotObservable
 from procedures.units import STANDARD_GRAVITY
 

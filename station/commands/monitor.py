@@ -92,7 +92,7 @@ def monitor(
     from drivers.address_guess import whole_url
     from drivers.address_parsing import parse_device_url
     from drivers.errors import PortNotFound
-    from procedures.attitude.laws import JOINT, parse_laws, refuse_without_velocity
+    from procedures.attitude.filter_choice import JOINT, parse_laws, refuse_without_velocity
     from station.calibrated.output_frame import body_axes
     from station.monitor.monitor_command import MonitorRequest, run
     from station.monitor.view import parse_alarm

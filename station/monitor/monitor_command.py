@@ -17,8 +17,7 @@ from drivers.address_parsing import parse_device_url
 from drivers.camera import CameraImage
 from drivers.can.wheel_reading import WheelReading
 from procedures.arrays import FloatArray
-from procedures.attitude.complementary_gains import Gains
-from procedures.attitude.laws import JOINT, parse_laws, refuse_without_velocity
+from procedures.attitude.filter_choice import JOINT, Gains, parse_laws, refuse_without_velocity
 from procedures.campaign.campaign import UNKNOWN
 from procedures.earth.geodesy import normal_gravity
 from procedures.optional_libraries import opencv

@@ -14,12 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.fusion.alignment.alignment_in_motion import ACCEL_NOISE_FACTOR
-from procedures.fusion.alignment.alignment_result import AlignmentState
-from procedures.fusion.fusion_records import GnssFixes, ImuSeries
-from procedures.fusion.imu.gnss_velocity import GnssMeasurements, KeyframeFix, LeverArm, no_fix
-from procedures.fusion.imu.preintegration import Preintegrated
-from procedures.fusion.inner.inertial_terms import Site
+from procedures.fusion.alignment_in_motion import ACCEL_NOISE_FACTOR
+from procedures.fusion.fusion_records import AlignmentState, GnssFixes, ImuSeries
+from procedures.fusion.gnss_velocity import GnssMeasurements, KeyframeFix, LeverArm, no_fix
 from procedures.fusion.inner.inner_window import (
     ANCHOR,
     FRAME_STD,
@@ -30,13 +27,14 @@ from procedures.fusion.inner.inner_window import (
     InnerSettings,
     InnerWindow,
 )
-from procedures.fusion.inner.keyframes import SPACING, keyframes
-from procedures.fusion.inner.left_keyframes import Left, swept_back
-from procedures.fusion.inner.way_handed_on import WayHandedOn
+from procedures.fusion.inner.keyframes import KEYFRAME_SPACING_S, keyframes
+from procedures.fusion.inner.marginalised_keyframes import Left, WayHandedOn, swept_back
 from procedures.fusion.inner.wheel_aid import WheelAid
 from procedures.fusion.inner.window_problem import Gone, Held, Prior, marginalised
 from procedures.fusion.inner.window_state import ANTENNA, SPEED, Normal, WindowState
+from procedures.fusion.inner.window_terms import Site
 from procedures.fusion.odometry import AntennaEstimate, OdometryPose
+from procedures.fusion.preintegration import Preintegrated
 
 FREE_TURN = 0.3  # rad on the first attitude: the alignment's own data are used again from there on
 FREE_POSITION = 10.0  # m
@@ -56,7 +54,7 @@ class WindowSettings:
     lever: FloatArray
     layers: int = 2
     frames: int = 20
-    spacing: float = SPACING
+    spacing: float = KEYFRAME_SPACING_S
     still_std: float | None = None
     lever_std: float | None = None
     offset_std: float | None = None

@@ -11,9 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.fusion.alignment.alignment_result import AlignmentState
-from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
-from procedures.fusion.imu.gnss_velocity import (
+from procedures.fusion.fusion_records import AlignmentState, GnssFixes, ImuNoise, ImuSeries
+from procedures.fusion.gnss_velocity import (
     CLIMB_SPAN_S,
     GnssMeasurements,
     KeyframeFix,
@@ -21,16 +20,13 @@ from procedures.fusion.imu.gnss_velocity import (
     measurements,
     no_fix,
 )
-from procedures.fusion.imu.imu_gaps import ImuGap, imu_gaps
-from procedures.fusion.imu.inertial_increments import ImuGrid, grid
-from procedures.fusion.imu.preintegration import Preintegrated, preintegrate
-from procedures.fusion.inner.inertial_terms import Site, predicted
 from procedures.fusion.inner.landmarks import Landmarks
 from procedures.fusion.inner.wheel_aid import UNDONE_S, WheelAid, foretold_covariance, without_wheel
-from procedures.fusion.inner.window_factor import ChainFactor, Factor
 from procedures.fusion.inner.window_problem import Eliminated, Gone, Held, Prior, assemble, marginalised
-from procedures.fusion.inner.window_state import COMMON, FRAME, WHEEL, Normal, WindowState
-from procedures.fusion.outer.pose_graph_terms import rz
+from procedures.fusion.inner.window_state import COMMON, FRAME, WHEEL, ChainFactor, Factor, Normal, WindowState
+from procedures.fusion.inner.window_terms import Site, predicted
+from procedures.fusion.pose_graph_terms import rz
+from procedures.fusion.preintegration import ImuGap, ImuGrid, Preintegrated, grid, imu_gaps, preintegrate
 
 SMALL = 2e-2  # of a sigma, by which a last step may move
 OUTAGE = 1.5  # s without a velocity from which an outage begins

@@ -11,13 +11,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.fusion.alignment.alignment_in_motion import ACCEL_NOISE_FACTOR
-from procedures.fusion.alignment.alignment_result import AlignmentState
-from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
-from procedures.fusion.imu.gnss_velocity import LeverArm
-from procedures.fusion.imu.preintegration import Preintegrated
-from procedures.fusion.inner.camera_frames import CLOSEST, SPACING, Frame
-from procedures.fusion.inner.inertial_terms import Site
+from procedures.fusion.alignment_in_motion import ACCEL_NOISE_FACTOR
+from procedures.fusion.feature_tracks import FeatureTracks, PinholeCamera
+from procedures.fusion.fusion_records import AlignmentState, GnssFixes, ImuNoise, ImuSeries
+from procedures.fusion.gnss_velocity import LeverArm
 from procedures.fusion.inner.inner_window import (
     ANCHOR,
     FRAME_STD,
@@ -28,13 +25,14 @@ from procedures.fusion.inner.inner_window import (
     InnerSettings,
     InnerWindow,
 )
-from procedures.fusion.inner.keyframes import keyframes
-from procedures.fusion.inner.reprojection import residuals
+from procedures.fusion.inner.keyframes import FRAME_SPACING_S, MIN_FRAME_SPACING_S, Frame, keyframes
+from procedures.fusion.inner.landmarks import residuals
 from procedures.fusion.inner.wheel_aid import WheelAid
 from procedures.fusion.inner.window_problem import Gone, Prior, walked
 from procedures.fusion.inner.window_state import COMMON, FRAME, HEADING, OFFSET, Normal, WindowState
+from procedures.fusion.inner.window_terms import Site
 from procedures.fusion.odometry import OdometryPose
-from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
+from procedures.fusion.preintegration import Preintegrated
 
 FRAMES, ROUNDS = 10, 4
 HEADING_WALK = 5e-4  # rad/sqrt(s) by which the window's own frame drifts against n
@@ -106,7 +104,7 @@ class VisualInertialWindow(InnerWindow):
     ) -> None:
         self.settings, self.tracks = settings, tracks
         seen, self._begin = tracks.frames()
-        self.frames = keyframes(seen, start.t0, float(imu.t[-1]), SPACING, CLOSEST)
+        self.frames = keyframes(seen, start.t0, float(imu.t[-1]), FRAME_SPACING_S, MIN_FRAME_SPACING_S)
         wheel_std = GIVEN if wheel is None else wheel.mount.scale_std
         begun = beginning(start, settings.camera, settings.site.noise, settings.offset_std, wheel_std)
         super().__init__(settings.inner, self.frames.t, imu, fixes, start, begun, settings.antenna, wheel)

@@ -17,13 +17,11 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.frames import skew
-from procedures.fusion.fusion_records import ImuNoise, ImuSeries
-from procedures.fusion.imu.preintegration import Preintegrated
-from procedures.fusion.inner.wheel_terms import at_end
-from procedures.fusion.inner.window_factor import Factor
+from procedures.fusion.fusion_records import ImuNoise, ImuSeries, KeyframeWheel, WheelMount, WheelSpeeds
 from procedures.fusion.inner.window_problem import Held
-from procedures.fusion.inner.window_state import WHEEL
-from procedures.fusion.wheel_speeds import KeyframeWheel, WheelMount, WheelSpeeds
+from procedures.fusion.inner.window_state import WHEEL, Factor
+from procedures.fusion.inner.window_terms import at_end
+from procedures.fusion.preintegration import Preintegrated
 
 SLIP_SIGMAS = 4.0  # of one keyframe: 6e-5 by chance
 CREEP_SIGMAS = 4.5  # of the mean of `MEMORY_S`

@@ -6,23 +6,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
-from procedures.fusion.imu.gnss_velocity import KeyframeFix
-from procedures.fusion.imu.preintegration import Preintegrated
-from procedures.fusion.inner.fix_terms import add_fixes
-from procedures.fusion.inner.inertial_terms import Site, add_inertial
-from procedures.fusion.inner.landmarks import FREE, LOST, USUAL, Landmarks
-from procedures.fusion.inner.reprojection import Visual, linearise
-from procedures.fusion.inner.wheel_terms import add_wheels
-from procedures.fusion.inner.window_factor import Factor
+from procedures.fusion.gnss_velocity import KeyframeFix
+from procedures.fusion.inner.landmarks import FREE, LOST, USUAL, Landmarks, Visual, linearise
 from procedures.fusion.inner.window_state import (
     CAMERA,
     COMMON,
     FRAME,
     OFFSET,
+    Factor,
     Normal,
     WindowState,
     zero,
 )
+from procedures.fusion.inner.window_terms import Site, add_fixes, add_inertial, add_wheels
+from procedures.fusion.preintegration import Preintegrated
 
 DEPTH_STD = 1.0  # 1/m about `USUAL`: says nothing to sights, keeps the normal equations regular
 RAY_WEIGHT = 1e-2  # of a ray, whose sights weigh 1e5

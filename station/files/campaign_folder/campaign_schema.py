@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import AfterValidator, Field, model_validator
 
 from procedures.arrays import FloatArray
-from procedures.attitude.laws import LAWS, MAX_LAWS
+from procedures.attitude.filter_choice import LAWS, MAX_LAWS
 from procedures.campaign.campaign import MeasuredCube
 from procedures.campaign.measured_cube import NAMES
 from procedures.frames import ATTITUDES, AXES, POSITIONS, face_of

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from procedures.attitude.laws import parse_laws, refuse_without_velocity
+from procedures.attitude.filter_choice import parse_laws, refuse_without_velocity
 from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak, Step, Turn, as_repeats
 from procedures.frames import ATTITUDES, TURN_START, face_of
 from station.errors import DataRefused

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from procedures.attitude.attitude_estimate import AttitudeEstimate, estimate
-from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.attitude_log import AttitudeLog, inclination
 from procedures.attitude.both_directions import estimate_both_directions
-from procedures.attitude.forward_right_down import inclination
 from tests.drivers.simulated.flight import paper_bench
 from tests.procedures.attitude.driving import G, driving
 

@@ -2,9 +2,8 @@ import numpy as np
 import pytest
 
 from procedures.attitude.attitude_estimate import estimate
-from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.forward_right_down import earth_rate_ned
-from procedures.attitude.heading_at_rest import heading_at_rest
+from procedures.attitude.attitude_log import AttitudeLog, earth_rate_ned
+from procedures.attitude.unaided_motion import heading_at_rest
 from procedures.earth.geodesy import EARTH_RATE
 from procedures.frames import rotation
 from procedures.units import RAD_S_PER_DEG_H

@@ -2,7 +2,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.observability import determinant, observability
+from procedures.attitude.complementary_velocity_aids import determinant, observability
 
 
 def observability_matrix(rate: FloatArray, slope: FloatArray) -> FloatArray:

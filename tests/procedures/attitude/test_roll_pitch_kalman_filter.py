@@ -4,11 +4,9 @@ import numpy as np
 import pytest
 
 from procedures.attitude.attitude_estimate import estimate
-from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.forward_right_down import earth_rate_ned, inclination
-from procedures.attitude.kalman_state import AIDED_SETTINGS, UNAIDED_SETTINGS
-from procedures.attitude.kalman_update import propagate
-from procedures.attitude.roll_pitch_kalman_filter import AttitudeKalmanFilter
+from procedures.attitude.attitude_log import AttitudeLog, earth_rate_ned, inclination
+from procedures.attitude.kalman_filter import AttitudeKalmanFilter
+from procedures.attitude.kalman_state import AIDED_SETTINGS, UNAIDED_SETTINGS, propagate
 from procedures.attitude.strapdown_integration import align, integrate_sample
 from procedures.earth.geodesy import EARTH_RATE
 from procedures.frames import rotation

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from procedures.attitude.attitude_estimate import estimate
-from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.forward_right_down import inclination, roll_pitch_of
+from procedures.attitude.attitude_log import AttitudeLog, inclination, roll_pitch_of
 from procedures.attitude.kalman_state import KalmanSettings
 from procedures.frames import rotation
 from tests.drivers.simulated.flight import paper_bench

@@ -3,9 +3,9 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from procedures.fusion.feature_tracks import FeatureTracks, PinholeCamera
 from procedures.fusion.fusion_records import Trajectory
-from procedures.fusion.inner.inertial_terms import Site
-from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
+from procedures.fusion.inner.window_terms import Site
 from tests.drivers.simulated.camera_tracks import View, simulate_tracks
 from tests.procedures.fusion.motions import EARTH, GRAVITY, NOISE, Eight
 

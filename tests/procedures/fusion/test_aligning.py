@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from procedures.fusion.alignment.alignment_at_rest import align_at_rest
-from procedures.fusion.alignment.alignment_attempts import align_when_possible, fixes_between
-from procedures.fusion.alignment.alignment_in_motion import MovingAligner
-from procedures.fusion.alignment.alignment_result import AlignmentState, Waiting
+from procedures.fusion.alignment_attempts import align_at_rest, align_when_possible, fixes_between
+from procedures.fusion.alignment_in_motion import MovingAligner
+from procedures.fusion.fusion_records import AlignmentState, Waiting
 from procedures.units import RAD_S_PER_DEG_H
 from tests.procedures.fusion.motions import ACCEL_BIAS, EARTH, GRAVITY, GYRO_BIAS, NOISE, Eight, fog
 

@@ -6,13 +6,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from procedures.fusion.feature_tracks import FeatureTracks, PinholeCamera, derotated
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
-from procedures.fusion.imu.gnss_velocity import LeverArm
+from procedures.fusion.gnss_velocity import LeverArm
 from procedures.fusion.inner.visual_inertial_window import VisionSettings, VisualInertialWindow
-from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
-from procedures.fusion.vision.rolling_shutter import derotated
-from procedures.fusion.visual_alignment.visual_alignment_attempts import VisualAligner, align_by_camera
-from procedures.fusion.visual_alignment.visual_start import VisualStart
+from procedures.fusion.vision.visual_alignment import VisualAligner, VisualStart, align_by_camera
 from tests.drivers.simulated.camera_tracks import View
 from tests.procedures.fusion.motions import EARTH, Eight
 from tests.procedures.fusion.seen import CAMERA, SITE, tracks_of

@@ -8,15 +8,13 @@ from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
 from procedures.frames import rotation_vector
-from procedures.fusion.imu.gnss_velocity import KeyframeFix, no_fix
-from procedures.fusion.imu.inertial_increments import ImuGrid
-from procedures.fusion.imu.preintegration import Preintegrated, preintegrate
-from procedures.fusion.inner.inertial_terms import add_inertial, predicted
-from procedures.fusion.inner.landmarks import Landmarks
-from procedures.fusion.inner.reprojection import Sights, linearise, residuals
+from procedures.fusion.gnss_velocity import KeyframeFix, no_fix
+from procedures.fusion.inner.landmarks import Landmarks, Sights, linearise, residuals
 from procedures.fusion.inner.window_problem import Held, Prior, assemble, marginalised
 from procedures.fusion.inner.window_state import CAMERA, COMMON, HEADING, OFFSET, WindowState, zero
-from procedures.fusion.outer.pose_graph_terms import rz
+from procedures.fusion.inner.window_terms import add_inertial, predicted
+from procedures.fusion.pose_graph_terms import rz
+from procedures.fusion.preintegration import ImuGrid, Preintegrated, preintegrate
 from tests.procedures.fusion.motions import NOISE
 from tests.procedures.fusion.seen import CAMERA as LENS
 from tests.procedures.fusion.seen import SITE

@@ -6,16 +6,13 @@ import numpy as np
 import pytest
 
 from procedures.frames import rotation_vector
-from procedures.fusion.alignment.alignment_result import Waiting
-from procedures.fusion.fusion_records import GnssFixes, ImuSeries
-from procedures.fusion.imu.gnss_velocity import LeverArm
+from procedures.fusion.feature_tracks import FeatureTracks, PinholeCamera
+from procedures.fusion.fusion_records import GnssFixes, ImuSeries, Waiting, WheelMount, WheelSpeeds
+from procedures.fusion.gnss_velocity import LeverArm
 from procedures.fusion.inner.visual_inertial_window import VisionSettings, VisualInertialWindow
 from procedures.fusion.inner.wheel_aid import WheelAid
-from procedures.fusion.outer.pose_graph import PoseGraph
-from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
-from procedures.fusion.visual_alignment.visual_alignment_attempts import VisualAligner, align_by_camera
-from procedures.fusion.visual_alignment.visual_start import VisualStart
-from procedures.fusion.wheel_speeds import WheelMount, WheelSpeeds
+from procedures.fusion.pose_graph import PoseGraph
+from procedures.fusion.vision.visual_alignment import VisualAligner, VisualStart, align_by_camera
 from tests.drivers.simulated.camera_tracks import View
 from tests.procedures.fusion.motions import ACCEL_BIAS, EARTH, GYRO_BIAS, Eight
 from tests.procedures.fusion.seen import CAMERA, SITE, tracks_of, turned

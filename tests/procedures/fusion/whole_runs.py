@@ -3,7 +3,7 @@
 from procedures.fusion.fusion_records import GnssFixes
 from procedures.fusion.inner.inner_window import InnerWindow
 from procedures.fusion.odometry import OdometryPose, OdometrySource
-from procedures.fusion.outer.pose_graph import GlobalPose, PoseGraph
+from procedures.fusion.pose_graph import GlobalPose, PoseGraph
 
 
 def whole_track(window: InnerWindow) -> list[OdometryPose]:

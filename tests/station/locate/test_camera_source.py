@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from procedures.fusion.alignment.alignment_result import Waiting
-from procedures.fusion.vision.feature_tracks import FeatureTracks
+from procedures.fusion.feature_tracks import FeatureTracks
+from procedures.fusion.fusion_records import Waiting
 from station import cli
 from station.errors import DataRefused
 from station.files.fusion_folder import FusionLog, read_fusion

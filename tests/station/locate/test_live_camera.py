@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from drivers.camera import CameraImage
-from procedures.fusion.inner.camera_frames import SPACING
-from procedures.fusion.vision.feature_tracks import FeatureTracks
-from procedures.fusion.visual_alignment.camera_time import CameraTimeOffset
+from procedures.fusion.feature_tracks import FeatureTracks
+from procedures.fusion.inner.keyframes import SPACING
+from procedures.fusion.vision.camera_time import CameraTimeOffset
 from station.locate.live_camera import LiveCamera
 from station.stream.camera import FeaturePositions
 from tests.procedures.fusion.seen import CAMERA

@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from procedures.fusion.inner.camera_frames import SPACING
+from procedures.fusion.inner.keyframes import SPACING
 from station.locate.location import Location
 from station.monitor.text_lines import json_line
 from tests.station.monitor.driving import DrivenAlong, DriveRig, driven_along

@@ -10,8 +10,7 @@ import pytest
 
 from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.truth import Truth
-from procedures.attitude.complementary_gains import Gains
-from procedures.attitude.laws import parse_laws
+from procedures.attitude.filter_choice import Gains, parse_laws
 from station import cli
 from station.attitude.live_complementary_filter import ComplementaryFilterTrack
 from station.attitude.live_kalman_filter import AidValues

@@ -11,7 +11,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray, interpolated
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
-from procedures.fusion.imu.inertial_increments import grid, integrate
+from procedures.fusion.preintegration import grid, integrate
 
 
 def align_as_printed(imu: ImuSeries, fixes: GnssFixes, gravity: float, gyro_bias: FloatArray) -> FloatArray:

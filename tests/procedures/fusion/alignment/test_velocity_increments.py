@@ -4,8 +4,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from procedures.frames import skew
-from procedures.fusion.alignment.velocity_increments import FixVelocities, MeanVelocities
-from procedures.fusion.imu.inertial_increments import ImuGrid, InertialIncrements
+from procedures.fusion.alignment_in_motion import FixVelocities, MeanVelocities
+from procedures.fusion.preintegration import ImuGrid, InertialIncrements
 
 T = np.array([10.0, 10.5, 11.5, 12.0])
 

@@ -8,21 +8,18 @@ from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
 from procedures.frames import rotation
-from procedures.fusion.alignment.alignment_attempts import align_when_possible
-from procedures.fusion.alignment.alignment_in_motion import MovingAligner
-from procedures.fusion.alignment.alignment_result import AlignmentState
-from procedures.fusion.fusion_records import GnssFixes, ImuSeries
-from procedures.fusion.imu.gnss_velocity import (
+from procedures.fusion.alignment_attempts import align_when_possible
+from procedures.fusion.alignment_in_motion import MovingAligner
+from procedures.fusion.fusion_records import AlignmentState, GnssFixes, ImuSeries
+from procedures.fusion.gnss_velocity import (
     CLIMB_RATE_STD,
     CLIMB_SPAN_S,
     GnssMeasurements,
     LeverArm,
     measurements,
 )
-from procedures.fusion.imu.gyro_rotations import GyroRotations
-from procedures.fusion.imu.imu_gaps import imu_gaps
-from procedures.fusion.imu.preintegration import Preintegrated
 from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
+from procedures.fusion.preintegration import GyroRotations, Preintegrated, imu_gaps
 from tests.procedures.fusion.motions import EARTH, GRAVITY, NOISE, Eight
 from tests.procedures.fusion.seen import SITE
 

@@ -5,9 +5,9 @@ import pytest
 
 from procedures.arrays import FloatArray
 from procedures.frames import rotation, skew
-from procedures.fusion.imu.gnss_velocity import KeyframeFix
-from procedures.fusion.inner.fix_terms import fix_residuals
+from procedures.fusion.gnss_velocity import KeyframeFix
 from procedures.fusion.inner.window_state import COMMON, FRAME, HEADING, WindowState
+from procedures.fusion.inner.window_terms import fix_residuals
 
 STEP = 1e-6
 

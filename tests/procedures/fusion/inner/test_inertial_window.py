@@ -6,15 +6,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from procedures.fusion.alignment.alignment_at_rest import align_at_rest
-from procedures.fusion.alignment.alignment_attempts import align_when_possible, between
-from procedures.fusion.alignment.alignment_in_motion import MovingAligner
-from procedures.fusion.alignment.alignment_result import AlignmentState
-from procedures.fusion.fusion_records import GnssFixes, ImuSeries
-from procedures.fusion.inner.inertial_terms import Site
+from procedures.fusion.alignment_attempts import align_at_rest, align_when_possible, between
+from procedures.fusion.alignment_in_motion import MovingAligner
+from procedures.fusion.fusion_records import AlignmentState, GnssFixes, ImuSeries
 from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
 from procedures.fusion.inner.window_state import ACCEL, GYRO
-from procedures.fusion.outer.pose_graph import PoseGraph
+from procedures.fusion.inner.window_terms import Site
+from procedures.fusion.pose_graph import PoseGraph
 from procedures.units import RAD_S_PER_DEG_H
 from tests.procedures.fusion.motions import ACCEL_BIAS, EARTH, GRAVITY, GYRO_BIAS, NOISE, Eight, fog
 from tests.procedures.fusion.seen import SITE

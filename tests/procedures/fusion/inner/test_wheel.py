@@ -8,18 +8,14 @@ import pytest
 
 from procedures.earth.geodesy import earth_rate_n
 from procedures.frames import rotation
-from procedures.fusion.alignment.alignment_attempts import align_when_possible
-from procedures.fusion.alignment.alignment_in_motion import MovingAligner
-from procedures.fusion.alignment.alignment_result import AlignmentState
-from procedures.fusion.fusion_records import ImuSeries
-from procedures.fusion.imu.inertial_increments import grid
-from procedures.fusion.imu.preintegration import preintegrate
-from procedures.fusion.inner.inertial_terms import Site
+from procedures.fusion.alignment_attempts import align_when_possible
+from procedures.fusion.alignment_in_motion import MovingAligner
+from procedures.fusion.fusion_records import AlignmentState, ImuSeries, KeyframeWheel, WheelMount, WheelSpeeds
 from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
 from procedures.fusion.inner.wheel_aid import WheelAid
-from procedures.fusion.inner.wheel_terms import at_end, wheel_residuals
 from procedures.fusion.inner.window_state import COMMON, FRAME, HEADING, WindowState
-from procedures.fusion.wheel_speeds import KeyframeWheel, WheelMount, WheelSpeeds
+from procedures.fusion.inner.window_terms import Site, at_end, wheel_residuals
+from procedures.fusion.preintegration import grid, preintegrate
 from tests.procedures.fusion.drives import GRAVITY, LATITUDE, MEMS, MOUNT, SCALE, SLIPS, Drive
 from tests.procedures.fusion.inner.test_fix_terms import two_keyframes
 from tests.procedures.fusion.motions import NOISE

@@ -7,10 +7,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
+from procedures.fusion.fix_association import FixAssociation
 from procedures.fusion.fusion_records import GnssFixes
 from procedures.fusion.odometry import OdometryPose
-from procedures.fusion.outer.fix_association import FixAssociation
-from procedures.fusion.outer.pose_graph_terms import FixTerms
+from procedures.fusion.pose_graph_terms import FixTerms
 
 LEVER = np.array([0.3, -0.2, 0.5])
 T = np.array([10.0, 10.5, 11.5, 12.0])

@@ -7,7 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
-from procedures.fusion.outer.pose_graph_terms import (
+from procedures.fusion.fix_association import track_yaw
+from procedures.fusion.pose_graph_terms import (
     FixTerms,
     NodeLayout,
     NodePrior,
@@ -15,7 +16,6 @@ from procedures.fusion.outer.pose_graph_terms import (
     linearise,
     rz,
 )
-from procedures.fusion.outer.track_yaw import track_yaw
 
 N, GIVEN = 4, np.array([0.3, -0.2, 0.5])
 

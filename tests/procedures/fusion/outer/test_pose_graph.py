@@ -7,8 +7,8 @@ import pytest
 
 from procedures.fusion.fusion_records import Trajectory
 from procedures.fusion.odometry import OdometryDrift, RecordedOdometry
-from procedures.fusion.outer.block_tridiagonal import BlockTridiagonal, eliminate, solve_chain
-from procedures.fusion.outer.pose_graph import GlobalPose, PoseGraph, PoseGraphSettings
+from procedures.fusion.pose_graph import GlobalPose, PoseGraph, PoseGraphSettings
+from procedures.fusion.pose_graph_terms import BlockTridiagonal, eliminate, solve_chain
 from tests.procedures.fusion.motions import Eight, only
 from tests.procedures.fusion.whole_runs import whole_run
 

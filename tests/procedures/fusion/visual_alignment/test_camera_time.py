@@ -8,10 +8,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
-from procedures.fusion.alignment.alignment_result import Waiting
-from procedures.fusion.fusion_records import ImuSeries, Trajectory
-from procedures.fusion.vision.feature_tracks import FeatureTracks
-from procedures.fusion.visual_alignment.camera_time import CameraTimeOffset, camera_offset
+from procedures.fusion.feature_tracks import FeatureTracks
+from procedures.fusion.fusion_records import ImuSeries, Trajectory, Waiting
+from procedures.fusion.vision.camera_time import CameraTimeOffset, camera_offset
 from tests.drivers.simulated.camera_tracks import View, simulate_tracks
 from tests.procedures.fusion.motions import GYRO_BIAS, NOISE
 from tests.procedures.fusion.seen import CAMERA, turned

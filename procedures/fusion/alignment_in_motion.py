@@ -19,19 +19,105 @@ import numpy as np
 from scipy.linalg import cholesky
 from scipy.linalg.lapack import dtrtrs
 
-from procedures.arrays import FloatArray, IntArray
+from procedures.arrays import FloatArray, IntArray, interpolated
 from procedures.frames import rotation, skew, vertical_rotation, wahba_rotation
-from procedures.fusion.alignment.alignment_result import (
+from procedures.fusion.fusion_records import (
     MAX_TILT_STD,
     MAX_TIME_OFFSET_STD_S,
     MAX_YAW_STD,
     AlignmentState,
+    GnssFixes,
+    ImuNoise,
+    ImuSeries,
     Waiting,
 )
-from procedures.fusion.alignment.velocity_increments import FixVelocities, MeanVelocities, observed_velocities
-from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
-from procedures.fusion.imu.imu_gaps import imu_gaps
-from procedures.fusion.imu.inertial_increments import ImuGrid, InertialIncrements, grid, integrate
+from procedures.fusion.preintegration import ImuGrid, InertialIncrements, grid, imu_gaps, integrate
+
+ACCELERATION_HALF_SPAN_S = 0.03  # s, over which an acceleration is taken: longer than a propeller's turn
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PredictedVelocities:
+    """At n velocities: ``alpha`` (n, 3) [m/s] and, each (n, 3, 3), its slopes by the biases, and M of the arm.
+
+    ``by_time`` (n, 3) [m/s2] is the slope of alpha over time.
+    """
+
+    alpha: FloatArray
+    by_gyro: FloatArray
+    by_accel: FloatArray
+    arm: FloatArray
+    by_time: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FixVelocities:
+    """Velocities ``v`` (n, 3) [m/s] at ``t`` (n,) [s], nan where there is none; ``noise`` (n, n) of each axis."""
+
+    t: FloatArray
+    v: FloatArray
+    noise: FloatArray
+    omega_b: FloatArray
+
+    @property
+    def elapsed(self) -> FloatArray:
+        """Time (n,) [s] since the first fix."""
+        since: FloatArray = self.t - self.t[0]
+        return since
+
+    def reach(self, grid: ImuGrid, made: InertialIncrements, gyro_bias: FloatArray) -> PredictedVelocities:
+        """Return increments made at all edges of the grid as they are at the fixes; ``gyro_bias`` (3,) [rad/s]."""
+        k, edges = grid.at, np.concatenate(([0.0], np.cumsum(grid.dt)))
+        ends = np.clip([edges[k] - ACCELERATION_HALF_SPAN_S, edges[k] + ACCELERATION_HALF_SPAN_S], 0.0, edges[-1])
+        alpha = [interpolated(t, edges, made.alpha) for t in ends]
+        slope = (alpha[1] - alpha[0]) / (ends[1] - ends[0])[:, None]
+        arm = made.C[k] @ skew(self.omega_b - gyro_bias)
+        return PredictedVelocities(made.alpha[k], made.by_gyro[k], made.by_accel[k], arm, slope)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MeanVelocities:
+    """Mean velocities ``v`` (n - 1, 3) [m/s] between fixes at ``t`` (n,) [s]; ``noise`` as in `FixVelocities`."""
+
+    t: FloatArray
+    v: FloatArray
+    noise: FloatArray
+
+    @property
+    def elapsed(self) -> FloatArray:
+        """Time (n - 1,) [s] since the first fix, of the middles."""
+        middle: FloatArray = (self.t[1:] + self.t[:-1]) / 2 - self.t[0]
+        return middle
+
+    def reach(self, grid: ImuGrid, made: InertialIncrements, _gyro_bias: FloatArray) -> PredictedVelocities:
+        """Return increments made at all edges of the grid, averaged between fixes; ``_gyro_bias`` (3,) unused."""
+        dt = np.diff(self.t)[:, None]
+        turned, slope = np.diff(made.C[grid.at], axis=0) / dt[:, None], np.diff(made.alpha[grid.at], axis=0) / dt
+        means = [_means(grid, part) for part in (made.alpha, made.by_gyro, made.by_accel)]
+        return PredictedVelocities(means[0], means[1], means[2], turned, slope)
+
+
+def observed_velocities(imu: ImuSeries, fixes: GnssFixes) -> FixVelocities | MeanVelocities:
+    """Return what the fixes that the IMU spans say: their velocities, or where none has one the means between."""
+    spanned = (fixes.t >= imu.t[0]) & (fixes.t <= imu.t[-1])
+    known = spanned & np.isfinite(fixes.v_n[:, :2]).all(axis=1)
+    if known.any():
+        omega = interpolated(fixes.t[known], imu.t, imu.omega_b)
+        return FixVelocities(fixes.t[known], fixes.v_n[known], np.diag(fixes.velocity_std[known] ** 2), omega)
+    t, p, variance = fixes.t[spanned], fixes.p_n[spanned], fixes.position_std[spanned] ** 2
+    difference = np.diff(np.eye(len(t)), axis=0) / np.diff(t)[:, None]
+    return MeanVelocities(t, difference @ p, (difference * variance) @ difference.T)
+
+
+def _means(grid: ImuGrid, values: FloatArray) -> FloatArray:
+    """Return the means (n - 1, ...) of values (m + 1, ...) at the edges, between the n times asked for."""
+    shape = (-1, *[1] * (values.ndim - 1))
+    areas = (values[1:] + values[:-1]) / 2 * grid.dt.reshape(shape)
+    means: FloatArray = np.add.reduceat(areas, grid.at[:-1]) / np.add.reduceat(grid.dt, grid.at[:-1]).reshape(
+        shape
+    )
+    return means
+
 
 MAX_ITERATIONS = 15
 UNMEASURED_VELOCITY_STD = 300.0  # m/s, 1 sigma of a velocity of which nothing is measured

@@ -14,12 +14,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
+from procedures.fusion.fix_association import MAX_TRACK_MISFIT, FixAssociation, TrackYaw
 from procedures.fusion.fusion_records import GnssFixes, Trajectory
 from procedures.fusion.odometry import OdometryPose, OdometrySource
-from procedures.fusion.outer.block_tridiagonal import eliminate, solve_chain
-from procedures.fusion.outer.fix_association import FixAssociation
-from procedures.fusion.outer.pose_graph_terms import LEVER, NodeLayout, NodePrior, linearise, rz
-from procedures.fusion.outer.track_yaw import MAX_TRACK_MISFIT, TrackYaw
+from procedures.fusion.pose_graph_terms import LEVER, NodeLayout, NodePrior, eliminate, linearise, rz, solve_chain
 
 OUTLIER_SIGMAS = 5.0  # whitened length of three axes beyond which a fix counts as an outlier: 2e-5 by chance
 MAX_START_YAW_STD = np.radians(3.0)  # 1 sigma of the yaw by track with which the graph begins

@@ -11,8 +11,7 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from procedures.arrays import FloatArray, IntArray
 from procedures.frames import rotation, wahba_rotation
-from procedures.fusion.inner.landmarks import Landmarks
-from procedures.fusion.inner.reprojection import SEEING, linearise, residuals
+from procedures.fusion.inner.landmarks import SEEING, Landmarks, linearise, residuals
 from procedures.fusion.inner.window_state import WindowState
 from procedures.fusion.vision.two_view import MIN_POINTS, two_view
 

@@ -18,13 +18,10 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.frames import rotation
-from procedures.fusion.alignment.alignment_result import Waiting
-from procedures.fusion.fusion_records import ImuSeries
-from procedures.fusion.imu.gyro_rotations import RATE_HALF_SPAN_S, GyroRotations
-from procedures.fusion.imu.imu_gaps import imu_gaps
-from procedures.fusion.vision.epipolar_rotations import TINY, EpipolarRotations, RotationMisfit
-from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
-from procedures.fusion.vision.frame_pairs import FramePairs, frame_pairs
+from procedures.fusion.feature_tracks import FeatureTracks, FramePairs, PinholeCamera, frame_pairs
+from procedures.fusion.fusion_records import ImuSeries, Waiting
+from procedures.fusion.preintegration import RATE_HALF_SPAN_S, GyroRotations, imu_gaps
+from procedures.fusion.vision.two_view import TINY, EpipolarRotations, RotationMisfit
 
 MAX_OFFSET_STD_S = 0.005  # s, 1 sigma with which an offset is accepted
 RATE_CHANGE_QUANTILE = 0.95  # quantile of the changes of rate of which what is left counts

@@ -10,9 +10,8 @@ import numpy as np
 
 from procedures.arrays import FloatArray, interpolated
 from procedures.frames import skew
-from procedures.fusion.fusion_records import GnssFixes, ImuSeries
-from procedures.fusion.imu.preintegration import Preintegrated
-from procedures.fusion.wheel_speeds import KeyframeWheel
+from procedures.fusion.fusion_records import GnssFixes, ImuSeries, KeyframeWheel
+from procedures.fusion.preintegration import Preintegrated
 
 CLIMB_SPAN_S = 5.0  # s over which heights tell how fast they rise
 CLIMB_RATE_STD = 0.3  # m/s by which that is not how fast they rise now

@@ -11,19 +11,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
-from procedures.attitude.attitude_estimate import AttitudeEstimate, estimate
-from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.complementary_gains import Gains
-from procedures.attitude.diagnosis.attitude_effects import ATTITUDE_EFFECTS, AttitudeEffect, AttitudeMotion
-from procedures.attitude.diagnosis.attitude_evidence import (
+from procedures.attitude.attitude_effects import (
+    ATTITUDE_EFFECTS,
     NAMED,
+    AttitudeEffect,
+    AttitudeMotion,
     ResidualWindows,
     evidence_of,
     functions_of_time,
     propagated_residual,
     windows,
 )
-from procedures.attitude.forward_right_down import inclination
+from procedures.attitude.attitude_estimate import AttitudeEstimate, estimate
+from procedures.attitude.attitude_log import AttitudeLog, inclination
+from procedures.attitude.filter_choice import Gains
 from procedures.diagnosis.caches import let_go_at_the_end
 from procedures.errors import NotObservable
 from procedures.inference.hypotheses import named
