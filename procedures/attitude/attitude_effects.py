@@ -1,7 +1,12 @@
-"""What a mixer's model may lack: columns that an effect adds to rates and specific forces along a log.
+"""Effects that a filter's model may lack, and the residual of a log as their evidence.
 
 A column is what a unit of the coefficient adds to what is measured, beyond the base model: nothing but gravity
 without a speed, ``omega x (V, 0, 0)`` with one.
+
+The residual of a log is evidence for the loop of `procedures.diagnosis`. Windows of a second or more give rows of
+two kinds. *Gyroscope*: the reference's down vector at the end, less that at the start carried over by the rates.
+*Accelerometer*, with truth only: the mean specific force less the model's, in g. Without truth the reference is
+the accelerometers' own attitude, and their effects show in the first kind.
 """
 
 from collections.abc import Callable

@@ -1,4 +1,9 @@
-"""What the attitude algorithms take: samples of an `attitude-log/1`, forward-right-down."""
+"""Input of the attitude filters: samples of an `attitude-log/1`, and the frames of roll and pitch.
+
+Body axes are forward-right-down, the level frame is north-east-down, as in You and Lee and in MAVLink; the rest of
+the station works in East-North-Up (`procedures.frames`). At rest and level the specific force is (0, 0, -g).
+``C_nb`` takes forward-right-down to north-east-down; its last row is the down vector.
+"""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,9 @@
-"""The mixing law over samples as they come, and over a whole log."""
+"""The complementary filter (You and Lee's mixing algorithm) over samples as they come, and over a whole log.
+
+Its final bias is You and Lee (8), the final value of (7): for steps in all inputs, the error of phi_m tends to
+that of phi_a, whatever the gains and the gyros' bias. The integral takes the bias up; the error of the
+accelerometers' angle stays, from what the filter omits of (9) and from the sensors.
+"""
 
 from dataclasses import dataclass
 

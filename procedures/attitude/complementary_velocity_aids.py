@@ -1,6 +1,8 @@
-"""Velocity aids of the mixing law: forward speed, the whole of (9), and the velocity filter (11)-(14).
+"""Velocity aids of the complementary filter: forward speed, the whole of (9), and the velocity filter (11)-(14).
 
 Equation numbers are those of You and Lee.
+
+`observability` evaluates (13), on which the velocity filter depends, along a log.
 """
 
 import math

@@ -1,4 +1,7 @@
-"""The gains of the mixing law, given or from a time constant."""
+"""Attitude filters that a live unit can be read by, how each takes the given velocity, and the gains.
+
+Equation numbers are those of You and Lee.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

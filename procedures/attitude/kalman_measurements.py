@@ -1,4 +1,7 @@
-"""What the Kalman filter measures: velocity without aid, by airspeed, by GNSS; a heading; rest."""
+"""Measurements of the Kalman filter: velocity without aid, by airspeed, by GNSS; a heading; rest.
+
+A GNSS velocity is measured at its own moment, which may be some tenths of a second ago.
+"""
 
 import math
 

@@ -1,7 +1,10 @@
-"""What the Kalman filter carries from sample to sample, and its settings.
+"""The Kalman filter: its state and settings, the covariance over an update, and one scalar measurement.
 
 Errors are those of north-east-down, in this order: attitude 0-2, velocity 3-5 [m/s], gyro bias 6-8 [rad/s], gyro
 scale 9-11, accelerometer bias 12-14 [m/s2]; with airspeed also angle of attack 15 and sideslip 16 [rad].
+
+The transition over an update follows from ``psi' = -C b``, ``v' = psi x f_n - C b_f``, with the attitude error psi
+in the level frame: the unit matrix and six sparse rows, made of the sums of `integrate_sample`.
 """
 
 import math

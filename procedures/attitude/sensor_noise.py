@@ -1,4 +1,10 @@
-"""What a log tells about its sensors: their own noise, the gate above it, the range at which they clip."""
+"""What a log shows of its sensors: noise, the gate above it, the range at which they clip, and frozen rows.
+
+A channel whose noise exceeds its resolution does not repeat its value by chance. Where all six do so for long, and
+then continue at another value, the driver or the bus held the last sample: nothing was measured there, so these
+rows are a gap. A noise-free simulation and a unit at rest below its own resolution repeat themselves without
+fault: there the noise is less than the resolution.
+"""
 
 from dataclasses import dataclass, fields, replace
 

@@ -1,10 +1,13 @@
-"""How a log without aid moves: told by its own residual, and filtered with settings that admit it.
+"""Motion of a log without aid: the settings that its own residual asks for, and the heading at rest.
 
 Without aid the filter measures ``v = 0`` with white noise N. In a hand the velocity is about zero within tenths of
 a second: of a spread s and a correlation time t it is white noise of density ``s sqrt(2 t)``, more for what is
-moved to and fro than for what is turned in place. In a vehicle it is not: an acceleration that is not known goes
-on, and its velocity stays. The noise density that the velocity shows over some seconds tells the two apart, and is
-N itself where it does (adaptive estimation from innovations: Mehra 1970).
+moved to and fro than for what is turned in place. In a vehicle it is not: an unknown acceleration continues, and
+its velocity stays. The noise density of the velocity over some seconds distinguishes the two, and is N itself
+where it does (adaptive estimation from innovations: Mehra 1970).
+
+At rest the Earth's rate gives the heading (gyrocompassing, `procedures.earth.gyrocompass.attitude_at_rest`). Its
+level part is Omega cos(lat): the standard deviation of the heading is the gyros' bias over that.
 """
 
 import math

@@ -11,6 +11,11 @@ gives the means between its fixes: `observed_velocities`. The noise is GNSS's ow
 and gyro integrated. All is started from the best rotation for biases of zero (Wahba's problem), and once more from
 a quarter turn to each side and from behind: what is nearly as good and points elsewhere, a strange chi2 or a wide
 sigma are reasons to go on waiting.
+
+A receiver's velocity is that of its fix. A receiver that gives positions alone still gives the mean velocity
+between two fixes, ``(p_k - p_k-1) / dt``, exactly, whatever happened in between; the increments are then averaged
+over the same time. The antenna at ``l`` from the IMU moves faster than it by ``C0 M_k l``, ``M_k = C_k
+[omega_k]x`` or ``(C_k - C_k-1) / dt``. A stamp late by tau shifts a velocity by acceleration times tau.
 """
 
 from dataclasses import dataclass

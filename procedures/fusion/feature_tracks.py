@@ -1,6 +1,10 @@
 """What a camera saw: image points of features followed from frame to frame, and the camera that saw them.
 
 ``c`` is the camera: z along the view, x right, y down. Image points carry no distortion.
+
+`FramePairs` are frames two by two: what both saw of the same features. `derotated` brings the rows of a rolling
+shutter to the moment of their frame: what is seen in a row taken late by d was seen by a camera that had turned by
+``w d``. How far the camera moved meanwhile depends on distances: the window estimates it (`inner.landmarks`).
 """
 
 from dataclasses import dataclass

@@ -1,4 +1,11 @@
-"""Data association: which GNSS fix belongs to which node of the odometry; a store of both that grows."""
+"""Data association: which GNSS fix belongs to which node of the odometry; a store of both that grows.
+
+The heading of an odometry's frame is that of its track against the track of GNSS (`track_yaw`). Horizontal
+positions and velocities are complex numbers, East + i North. With ``q`` the odometry's and ``z`` GNSS's, both
+about their means, ``z = exp(i yaw) q`` gives ``yaw = arg sum conj(q) z``; so do velocities. Han 2022 aligns
+positions only. The heading waits for displacement, which makes its standard deviation small. Outliers are weighted
+down (Huber).
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields

@@ -1,7 +1,10 @@
-"""What a fusion of IMU, GNSS and odometry is given, and a trajectory.
+"""Records of the fusion: IMU samples, GNSS fixes, wheel speeds, an alignment and a trajectory.
 
 ``n`` is East-North-Up, ``b`` the IMU's axes, ``o`` an odometry's own level frame: z up, heading and origin free.
 Times [s] are those of one clock. Quaternions are x, y, z, w, and take b to n (b to o).
+
+A receiver's fixes become `GnssFixes` by `level_fixes`: level about the first, with a standard deviation each, of
+one antenna only. `AlignmentState` is the result of an alignment, `Waiting` the reason why there is none yet.
 """
 
 from collections.abc import Sequence

@@ -9,6 +9,10 @@ are the odometry's. A correction, no Euler yaw, is carried, because an IMU's x a
     course  (GNSS course - course of the odometry's velocity) - d_k
 
 Huber's loss weights fix and course, by the length of the whitened residual (Han 2022 IV.B, whose eq. 9 is lost).
+
+Node i is tied to node i + 1 and to nothing else, so that the matrix of the normal equations is a band
+(`BlockTridiagonal`): ``D`` (n, d, d) are the blocks on the diagonal, ``U`` (n - 1, d, d) those above it, ``g``
+(n, d) the gradient.
 """
 
 from dataclasses import dataclass

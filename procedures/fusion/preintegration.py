@@ -7,6 +7,15 @@ In the axes b of the first keyframe, with constant biases and the Earth's rate t
 (Forster, Carlone, Dellaert, Scaramuzza 2017). An error of a sample carries to the end in closed form, so that
 covariance and bias Jacobians are sums over the samples and nothing recurs: a turn e at the middle of sample k
 turns what follows, ``dv_err = -(dv - dv_k) x C_k e`` and ``dp_err = -(dp - dp_k - dv_k (T - t_k)) x C_k e``.
+
+`InertialIncrements` are those of samples integrated from one instant. With ``b0`` the body at that instant,
+
+    C_k = C_b0b(t_k),   alpha_k = int C (f - ba) dt,   Phi_k = int C dt,
+    d alpha / d ba = -Phi,   d alpha / d bg = int [C (f - ba)]x Phi dt
+
+Samples are taken as straight lines between their times; an interval's attitude is that of its middle. A gap in the
+samples (`ImuGap`) is bridged by the line between its ends. The error of such a line is measured in the recording
+itself: the rms difference between the mean of the samples over as long a time and the mean of that time's ends.
 """
 
 from dataclasses import dataclass

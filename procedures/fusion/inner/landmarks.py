@@ -1,4 +1,16 @@
-"""The landmarks of a window: which feature is which, where it was seen, and what is known of where it stands."""
+"""Landmarks of a window seen from keyframes: residuals, derivatives, and their elimination (Schur complement).
+
+A landmark is a ray and an inverse depth from where it was first seen, as Han has it (eq. 5), but from a *fixed*
+point a and fixed axes A, not from an estimated keyframe: (x, y, rho) are then merely coordinates of the point
+``a + A (x, y, 1) / rho``, good for near and far, and survive the keyframe. In the camera of keyframe k
+
+    y = C_bc' (C_k' (rho (a - p_k) + A (x, y, 1)) - rho t_bc),   r = (fx, fy) / std (y_12 / y_3 - z)
+
+which is finite for a point at infinity. Where the camera's time offset d is not given, C_k and p_k are those of
+the moment at which the frame was truly taken, C_k exp(d [w_k]x) and p_k + d v_k (Li, Mourikis 2014; Qin, Shen
+2018 move the image point instead). Where a camera has a rolling shutter, of which each row is taken r later than
+the one above it, d is that of the row, d + r fy z_2: rows have moments of their own (Li, Kim, Mourikis 2013).
+"""
 
 from dataclasses import dataclass
 

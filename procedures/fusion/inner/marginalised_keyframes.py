@@ -1,18 +1,21 @@
-"""The way that a window has handed on, as far as it is known otherwise by now.
+"""Odometry steps of a window, revised when later measurements change them.
 
-Every keyframe's place is estimated again with each that follows it. Handed on anew are the steps between all that
-are still in the window; where the oldest of them stands by the way before it stays. (What a window learns of a way
+Every keyframe's place is estimated again with each that follows it. The steps between all keyframes that are still
+in the window are reported again; the oldest of them stays where it was reported. (What a window learns of a path
 that has left it is no motion of today: in the step of one keyframe it moved the smoothed trajectory by metres.)
 
-*An outage of velocities* is kept until some seconds behind its end. One error of velocity, tilt and bias bends all
-of it, and the first velocities behind it tell most of that: what was handed on meanwhile is wrong by metres.
-Its steps err together, yet a graph's are independent. But nothing is measured between its ends, so that only the
-way d from end to end counts, and how its steps s_k share in a correction of d. Independent steps of
+*An outage of velocities* is kept until some seconds after its end. One error of velocity, tilt and bias bends all
+of it, and the first velocities after it determine most of that error: the steps reported meanwhile are wrong by
+metres. Its steps err together, yet a graph's are independent. But nothing is measured between its ends, so that
+only the displacement d from end to end counts, and how its steps s_k share in a correction of d. Independent steps
+of
 
     Q_k = cov(s_k, d),   sum Q_k = cov(d)
 
-do what the way itself does: d has its covariance, and d moved by x moves s_k by ``Q_k cov(d)^-1 x``, the mean of
-s_k given that.
+do what the path itself does: d has its covariance, and d moved by x moves s_k by ``Q_k cov(d)^-1 x``, the mean of
+s_k given that. A keyframe was eliminated with what tied it to the next, so that its step is ``-S d`` for a step d
+of what stayed (Rauch, Tung, Striebel 1965); not with a camera, whose landmarks tie more than a keyframe and the
+next.
 """
 
 from collections.abc import Sequence

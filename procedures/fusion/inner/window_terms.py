@@ -1,11 +1,27 @@
-"""What an IMU says of a window of keyframes: residuals and their derivatives into normal equations.
+"""Residuals of a window of keyframes by IMU, GNSS fixes and wheel, and their derivatives into normal equations.
 
-Between keyframes i and j (Forster, Carlone, Dellaert, Scaramuzza 2017; Han's eq. 8 in the form of its reference):
+*IMU*, between keyframes i and j (Forster, Carlone, Dellaert, Scaramuzza 2017; Han's eq. 8 as its reference has
+it):
 
     log(dC' C_i' C_j),   C_i' (v_j - v_i - g dt) - dv,   C_i' (p_j - p_i - v_i dt - g dt2 / 2) - dp,   b_j - b_i
 
 with ``g`` gravity and the Coriolis acceleration. The Earth's rate in b acts as a bias of the gyro does, but turns
 with the keyframe: it shows a FOG where North is.
+
+*Fixes*. With the heading R of the window's frame, the antenna's lever arm l and velocity S l in b, and the offset
+tau that GNSS's stamps lack (within tau the motion is straight; the velocity's residual is Han's, ``R v_k -
+v_gnss``, with the antenna's swing),
+
+    velocity   R (v + C S l) + a tau - z_v,      position   R (p + C l + v tau) - z_p
+
+*Wheel*. A wheel that rolls measures the speed of its place along forward f, up to a scale factor 1 + k,
+
+    r = f_1 . C' v - due - (1 + k) w,          at rest     r = C' v
+
+with the keyframe's attitude C and velocity v. A speed measured between two keyframes is carried to the later one
+by the IMU: ``f_1`` is forward then in the later axes, and ``due`` what was gained since, less the swing of the
+wheel's place about the IMU. Nothing is assumed across forward: such a constraint (non-holonomic) is not Han's, and
+holds for no place but one on the unsteered axle.
 """
 
 from collections.abc import Sequence

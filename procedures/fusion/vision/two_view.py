@@ -3,6 +3,21 @@
 Han 2022 (III.A) uses seven points and pixels. With known intrinsics the eight-point equations are linear on the
 plane at depth 1, and all trial samples are solved at once. Source of the method: Hartley, Zisserman, Multiple View
 Geometry, 9.6 and 11.2.
+
+`EpipolarRotations` rates given rotations of pairs of frames, whichever way the camera moved. A point stands at y0
+and y1 (depth 1) in two frames, R turns axes of the first to the second, t is the translation up to scale:
+
+    n = (R y0) x y1,   t' n = 0   (the epipolar constraint; Kneip, Lynen 2013)
+
+so that all n of a pair lie in a plane, and the smallest eigenvalue of sum w n n' over t says how wrong R is. With
+the noise of n, V = sum w cov(n), the problem is N t = lambda V t (Kanatani's renormalisation): the plain one takes
+a small translation for one along the view. Each n is weighted by Sampson's variance and Geman's and McClure's
+loss; as that has several minima where the translation is small, t is sought from three sides. Given t, the misfit
+of a small remaining rotation phi of R is linear,
+
+    e = t' n / s,   de/dphi = (R y0) x (y1 x t) / s,   de/dt = n / s,
+
+and t is eliminated: the result is how each pair, alone, would turn R.
 """
 
 from dataclasses import dataclass

@@ -5,6 +5,9 @@ problem): the way, Han's yaw by track, and the velocity increments with gravity,
 Then tracks, IMU and GNSS velocity are fitted together, which is Han's joint refinement (III.C) and its bundle
 adjustment in one: scale, biases, the world's rotation and the velocities. A strange misfit or a wide sigma of
 tilt, yaw or scale are reasons to go on waiting.
+
+`align_by_camera` attempts it again and again: it waits for displacement and observability, not for a time, and the
+last attempt reports what is missing.
 """
 
 from dataclasses import dataclass, replace
@@ -134,7 +137,9 @@ class VisualInertialFit:
             float(self.t[0]), C_nb, v_n[0], self.gyro_bias, none, np.zeros((12, 12)), float(self.t[-1]), C_nb,
             0.0, 0.0, 0.0,
         )  # fmt: skip
-        at_once = replace(self.settings.camera, row_time=0.0)  # tracks are derotated: see `rolling_shutter`
+        at_once = replace(
+            self.settings.camera, row_time=0.0
+        )  # tracks are derotated: see `feature_tracks.derotated`
         one, prior = beginning(first, at_once, site.noise)
         C_ob = C_nb @ self.C_0b
         self.parts = self._parts(np.einsum("kji,j->ki", C_ob, site.earth_n))
