@@ -15,8 +15,7 @@ from procedures.fusion.odometry import OdometryDrift
 from procedures.fusion.pose_graph import PoseGraph, PoseGraphSettings
 from procedures.fusion.vision.visual_alignment import VisualAligner, VisualStart, align_by_camera
 from tests.drivers.simulated.camera_tracks import View
-from tests.procedures.fusion.motions import EARTH, GRAVITY, NOISE, Eight, fog
-from tests.procedures.fusion.seen import CAMERA, SITE, tracks_of
+from tests.procedures.fusion.motions import CAMERA, EARTH, GRAVITY, NOISE, SITE, Eight, fog, tracks_of
 from tests.stored.conftest import StoredResult
 
 ZERO = np.zeros(3)

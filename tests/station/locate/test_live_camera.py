@@ -9,8 +9,8 @@ from procedures.fusion.inner.keyframes import SPACING
 from procedures.fusion.vision.camera_time import CameraTimeOffset
 from station.locate.live_camera import LiveCamera
 from station.stream.camera import FeaturePositions
-from tests.procedures.fusion.seen import CAMERA
-from tests.procedures.fusion.visual_alignment.test_camera_time import rocking, seen
+from tests.procedures.fusion.motions import CAMERA
+from tests.procedures.fusion.vision.test_camera_time import rocking, seen
 
 LATE_S, CLOCK_S = 0.06, 1000.0
 

@@ -15,8 +15,7 @@ from procedures.fusion.inner.keyframes import FRAME_SPACING_S, MIN_FRAME_SPACING
 from procedures.fusion.inner.visual_inertial_window import VisionSettings, VisualInertialWindow
 from procedures.fusion.vision.visual_alignment import VisualAligner, VisualStart, align_by_camera
 from tests.drivers.simulated.camera_tracks import View
-from tests.procedures.fusion.motions import EARTH, GRAVITY, NO_LEVER, NOISE, Eight
-from tests.procedures.fusion.seen import CAMERA, SITE, tracks_of
+from tests.procedures.fusion.motions import CAMERA, EARTH, GRAVITY, NO_LEVER, NOISE, SITE, Eight, tracks_of
 
 
 def test_a_window_that_is_lived_through_ends_where_the_recorded_one_does() -> None:

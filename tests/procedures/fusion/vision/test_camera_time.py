@@ -12,8 +12,7 @@ from procedures.fusion.feature_tracks import FeatureTracks
 from procedures.fusion.fusion_records import ImuSeries, Trajectory, Waiting
 from procedures.fusion.vision.camera_time import CameraTimeOffset, camera_offset
 from tests.drivers.simulated.camera_tracks import View, simulate_tracks
-from tests.procedures.fusion.motions import GYRO_BIAS, NOISE
-from tests.procedures.fusion.seen import CAMERA, turned
+from tests.procedures.fusion.motions import CAMERA, GYRO_BIAS, NOISE, turned
 
 SECONDS = 12.0
 LATE = -0.08  # s to be added: the camera's stamps are late

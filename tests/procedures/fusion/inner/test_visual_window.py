@@ -14,9 +14,7 @@ from procedures.fusion.inner.wheel_aid import WheelAid
 from procedures.fusion.pose_graph import PoseGraph
 from procedures.fusion.vision.visual_alignment import VisualAligner, VisualStart, align_by_camera
 from tests.drivers.simulated.camera_tracks import View
-from tests.procedures.fusion.motions import ACCEL_BIAS, EARTH, GYRO_BIAS, Eight
-from tests.procedures.fusion.seen import CAMERA, SITE, tracks_of, turned
-from tests.procedures.fusion.whole_runs import whole_run, whole_track
+from tests.procedures.fusion.motions import ACCEL_BIAS, CAMERA, EARTH, GYRO_BIAS, SITE, Eight, tracks_of, turned
 
 ZERO = np.zeros(3)
 SECONDS = 11.0
@@ -103,7 +101,7 @@ def test_the_window_follows_the_flight_and_the_graph_stays_within_its_sigma(
     flight: Eight, imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes
 ) -> None:
     source = window(imu, tracks, fixes)
-    poses = [pose for pose in whole_run(PoseGraph(), source, fixes) if pose.t > 5.0]
+    poses = [pose for pose in PoseGraph().run(source, fixes) if pose.t > 5.0]
     error = np.array([pose.p - flight.p(np.array(pose.t)) for pose in poses])
     assert np.linalg.norm(error, axis=1).mean() < 0.06
     sigma = np.array([np.sqrt(np.diag(pose.covariance)[:3]) for pose in poses])
@@ -122,7 +120,7 @@ def test_where_the_camera_sits_is_found(
 ) -> None:
     told = turned(CAMERA, 0.6, 0.01)
     source = window(imu, tracks, fixes, told)
-    whole_track(source)
+    list(source.poses())
     off = np.degrees(rotation_vector(CAMERA.C_bc.T @ source.state.C_bc))
     assert np.linalg.norm(off) < 0.25 * np.linalg.norm(np.degrees(rotation_vector(CAMERA.C_bc.T @ told.C_bc)))
 
@@ -132,7 +130,7 @@ def test_without_gnss_it_drifts_by_centimetres(
 ) -> None:
     early = fixes.part(fixes.t < 4.5)
     source = window(imu, tracks, early)
-    poses = [pose for pose in whole_run(PoseGraph(), source, early) if pose.t > 4.0]
+    poses = [pose for pose in PoseGraph().run(source, early) if pose.t > 4.0]
     error = np.array([pose.p - flight.p(np.array(pose.t)) for pose in poses])
     size = np.linalg.norm(error - error[0], axis=1)
     assert size.max() < 0.25  # 6.5 s, some 12 m of flight
@@ -147,7 +145,7 @@ def test_an_offset_left_in_the_cameras_stamps_is_found_by_the_window(
     start = begun(imu, tracks, fixes).aligned
     settings = VisionSettings(SITE, CAMERA, LeverArm(ZERO), offset_std=0.02)
     source = VisualInertialWindow(settings, imu, tracks.shifted(0.015), fixes, start)
-    poses = [pose for pose in whole_run(PoseGraph(), source, fixes) if pose.t > 5.0]
+    poses = [pose for pose in PoseGraph().run(source, fixes) if pose.t > 5.0]
     assert abs(source.state.offset + 0.015) < 4 * source.offset_std < 0.02
     turn = np.array([turn_of(pose.C_nb, flight, pose.t) for pose in poses])
     assert np.hypot(turn[:, 0], turn[:, 1]).max() < 1.0
@@ -169,7 +167,7 @@ def test_a_wheel_beside_the_camera_is_found_to_its_scale(
     wheel = WheelAid(WheelMount(forward, lever, 0.03, 0.1, is_signed=True), WheelSpeeds(t, speed), SITE.noise)
     start, settings = begun(imu, tracks, fixes).aligned, VisionSettings(SITE, CAMERA, LeverArm(ZERO))
     seeing = VisualInertialWindow(settings, imu, tracks, fixes, start, wheel)
-    whole_track(seeing)
+    list(seeing.poses())
     assert seeing.wheel_std < 0.01
     assert abs(seeing.state.wheel - 0.02) < 3.5 * seeing.wheel_std
     assert seeing.wheel is not None

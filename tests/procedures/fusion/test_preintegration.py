@@ -20,8 +20,7 @@ from procedures.fusion.gnss_velocity import (
 )
 from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
 from procedures.fusion.preintegration import GyroRotations, Preintegrated, imu_gaps
-from tests.procedures.fusion.motions import EARTH, GRAVITY, NOISE, Eight
-from tests.procedures.fusion.seen import SITE
+from tests.procedures.fusion.motions import EARTH, GRAVITY, NOISE, SITE, Eight
 
 RISE, STD, RATE = 0.5, 0.3, 5.0  # m/s, m, Hz
 

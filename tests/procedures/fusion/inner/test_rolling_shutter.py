@@ -12,9 +12,7 @@ from procedures.fusion.gnss_velocity import LeverArm
 from procedures.fusion.inner.visual_inertial_window import VisionSettings, VisualInertialWindow
 from procedures.fusion.vision.visual_alignment import VisualAligner, VisualStart, align_by_camera
 from tests.drivers.simulated.camera_tracks import View
-from tests.procedures.fusion.motions import EARTH, Eight
-from tests.procedures.fusion.seen import CAMERA, SITE, tracks_of
-from tests.procedures.fusion.whole_runs import whole_track
+from tests.procedures.fusion.motions import CAMERA, EARTH, SITE, Eight, tracks_of
 
 ROW = 60e-6  # s: 29 ms an image
 ROLLING = replace(CAMERA, row_time=ROW)
@@ -51,7 +49,7 @@ def located(
     start = align_by_camera(VisualAligner(replace(settings, camera=replace(camera, std=1.0))), imu, tracks, fixes)
     assert isinstance(start, VisualStart), start
     window = VisualInertialWindow(settings, imu, tracks, fixes, start.aligned)
-    poses = [(pose.t, pose.p_o, pose.C_ob) for pose in whole_track(window)]
+    poses = [(pose.t, pose.p_o, pose.C_ob) for pose in window.poses()]
     t, p = np.array([each[0] for each in poses]), np.array([each[1] for each in poses])
     steps = (p[10:] - p[:-10]) - (flight.p(t[10:]) - flight.p(t[:-10]))
     up = np.array([each[2][2] for each in poses])
