@@ -35,12 +35,12 @@ from procedures.inference.search import Search
 FITTED_SHARE = 0.6  # of the rows, in time; the rest judges
 MIN_WINDOWS = 30
 MAX_ERROR_GROWTH = 1.1  # times the error before, on rows that had no say
-HELD_BY_AIRSPEED_AID = ("airspeed", "velocity.attack")  # held by that law itself
+HELD_BY_AIRSPEED_AID = ("airspeed", "velocity.attack")  # held by that filter itself
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AttitudeDiagnosis:
-    """What was found; ``corrected`` is the log with it taken off, ``track`` the attitude on that."""
+    """What was found; ``corrected`` is the log with it corrected, ``track`` the attitude on that."""
 
     verdict: Verdict
     findings: tuple[Finding, ...]
@@ -75,7 +75,7 @@ def diagnose_attitude(log: AttitudeLog, aid: str, gains: Gains | None, gravity: 
     evidence, pool = evidence_of(motion, base, cut, free, held, gravity, aid != "none")
     search = Search(named(evidence, pool).with_functions(functions_of_time(evidence)).on(evidence))
     search.run()
-    told = posterior(search)
+    found = posterior(search)
 
     def judged(findings: Sequence[Finding]) -> tuple[AttitudeLog, AttitudeEstimate, ResidualRms]:
         corrected = without_effects(motion, findings)
@@ -90,7 +90,7 @@ def diagnose_attitude(log: AttitudeLog, aid: str, gains: Gains | None, gravity: 
 
     first = estimate(log, aid, gains, gravity, learns_motion=False)
     findings, best = list[Finding](), judged(())
-    for each in _findings(told):  # what does not help the mixer, which may hold it already, is not added
+    for each in _findings(found):  # what does not help the mixer, which may hold it already, is not added
         new = judged([*findings, each])
         if new[2].after < best[2].after:
             taken = 1 - (new[2].after / best[2].after) ** 2
@@ -98,16 +98,16 @@ def diagnose_attitude(log: AttitudeLog, aid: str, gains: Gains | None, gravity: 
     corrected, after, errors = best
     verdict = verdict_of(findings, is_left=False)
     if (errors.held_out_after or 0.0) > MAX_ERROR_GROWTH * (errors.held_out_before or 0.0):
-        verdict = "unexplained"  # it does not predict the rows that had no say: nothing is taken off
+        verdict = "unexplained"  # it does not predict the rows that had no say: nothing is corrected
         corrected, after = log, first
     if aid == "none":
         after = estimate(corrected, aid, gains, gravity)  # as a vehicle's, where it still is one
-    return AttitudeDiagnosis(verdict, tuple(findings), (errors,), told.probabilities, corrected, after)
+    return AttitudeDiagnosis(verdict, tuple(findings), (errors,), found.probabilities, corrected, after)
 
 
-def _findings(told: Posterior) -> Iterator[Finding]:
+def _findings(found: Posterior) -> Iterator[Finding]:
     """Yield the causes with a name, the surest first."""
-    for cause in told.causes:
+    for cause in found.causes:
         if (of := cause.coefficients) is not None:
             effect, name = of.candidate.effect, cause.hypothesis.name
             yield Finding(
@@ -128,7 +128,7 @@ def base_of(motion: AttitudeMotion, aid: str, has_filter: bool) -> FloatArray:
 
 
 def without_effects(motion: AttitudeMotion, findings: Sequence[Finding]) -> AttitudeLog:
-    """Return the log with effects taken off: rates and forces, or the speed where it is the aid's."""
+    """Return the log with effects corrected: rates and forces, or the speed where it is the aid's."""
     log, rate, force = motion.log, motion.log.omega_b.copy(), motion.log.f_b.copy()
     airspeed = None if log.airspeed is None else log.airspeed.copy()
     for found in findings:

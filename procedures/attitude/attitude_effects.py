@@ -50,7 +50,7 @@ class AttitudeEffect:
 
     ``rate`` and ``force`` return (n, 3, k) [rad/s], [m/s2] a unit, None where it adds nothing. ``needs_truth``
     where gyros and accelerometers alone cannot show it, ``needs_speed`` where a speed is part of it;
-    ``of_velocity`` where a filter that estimates velocity holds it already. ``is_of_aid``: it is taken off the
+    ``of_velocity`` where a filter that estimates velocity holds it already. ``is_of_aid``: it is corrected in the
     speed itself.
     """
 

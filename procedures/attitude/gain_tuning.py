@@ -1,4 +1,4 @@
-"""Gains of the mixing law by cross-validation: over a grid, on stretches of the log that did not choose them."""
+"""Gains of the complementary filter by cross-validation: over a grid, on held-out stretches of the log."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -57,7 +57,7 @@ def grid_of_gains() -> tuple[Gains, ...]:
 def tune(
     log: AttitudeLog, aid: str, candidates: Sequence[Gains], gravity: float = STANDARD_GRAVITY
 ) -> GainTuning:  # fmt: skip
-    """Run the law with each of ``candidates`` and compare with the log's truth.
+    """Run the filter with each of ``candidates`` and compare with the log's truth.
 
     Raises
     ------

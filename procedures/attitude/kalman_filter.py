@@ -141,7 +141,7 @@ class AttitudeKalmanFilter:
     """Attitude of one sample after another; nothing is kept but the state.
 
     ``aid`` is one of `AID_CODE`. The first sample's specific force is taken for the vertical, within
-    ``settings.tilt_std``; a gap of 5 s, of less while it turns fast, begins anew with the
+    ``settings.tilt_std``; a gap of 5 s, of less while it turns fast, restarts with the
     biases that were learned.
     """
 
@@ -192,7 +192,7 @@ class AttitudeKalmanFilter:
         return other
 
     def forget_motion(self) -> None:
-        """Begin the sums anew of how the velocity moves about zero."""
+        """Reset the sums of how the velocity moves about zero."""
         memory = self.state.memory[0]
         memory.wander[:] = 0.0
         memory.wander_squared = memory.wander_time = memory.speed_squared = 0.0

@@ -25,8 +25,9 @@ def measure_level_velocity(s: KalmanState, c: KalmanSettings, i: int, measured: 
 def measure_rest_velocity(s: KalmanState, c: KalmanSettings, variance: float) -> None:
     """Measure that the velocity is zero, and learn nothing of accelerometer biases across gravity from it.
 
-    At rest these cannot be told from a tilt. A gyro's bias in yaw turns the body in the filter's eyes, and in such
-    a turn they seem to be seen; so they are held (Schmidt's update): estimate and covariance stay as they were.
+    At rest these cannot be distinguished from a tilt. A gyro's bias in yaw turns the body in the filter's eyes,
+    and in such a turn they seem to be seen; so they are held (Schmidt's update): estimate and covariance
+    stay as they were.
     """
     for i in range(3):
         s.held[3, i] = s.dx[12 + i]
@@ -75,7 +76,7 @@ def reset_covariance(s: KalmanState, c: KalmanSettings) -> None:
 
 @inlined
 def set_velocity(s: KalmanState, north: float, east: float, down: float, std: float) -> None:
-    """Begin the velocity anew [m/s], the same 1 sigma each way: what an aid first says is no outlier."""
+    """Reset the velocity [m/s], with the same 1 sigma on each axis: the first value of an aid is no outlier."""
     for i in range(3):
         for j in range(len(s.dx)):
             s.P[3 + i, j] = s.P[j, 3 + i] = 0.0
@@ -193,7 +194,7 @@ def measure_rest(s: KalmanState, c: KalmanSettings, aided: bool) -> bool:
 
     Rest is rates and specific force that stand still for a while, and no speed by the aid. Without aid a slow
     steady turn looks the same, so that the rate is then left alone; and so does a steady cruise in a vehicle: its
-    velocity then begins anew as zero (any steady frame will do), and the rate tells the bias loosely.
+    velocity then restarts at zero (any steady frame will do), and the rate determines the bias loosely.
     """
     memory = s.memory[0]
     T = memory.time
@@ -263,12 +264,12 @@ def measure_gnss_velocity(s: KalmanState, c: KalmanSettings, vel: FloatArray) ->
         reset_covariance(s, c)
     s.memory[0].speed = speed
     knows_heading = s.memory[0].heading_known > 0.0
-    anew = s.memory[0].velocity_known == 0.0
+    is_reset = s.memory[0].velocity_known == 0.0
     if not knows_heading and speed > c.course_speed:
         turn_level_frame(s, math.atan2(vel[1], vel[0]) + s.gained[4] - heading_of(s), c.course_std)
         sum_since(s, c.fix_latency)
-        knows_heading = anew = True
-    if knows_heading and anew:
+        knows_heading = is_reset = True
+    if knows_heading and is_reset:
         north, east, down = vel[0] + s.gained[1], vel[1] + s.gained[2], vel[2] + s.gained[3]
         set_velocity(s, north, east, down, 2 * c.velocity_fix_std)
         return

@@ -80,7 +80,7 @@ class KalmanSettings(NamedTuple):
     rest_force: float = 0.3  # m/s2
     rest_speed: float = 1.0  # m/s, above which an aid denies rest
     rest_s: float = 1.5  # for so long
-    cruise_std: float = 0.0  # m/s: above nought, rest may be a steady cruise; the velocity then begins anew at it
+    cruise_std: float = 0.0  # m/s: above zero, rest may be a steady cruise; the velocity then restarts at it
     rest_velocity_noise: float = 0.01  # m/s*sqrt(s)
     rest_force_noise: float = 0.03  # m/s/sqrt(s), of accelerometers that nothing shakes
     rest_bias_walk: float = 1e-4  # rad/s/sqrt(s), of gyros that nothing moves

@@ -19,16 +19,16 @@ from procedures.attitude.strapdown_integration import GAP_RATE
 from procedures.statistics.white_noise import white_noise
 from procedures.units import STANDARD_GRAVITY
 
-LEAST_FROZEN_S = 0.1  # s
-LEAST_REPEATS = 3  # rows: by chance once in 1e9, in three channels of noise like their resolution
-LEAST_NOISY = 3  # channels of six
+MIN_FROZEN_S = 0.1  # s
+MIN_REPEATS = 3  # rows: by chance once in 1e9, in three channels of noise like their resolution
+MIN_NOISY_CHANNELS = 3  # channels of six
 JUMP_SIGMA = 8.0  # of a channel's noise, by which it goes on elsewhere
 MOVING_RATE, MOVING_FORCE = 0.05, 0.05  # rad/s; of gravity: what is no rest, where a log ends frozen
 DIFFERENCES = 4  # of successive rows: no motion is left in them, white noise is
 NOISE_GAIN = np.sqrt(70.0)  # of white noise in fourth differences: 1, 4, 6, 4, 1
 MEDIAN_SIZE = 0.6745  # of 1 sigma
-LEAST_ALTERNATING = 0.6  # of fourth differences: 0.8 of white noise, next to none of motion
-LEAST_USED = 0.2  # of a channel's rows
+MIN_ALTERNATING = 0.6  # of fourth differences: 0.8 of white noise, next to none of motion
+MIN_USED = 0.2  # of a channel's rows
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,13 +51,13 @@ def noise_above_resolution(values: FloatArray) -> float:
         return float("nan")
     still = (step[1:] == 0.0) & (step[:-1] == 0.0)
     used = ~(still[:-2] | still[1:-1] | still[2:])
-    if np.mean(used) < LEAST_USED:
+    if np.mean(used) < MIN_USED:
         return float("nan")
     noise = float(np.median(np.abs(fourth[used]))) / (MEDIAN_SIZE * NOISE_GAIN)
     both = used[1:] & used[:-1]
     alternating = float(np.mean((fourth[1:] * fourth[:-1] < 0.0)[both])) if both.any() else 0.0
     resolution = float(moved[moved > 1e-9 * np.abs(values).max()].min(initial=np.inf))
-    return noise if alternating > LEAST_ALTERNATING and noise > resolution else float("nan")
+    return noise if alternating > MIN_ALTERNATING and noise > resolution else float("nan")
 
 
 def frozen_stretches(log: AttitudeLog) -> list[FrozenStretch]:
@@ -69,12 +69,12 @@ def frozen_stretches(log: AttitudeLog) -> list[FrozenStretch]:
     found = [
         FrozenStretch(int(a), int(b) - 1)
         for a, b in zip(firsts, ends, strict=True)
-        if b - a >= LEAST_REPEATS and log.t[b - 1] - log.t[a - 1] >= LEAST_FROZEN_S - 0.5 * log.nominal
+        if b - a >= MIN_REPEATS and log.t[b - 1] - log.t[a - 1] >= MIN_FROZEN_S - 0.5 * log.nominal
     ]
     if not found:
         return []
     noise = np.array([noise_above_resolution(column) for column in values.T])
-    if np.isfinite(noise).sum() < LEAST_NOISY:
+    if np.isfinite(noise).sum() < MIN_NOISY_CHANNELS:
         return []
     return [each for each in found if _goes_on_elsewhere(values, each, noise)]
 
@@ -126,7 +126,7 @@ def sigma_over_gaps(log: AttitudeLog, measured: BoolArray, sigma: FloatArray) ->
     return np.asarray(filled)
 
 
-def said_of(log: AttitudeLog, stretches: list[FrozenStretch]) -> str:
+def frozen_rows_warning(log: AttitudeLog, stretches: list[FrozenStretch]) -> str:
     """Return the line that says which rows are treated as a gap."""
     rows = sum(each.last - each.first + 1 for each in stretches)
     start = f"{log.t[stretches[0].first]:.6g} s"

@@ -38,7 +38,7 @@ REST_RATE_BOUNDS = math.radians(0.1), math.radians(1.0)  # rad/s
 VEHICLE_RUNS = 2  # in which its speed settles
 
 
-def run_as_it_moves(log: AttitudeLog, settings: KalmanSettings) -> tuple[AttitudeKalmanFilter, FloatArray, bool]:
+def run_unaided(log: AttitudeLog, settings: KalmanSettings) -> tuple[AttitudeKalmanFilter, FloatArray, bool]:
     """Run a log without aid: at once, then with what it showed of its motion.
 
     Returns
@@ -46,16 +46,16 @@ def run_as_it_moves(log: AttitudeLog, settings: KalmanSettings) -> tuple[Attitud
     filter, out : as of its last run
         ``out`` (n, 4) is that of `AttitudeKalmanFilter.run`.
     is_vehicle
-        Whether it went so far that only gyros tell its attitude.
+        Whether it went so far that only gyros determine its attitude.
     """
     kept, out = _run(log, settings)
     if moves_far(kept):
         kept, out = _run(log, vehicle_settings(settings))
         for _ in range(VEHICLE_RUNS):
-            kept, out = _run(log, with_own_speed(kept))
+            kept, out = _run(log, settings_in_vehicle(kept))
         return kept, out, True
     if kept.state.memory[0].wander_time >= MIN_MOTION_S:
-        kept, out = _run(log, with_own_spread(kept))
+        kept, out = _run(log, settings_in_hand(kept))
     return kept, out, False
 
 
@@ -75,7 +75,7 @@ def moves_far(kept: AttitudeKalmanFilter) -> bool:
     return wander_density(kept) > WANDER_LIMIT * kept.settings.speed_noise
 
 
-def with_own_spread(kept: AttitudeKalmanFilter) -> KalmanSettings:
+def settings_in_hand(kept: AttitudeKalmanFilter) -> KalmanSettings:
     """Return a room's settings with the noise of the velocity that it showed: its spread, for a known time."""
     memory = kept.state.memory[0]
     spread = math.sqrt(memory.speed_squared / (3.0 * memory.wander_time))
@@ -99,7 +99,7 @@ def vehicle_settings(settings: KalmanSettings) -> KalmanSettings:
     )  # fmt: skip
 
 
-def with_own_speed(kept: AttitudeKalmanFilter) -> KalmanSettings:
+def settings_in_vehicle(kept: AttitudeKalmanFilter) -> KalmanSettings:
     """Return a vehicle's settings with the speed noise that it showed."""
     shown = WANDER_GAIN * wander_density(kept)
     return kept.settings._replace(speed_noise=float(np.clip(shown, *VEHICLE_SPEED_NOISE_BOUNDS)))

@@ -71,7 +71,7 @@ class FeatureTracks:
 
 
 MIN_FRAME_SPACING_S = 0.09  # s between frames that are used
-PAIR_SPACING_S = 0.3  # s from a frame to its partner: parallax tells turning from moving, and tracks still live
+PAIR_SPACING_S = 0.3  # s from a frame to its partner: parallax separates rotation from translation
 MAX_PAIR_SPACING_S = 0.65  # s, of a camera with few frames
 WANTED_SHARED_FEATURES = 40  # features that a pair should have; where it has not, the partner is a nearer frame
 MIN_SHARED_FEATURES = 20  # features without which there is no pair

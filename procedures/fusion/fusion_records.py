@@ -96,7 +96,7 @@ class WheelMount:
     """``forward`` (3,), a unit vector in b; ``lever`` (3,) [m] in b from IMU to wheel or middle of the axle.
 
     ``std`` [m/s] is 1 sigma of a speed, ``scale_std`` that of the scale factor about 1, by which a speed is to be
-    multiplied. ``is_signed``: the sensor tells backwards by a minus; else its speeds have no sign.
+    multiplied. ``is_signed``: the sensor reports backwards by a minus; else its speeds have no sign.
     """
 
     forward: FloatArray
@@ -108,7 +108,7 @@ class WheelMount:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WheelSpeeds:
-    """``t`` (n,) [s], increasing, by the IMU's clock; ``speed`` (n,) [m/s] as the sensor tells it."""
+    """``t`` (n,) [s], increasing, by the IMU's clock; ``speed`` (n,) [m/s] as the sensor reports it."""
 
     t: FloatArray
     speed: FloatArray
@@ -128,7 +128,7 @@ class KeyframeWheel:
     """What a wheel says at a keyframe: ``along`` (3,) is forward in b, ``due`` and ``speed`` [m/s].
 
     ``weight`` is the inverse variance [s2/m2] of the speed, ``rest_weight`` that of each axis of a rest; 0 where
-    nothing is said.
+    nothing is measured.
     """
 
     along: FloatArray

@@ -1,6 +1,6 @@
 """What GNSS says between two keyframes: velocities, carried by the IMU to the later one, and positions.
 
-A receiver that does not tell its vertical velocity holds it by its heights, weakly: else an IMU alone would come
+A receiver that does not report its vertical velocity holds it by its heights, weakly: else an IMU alone would come
 to climb by what its accelerometers are off.
 """
 
@@ -13,7 +13,7 @@ from procedures.frames import skew
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries, KeyframeWheel
 from procedures.fusion.preintegration import Preintegrated
 
-CLIMB_SPAN_S = 5.0  # s over which heights tell how fast they rise
+CLIMB_SPAN_S = 5.0  # s over which the rate of heights is taken
 CLIMB_RATE_STD = 0.3  # m/s by which that is not how fast they rise now
 
 
@@ -27,7 +27,7 @@ class LeverArm:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class KeyframeFix:
-    """What fixes say at a keyframe; weights are inverse variances, 0 where nothing is said.
+    """What fixes say at a keyframe; weights are inverse variances, 0 where nothing is measured.
 
     ``v`` (3,) [m/s] of the antenna with ``v_weight`` (3,); ``p`` (3,) [m] of it, ``age`` [s] after the keyframe,
     with ``p_weight`` (3,). The antenna stands at ``lever`` (3,) [m] in b, and moves there by ``swing`` (3, 3)
@@ -46,7 +46,7 @@ class KeyframeFix:
 
 
 def no_fix() -> KeyframeFix:
-    """Return what is said where there is no fix."""
+    """Return the terms of a keyframe without a fix."""
     none = np.zeros(3)
     return KeyframeFix(none, none, none, none, 0.0, none, np.zeros((3, 3)), none)
 

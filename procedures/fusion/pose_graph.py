@@ -1,6 +1,6 @@
 """Han's outer layer: odometry's steps, GNSS positions and courses in one graph of four degrees of freedom.
 
-A window of nodes is solved anew at every fix; what leaves it is eliminated into a prior, so that nothing is lost
+A window of nodes is solved again at every fix; what leaves it is eliminated into a prior, so that nothing is lost
 and an outage longer than the window is bridged. Between fixes the last node is carried on by the odometry, its
 sigma growing. The whole chain is solved again for the smoothed trajectory. Han 2022 (IV.B) keeps a large window at
 a low rate; measured on recorded odometry a solve at every fix is worth a third of the error, and ten seconds are

@@ -1,6 +1,6 @@
 """IMU samples between two keyframes as one measurement, with its covariance and how it depends on the biases.
 
-In the axes b of the first keyframe, with constant biases and the Earth's rate taken off,
+In the axes b of the first keyframe, with constant biases and the Earth's rate corrected,
 
     dC = prod exp((omega - bg) dt),   dv = int C (f - ba) dt,   dp = int int C (f - ba) dt2
 
@@ -70,7 +70,7 @@ def integrate(
     ----------
     gyro_bias, accel_bias : (3,), rad/s, m/s2
     earth_b : (3,), rad/s
-        The Earth's rate in b0, where it is to be taken off: 1e-4 rad/s by the attitudes that still have it.
+        The Earth's rate in b0, where it is to be corrected: 1e-4 rad/s by the attitudes that still have it.
     """
     turn = (g.omega_b - gyro_bias) * g.dt[:, None]
     C = products(rotation(turn))

@@ -15,7 +15,7 @@ from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog, inclination, roll_pitch_of
 from procedures.attitude.kalman_filter import AttitudeKalmanFilter
 from procedures.attitude.kalman_state import KalmanSettings
-from procedures.attitude.unaided_motion import MIN_MOTION_S, VEHICLE_RUNS, with_own_speed
+from procedures.attitude.unaided_motion import MIN_MOTION_S, VEHICLE_RUNS, settings_in_vehicle
 from procedures.units import DEG_H_PER_RAD_S
 from station.attitude.live_readings import AttitudeReading
 from station.calibrated.rates_and_forces import RatesAndForces
@@ -45,7 +45,7 @@ class VehicleWatch:
         """Take a tick that ``kept`` has filtered; return the filter to continue with."""
         if self.is_vehicle:
             if kept.state.memory[0].wander_time >= MIN_MOTION_S:
-                kept.settings = with_own_speed(kept)
+                kept.settings = settings_in_vehicle(kept)
             return kept
         self._keep(kept, log)
         if not self._wanders(kept):
@@ -84,7 +84,7 @@ class VehicleWatch:
             found.forget_motion()
             found.settings = settings
             found.run(log)
-            settings = with_own_speed(found)
+            settings = settings_in_vehicle(found)
         return found
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from procedures.arrays import FloatArray, IntArray
 
 KEYFRAME_SPACING_S = 0.05  # s between keyframes at fixes, at most
-MIN_FIX_SPACING_S = 0.02  # s: a fix on the heels of another has none of its own
+MIN_FIX_SPACING_S = 0.02  # s: a fix that follows another sooner has no keyframe
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,12 +47,12 @@ def between(first: float, last: float, spacing: float) -> list[float]:
 
 
 FRAME_SPACING_S = 0.1  # s between keyframes, at most
-MIN_FRAME_SPACING_S = 0.09  # s: frames that follow sooner are left out
+MIN_FRAME_SPACING_S = 0.09  # s: frames that follow sooner are not used
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
-    """What a camera saw at ``t`` [s]: ``feature`` (m,) at ``uv`` (m, 2) [px], the lens's distortion taken off."""
+    """What a camera saw at ``t`` [s]: ``feature`` (m,) at ``uv`` (m, 2) [px], the lens's distortion corrected."""
 
     t: float
     feature: IntArray

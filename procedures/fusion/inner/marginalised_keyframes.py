@@ -24,21 +24,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.fusion.inner.window_problem import Gone, Held
+from procedures.fusion.inner.window_problem import BackSubstitution, WindowMeasurements
 from procedures.fusion.inner.window_state import COMMON, FRAME, PLACE, Factor, WindowState
 from procedures.fusion.odometry import OdometryPose
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Left:
+class MarginalisedKeyframe:
     """A keyframe and the next, ``two``, what ``held`` them, and how the first was eliminated."""
 
     two: WindowState
-    held: Held
-    gone: Gone
+    held: WindowMeasurements
+    gone: BackSubstitution
 
 
-def swept_back(left: Sequence[Left], after: WindowState) -> list[WindowState]:
+def smoothed_states(left: Sequence[MarginalisedKeyframe], after: WindowState) -> list[WindowState]:
     """Return each keyframe that has left by the step that the one after leaves it, and ``after``, the last."""
     states = [after]
     for each in reversed(left):
@@ -48,17 +48,17 @@ def swept_back(left: Sequence[Left], after: WindowState) -> list[WindowState]:
     return states[::-1]
 
 
-def shares(left: Sequence[Left], window: Factor, frames: int, end: int) -> FloatArray:
-    """Return each step's covariance (m, 3, 3) [m2] with the way from the oldest keyframe to ``end``.
+def shares(left: Sequence[MarginalisedKeyframe], window: Factor, frames: int, end: int) -> FloatArray:
+    """Return each step's covariance (m, 3, 3) [m2] with the path from the oldest keyframe to ``end``.
 
-    There are m = n + frames - 1 steps. The first ``end`` of them sum up to the covariance of that way. It is a
+    There are m = n + frames - 1 steps. The first ``end`` of them sum up to the covariance of that path. It is a
     column of the inverse of all keyframes' normal equations, so that it takes one sweep on and one back.
 
     Parameters
     ----------
-    left : n keyframes, the oldest of the way first
+    left : n keyframes, the oldest of the path first
     window : factor of what follows them, ``frames`` keyframes
-    end : index of the way's last keyframe, counted from the oldest
+    end : index of the path's last keyframe, counted from the oldest
     """
     ends = np.zeros((len(left) + frames, FRAME, 3))
     ends[0, PLACE], ends[end, PLACE] = -np.eye(3), np.eye(3)
@@ -78,28 +78,28 @@ def shares(left: Sequence[Left], window: Factor, frames: int, end: int) -> Float
     return along
 
 
-LOOK_BACK_AT = (1, 4, 16, 64)  # velocities behind an outage: 1, 2, 4, 8 and so on gave the same figures
+REVISE_AT_VELOCITIES = (1, 4, 16, 64)  # velocities behind an outage: 1, 2, 4, 8 and so on gave the same figures
 SETTLED_S = 5.0  # s of velocities behind an outage until its motion is left as it is known
-LONGEST_S = 120.0  # s of an outage that are estimated anew: what lies before is left as it was handed on
-SLACK = 2.0  # of an outage's variance: measured on real IMUs, docs/how-to/locate.md
+MAX_OUTAGE_S = 120.0  # s of an outage that are estimated again: what lies before stays as it was reported
+VARIANCE_FACTOR = 2.0  # of an outage's variance: measured on real IMUs, docs/how-to/locate.md
 
 
-class WayHandedOn:
+class RevisedPath:
     """``poses`` are the window's but the newest, behind those of an outage whose keyframes have left it."""
 
     def __init__(self) -> None:
         self.poses = list[OdometryPose]()
-        self._left = list[Left]()
+        self._left = list[MarginalisedKeyframe]()
         self._is_kept = False  # from the first pose on, for an outage
         self._end = self._heard = 0  # the keyframe at which that ended; velocities since
-        self._shift = np.zeros(3)  # m from the window's places to those handed on
+        self._shift = np.zeros(3)  # m from the window's places to those reported
 
     @property
     def open_since(self) -> float | None:
-        """The time [s] from which the way may still be revised."""
+        """The time [s] from which the path may still be revised."""
         return self.poses[0].t if self.poses else None
 
-    def slid(self, left: Left) -> None:
+    def slid(self, left: MarginalisedKeyframe) -> None:
         """Take note that the window's oldest keyframe has left it."""
         if self._is_kept:
             self._left.append(left)
@@ -107,9 +107,9 @@ class WayHandedOn:
             del self.poses[0]
 
     def add(self, pose: OdometryPose) -> None:
-        """Add the newest pose as it is handed on."""
+        """Add the newest pose as it is reported."""
         self.poses.append(pose)
-        if self._left and not self._end and pose.t - self.poses[0].t > LONGEST_S:
+        if self._left and not self._end and pose.t - self.poses[0].t > MAX_OUTAGE_S:
             del self.poses[0], self._left[0]
 
     def listen(self, has_velocity: bool, is_outage: bool) -> bool:
@@ -124,19 +124,19 @@ class WayHandedOn:
             return False
         self._end = self._end or len(self.poses)
         self._heard += has_velocity
-        return (has_velocity and self._heard in LOOK_BACK_AT) or self._is_settled()
+        return (has_velocity and self._heard in REVISE_AT_VELOCITIES) or self._is_settled()
 
     def revise(
         self, state: WindowState, factor: Factor, least: float, looks_back: bool
     ) -> tuple[OdometryPose, ...]:
-        """Have the poses as they are known now, and return those that are known otherwise.
+        """Have the poses as they are known now, and return those that have changed.
 
         ``state`` and ``factor`` are the window's, ``least`` [m2/s] is the density of a step's variance that none
         falls below.
         """
         left = self._left if looks_back else []
         first = len(self._left) - len(left)
-        known = [*(each.part(slice(1)) for each in swept_back(left, state)[:-1]), state]
+        known = [*(each.part(slice(1)) for each in smoothed_states(left, state)[:-1]), state]
         p, C = (np.concatenate([getattr(each, name) for each in known]) for name in ("p", "C_ob"))
         if first < len(self.poses):
             self._shift = self.poses[first].p_o - p[0]
@@ -150,14 +150,14 @@ class WayHandedOn:
         return revised
 
     def newest(self, state: WindowState) -> FloatArray:
-        """Return the newest place (3,) [m] as it is handed on."""
+        """Return the newest place (3,) [m] as it is reported."""
         newest: FloatArray = state.p[-1] + self._shift
         return newest
 
     def _share(self, along: FloatArray, least: float) -> None:
         for k, P in enumerate(along[: min(self._end, len(self.poses) - 1)], 1):
             drift = self.poses[k].drift.copy()
-            drift[:3, :3] = _at_least(SLACK * P, least * (self.poses[k].t - self.poses[k - 1].t))
+            drift[:3, :3] = _at_least(VARIANCE_FACTOR * P, least * (self.poses[k].t - self.poses[k - 1].t))
             self.poses[k] = replace(self.poses[k], drift=drift)
 
     def _is_settled(self) -> bool:

@@ -37,7 +37,9 @@ from procedures.fusion.inner.window_state import FRAME, OWN, WHEEL_OWN, Normal, 
 from procedures.fusion.pose_graph_terms import rz
 from procedures.fusion.preintegration import Preintegrated
 
-STIFF = 1e-5  # of what is known of a bias, that it walks in a root of a second at least: else Cholesky fails
+MIN_WALK_RATIO = (
+    1e-5  # of what is known of a bias, that it walks in a root of a second at least: else Cholesky fails
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -112,8 +114,8 @@ def _residual(
 
 def _walk(noise: ImuNoise) -> FloatArray:
     """Return the densities (6,) of the biases' walks."""
-    gyro = max(noise.gyro_walk, STIFF * noise.gyro_bias)
-    return np.repeat([gyro, max(noise.accel_walk, STIFF * noise.accel_bias)], 3)
+    gyro = max(noise.gyro_walk, MIN_WALK_RATIO * noise.gyro_bias)
+    return np.repeat([gyro, max(noise.accel_walk, MIN_WALK_RATIO * noise.accel_bias)], 3)
 
 
 def add_fixes(normal: Normal, state: WindowState, fixes: Sequence[KeyframeFix]) -> None:
@@ -191,7 +193,7 @@ def wheel_residuals(
     r = np.einsum("fij,fj->fi", rows, v_b)
     r[:, 0] -= np.array([wheel.due for wheel in wheels])
     J = np.zeros((len(wheels), 4, OWN + FRAME))
-    # what it should tell, not what it tells: multiplied by itself its noise would draw the scale factor down
+    # the predicted speed, not the measured one: multiplied by itself its noise would draw the scale factor down
     J[:, 0, WHEEL_OWN] = -r[:, 0] / (1 + state.wheel)
     r[:, 0] -= (1 + state.wheel) * speed
     J[:, :, OWN : OWN + 3] = rows @ skew(v_b)

@@ -5,8 +5,8 @@ estimate d within a filter and a window). Between frames stamped t0 and t1 it tu
 
     R(d) = C_bc' C_b(t1 + d)' C_b(t0 + d) C_bc,   dR/dd = [C_bc' (R_b w(t0 + d) - w(t1 + d))]x R
 
-with the gyro's rate w, and R_b = C_b(t1 + d)' C_b(t0 + d); that turns alone tell the offset is Kelly and
-Sukhatme's (2014). `RotationMisfit` says of each pair how it would turn R, the way between the frames being free:
+with the gyro's rate w, and R_b = C_b(t1 + d)' C_b(t0 + d); that turns alone determine the offset is Kelly and
+Sukhatme's (2014). `RotationMisfit` says how each pair would turn R, with the translation between the frames free:
 neither scale, depth, gravity nor GNSS is needed. The offset is fitted together with the gyro's bias and where the
 camera sits (1 deg, 1 sigma): first on a grid, to find the valley, then by Gauss-Newton on all points. A steady
 turn is the same at all offsets and straight on is no turn: both leave the sigma wide, and are refused.
@@ -24,7 +24,7 @@ from procedures.fusion.preintegration import RATE_HALF_SPAN_S, GyroRotations, im
 from procedures.fusion.vision.two_view import TINY, EpipolarRotations, RotationMisfit
 
 MAX_OFFSET_STD_S = 0.005  # s, 1 sigma with which an offset is accepted
-RATE_CHANGE_QUANTILE = 0.95  # quantile of the changes of rate of which what is left counts
+RATE_CHANGE_QUANTILE = 0.95  # quantile of the changes of rate of which the residual counts
 SEARCH_SIGMAS = 3.0  # of what is known before, that are searched
 SEARCH_STEP_S = 0.02  # s of the search: a vehicle does not swing to and fro within a few of them
 MIN_PAIRS, MAX_PAIRS = 20, 200  # pairs of frames
@@ -37,8 +37,8 @@ STEP_TOLERANCE = 0.05  # of a sigma
 SIGMA_FACTOR = 1.5  # on the sigma that the fit states: measured, docs/how-to/locate-vision.md
 MIN_COST_RISE = 25.0  # by how much the cost rises away from the offset, in sigmas squared: else there are two
 VALLEY_HALF_WIDTH_S = 0.06  # s from the offset that are away from it
-MAX_MOUNTING_ANGLE = np.radians(10.0)  # from where the camera was said to sit
-MAX_MEAN_SQUARE = 6.0  # of 1, of the pairs that tell: beyond it these are not this camera's turns on this IMU
+MAX_MOUNTING_ANGLE = np.radians(10.0)  # from where the camera was specified to sit
+MAX_MEAN_SQUARE = 6.0  # of 1, of the pairs that are used: beyond it these are not this camera's turns on this IMU
 UNEVEN_TURNS = "rotate it unevenly: to and fro, about any axis, for some seconds"
 CHECK_MOUNTING = "is imu_from_camera right?"
 
@@ -58,7 +58,7 @@ def camera_offset(
     """Return the offset of the camera's stamps, or what is missing to know it.
 
     Known before is ``prior`` and 1 sigma ``std`` [s]. Some 10 to 30 s of both are wanted; frames that the IMU does
-    not span at all offsets that are tried are not used. Where turns are so even that what is left of them is
+    not span at all offsets that are tried are not used. Where turns are so even that their residual is
     within their noise, 1 sigma up to ``even_std`` [s] is accepted.
     """
     pairs = _spanned(imu, frame_pairs(tracks, camera), prior, SEARCH_SIGMAS * std)
@@ -70,7 +70,7 @@ def camera_offset(
 
 
 def _spanned(imu: ImuSeries, pairs: FramePairs, prior: float, reach: float) -> FramePairs:
-    """Return the pairs that the IMU spans without a gap, wherever they are tried; of many those that tell most."""
+    """Return the pairs that the IMU spans without a gap, wherever they are tried; of many the best."""
     if len(imu.t) < 2:
         return pairs.part(slice(0, 0))
     first, last = pairs.t0 + prior - reach - 2 * RATE_HALF_SPAN_S, pairs.t1 + prior + reach + 2 * RATE_HALF_SPAN_S
@@ -92,7 +92,7 @@ def _telling(imu: ImuSeries, pairs: FramePairs, prior: float, reach: float, most
 @dataclass(frozen=True, slots=True, eq=False)
 class _Normal:
     """``A`` (7, 7), ``b`` (7,), each pair's part of b (p, 7), how far off its turn is (p,), mean square, and the
-    mean of that over the pairs as they tell the offset.
+    mean of that over the pairs as they determine the offset.
     """  # noqa: D205
 
     A: FloatArray

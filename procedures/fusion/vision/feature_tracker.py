@@ -158,7 +158,7 @@ class FeatureTrackerSettings:
 
     ``features`` at a time, ``apart`` [px] at least. Lost is what is less ``alike`` its first sight (correlation),
     ``torn`` [px] between its halves, ``corrected`` [px] from where the tracker had it, or ``epipolar`` [px] from
-    one motion; how it looks is taken anew when ``stretched`` by more than that. ``window`` [px] and ``levels`` are
+    one motion; its look is taken again when ``stretched`` by more than that. ``window`` [px] and ``levels`` are
     the tracker's, ``quality`` a corner's against the best one.
     """
 

@@ -1,4 +1,4 @@
-"""How a camera moved between two frames, up to scale: the essential matrix, outliers left out.
+"""How a camera moved between two frames, up to scale: the essential matrix without outliers.
 
 Han 2022 (III.A) uses seven points and pixels. With known intrinsics the eight-point equations are linear on the
 plane at depth 1, and all trial samples are solved at once. Source of the method: Hartley, Zisserman, Multiple View
@@ -133,17 +133,17 @@ class EpipolarRotations:
         self.pairs, self._variance, self._loss, self._rounds = pairs, std**2, loss, rounds
 
     def misfit(self, R: FloatArray) -> RotationMisfit:
-        """Return the misfit of rotations ``R`` (p, 3, 3); the way of each pair is sought from three sides."""
+        """Return the misfit of rotations ``R`` (p, 3, 3); each direction is sought from three sides."""
         u = self.pairs.y0 @ np.swapaxes(R, 1, 2)
         n = np.cross(u, self.pairs.y1)
         sides = self._sides(u, n)
-        ways = np.array([self._settled(R, u, n, sides[:, :, i], 1) for i in range(3)])
-        costs = np.array([self._cost(R, u, n, way) for way in ways])
-        best = ways[costs.argmin(axis=0), np.arange(len(u))]
+        directions = np.array([self._settled(R, u, n, sides[:, :, i], 1) for i in range(3)])
+        costs = np.array([self._cost(R, u, n, direction) for direction in directions])
+        best = directions[costs.argmin(axis=0), np.arange(len(u))]
         return self._eliminated(R, u, n, self._settled(R, u, n, best, self._rounds - 1))
 
     def _sides(self, u: FloatArray, n: FloatArray) -> FloatArray:
-        """Return three ways (p, 3, 3), in columns, the likeliest first; normals far too long count little."""
+        """Return three directions (p, 3, 3), columns, the likeliest first; normals far too long count little."""
         size, there = np.sum(n**2, axis=2), self.pairs.there
         usual = _medians(size, there)
         return self._ways(u, n, there / (1 + size / (4 * usual + TINY)) ** 2 / self._variance.sum())
@@ -160,9 +160,9 @@ class EpipolarRotations:
         size = np.trace(V, axis1=1, axis2=2)[:, None, None] + TINY
         L = np.linalg.inv(np.linalg.cholesky(V / size + TINY * np.eye(3)))
         _, X = np.linalg.eigh(L @ (N / size) @ np.swapaxes(L, 1, 2))
-        ways: FloatArray = np.swapaxes(L, 1, 2) @ X
-        ways /= np.linalg.norm(ways, axis=1)[:, None]
-        return ways
+        directions: FloatArray = np.swapaxes(L, 1, 2) @ X
+        directions /= np.linalg.norm(directions, axis=1)[:, None]
+        return directions
 
     def _settled(self, R: FloatArray, u: FloatArray, n: FloatArray, t: FloatArray, rounds: int) -> FloatArray:
         for _ in range(rounds):

@@ -1,7 +1,7 @@
-"""From a camera's way up to scale to an alignment: scale, the world's axes, then one fit of all (Han 2022 III).
+"""From a camera's path up to scale to an alignment: scale, the world's axes, then one fit of all (Han 2022 III).
 
-GNSS's way over the same time gives the scale. The world's axes come from two kinds of vectors at once (Wahba's
-problem): the way, Han's yaw by track, and the velocity increments with gravity, Han's eq. 3 in its integral form.
+GNSS's path over the same time gives the scale. The world's axes come from two kinds of vectors at once (Wahba's
+problem): the path, Han's yaw by track, and the velocity increments with gravity, Han's eq. 3 in its integral form.
 Then tracks, IMU and GNSS velocity are fitted together, which is Han's joint refinement (III.C) and its bundle
 adjustment in one: scale, biases, the world's rotation and the velocities. A strange misfit or a wide sigma of
 tilt, yaw or scale are reasons to go on waiting.
@@ -29,7 +29,7 @@ from procedures.fusion.fusion_records import (
 from procedures.fusion.gnss_velocity import measurements, no_fix
 from procedures.fusion.inner.landmarks import Landmarks
 from procedures.fusion.inner.visual_inertial_window import VisionSettings, beginning
-from procedures.fusion.inner.window_problem import Held, assemble
+from procedures.fusion.inner.window_problem import WindowMeasurements, assemble
 from procedures.fusion.inner.window_state import HEADING, Factor, WindowState
 from procedures.fusion.inner.window_terms import fix_residuals
 from procedures.fusion.pose_graph_terms import rz
@@ -45,7 +45,7 @@ STEP_TOLERANCE = 1e-2  # of a sigma
 
 @dataclass(frozen=True, slots=True, eq=False)
 class VisualStart:
-    """An alignment, and the IMU's way over the frames ``t`` (k,) [s] that gave it: ``rough`` and ``refined``
+    """An alignment, and the IMU's path over the frames ``t`` (k,) [s] that gave it: ``rough`` and ``refined``
     (k, 3) [m] before and after the joint fit; ``scale_std`` is 1 sigma of its length, relative.
     """  # noqa: D205
 
@@ -101,22 +101,22 @@ class VisualInertialFit:
         ]
 
     def _gnss_way(self) -> tuple[FloatArray, FloatArray]:
-        """Return the way (k, 3) [m] since the first frame by GNSS velocities, and these at the frames (k, 3)."""
+        """Return the path (k, 3) [m] since the first frame by GNSS velocities, and these at the frames (k, 3)."""
         known = np.isfinite(self.fixes.v_n[:, :2]).all(axis=1)
         t, v = self.fixes.t[known], np.nan_to_num(self.fixes.v_n[known])
         fine = np.union1d(self.t, t[(t > self.t[0]) & (t < self.t[-1])])
         at = interpolated(fine, t, v)
-        way = np.vstack((np.zeros(3), np.cumsum((at[1:] + at[:-1]) / 2 * np.diff(fine)[:, None], axis=0)))
+        path = np.vstack((np.zeros(3), np.cumsum((at[1:] + at[:-1]) / 2 * np.diff(fine)[:, None], axis=0)))
         here = np.searchsorted(fine, self.t)
-        return way[here], at[here]
+        return path[here], at[here]
 
     def _way_b(self, length: float) -> FloatArray:
-        """Return the IMU's way (k, 3) [m] in the axes of body 0, the camera's being ``length`` times its unit."""
+        """Return the IMU's path (k, 3) [m] in the axes of body 0, the camera's being ``length`` times its unit."""
         camera = self.settings.camera
         return length * self.seen.p_0 @ camera.C_bc.T + camera.t_bc - self.C_0b @ camera.t_bc
 
     def _wahba(self, way_n: FloatArray, v_n: FloatArray, way_b: FloatArray) -> FloatArray:
-        """Return C_nb of body 0 from the way and from velocity increments with gravity, each by its own sigma."""
+        """Return C_nb of body 0 from the path and from velocity increments with gravity, each by its own sigma."""
         elapsed = self.t - self.t[0]
         alpha = np.cumsum([C @ part.dv for C, part in zip(self.C_0b, self.parts, strict=False)], axis=0)
         felt = v_n[1:] - v_n[0] + np.outer(elapsed[1:], [0.0, 0.0, self.settings.site.gravity])
@@ -155,17 +155,19 @@ class VisualInertialFit:
                 break
         return self._judged(state, held, factor, rough_n)
 
-    def _held(self, state: WindowState) -> Held:
+    def _held(self, state: WindowState) -> WindowMeasurements:
         seen = measurements(self.fixes, self.imu)
-        said = [
+        fixes = [
             seen.at_end(
                 float(self.t[i]), part, state.C_ob[i], self.settings.site.pull(state.v[i]), self.settings.antenna
             )
             for i, part in enumerate(self.parts)
         ]
-        return Held(self.parts, [no_fix(), *said])
+        return WindowMeasurements(self.parts, [no_fix(), *fixes])
 
-    def _judged(self, state: WindowState, held: Held, factor: Factor, rough: FloatArray) -> VisualStart | Waiting:
+    def _judged(
+        self, state: WindowState, held: WindowMeasurements, factor: Factor, rough: FloatArray
+    ) -> VisualStart | Waiting:
         tilt_std, yaw_std, scale_std = _sigmas(state, factor)
         R = rz(np.array(state.heading))[0]
         off, _, weight = fix_residuals(state, range(len(held.fixes)), held.fixes)
@@ -182,14 +184,14 @@ class VisualInertialFit:
 
 
 def _sigmas(state: WindowState, factor: Factor) -> tuple[float, float, float]:
-    """Return 1 sigma of tilt and yaw [rad] at the last frame, and of the way's length, relative."""
+    """Return 1 sigma of tilt and yaw [rad] at the last frame, and of the path's length, relative."""
     last, first = state.frame(len(state.p) - 1).start, state.frame(0).start
-    way = state.p[-1] - state.p[0]
-    length = max(float(np.linalg.norm(way)), 1e-6)
+    path = state.p[-1] - state.p[0]
+    length = max(float(np.linalg.norm(path)), 1e-6)
     pick = np.zeros((state.size, 4))
     pick[last : last + 3, :3] = state.C_ob[-1].T
     pick[HEADING, 2] = 1.0
-    pick[last + 3 : last + 6, 3], pick[first + 3 : first + 6, 3] = way / length**2, -way / length**2
+    pick[last + 3 : last + 6, 3], pick[first + 3 : first + 6, 3] = path / length**2, -path / length**2
     variance = np.sum(pick * factor.solve(pick), axis=0)
     tilt, yaw, scale = np.sqrt([variance[:2].max(), variance[2], variance[3]])
     return float(tilt), float(yaw), float(scale)

@@ -1,7 +1,7 @@
 """Where a camera was over some frames, up to scale, from tracks alone (Han 2022 III.A less its scale).
 
 Two frames far enough apart give the first motion; the points they share give the other frames; then all frames and
-points are fitted together (bundle adjustment with Huber's loss, sights that are no match left out).
+points are fitted together (bundle adjustment with Huber's loss, sights that are no match not used).
 """
 
 from dataclasses import dataclass, replace
@@ -11,12 +11,12 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from procedures.arrays import FloatArray, IntArray
 from procedures.frames import rotation, wahba_rotation
-from procedures.fusion.inner.landmarks import SEEING, Landmarks, linearise, residuals
+from procedures.fusion.inner.landmarks import CAMERA_NUMBERS, Landmarks, linearise, residuals
 from procedures.fusion.inner.window_state import WindowState
 from procedures.fusion.vision.two_view import MIN_POINTS, two_view
 
 MIN_BEND_SIGMAS = 4.0  # sigmas of an image point that no mere turn explains, median
-MIN_PARALLAX_SIGMAS = 20.0  # sigmas of an image point, median over what two frames share, turning taken off
+MIN_PARALLAX_SIGMAS = 20.0  # sigmas of an image point, median over what two frames share, rotation removed
 EPIPOLAR_SIGMAS = 2.0  # sigmas from the epipolar line
 OUTLIER_SIGMAS = 4.0  # whitened length of a sight that is no match
 MAX_ITERATIONS = 10
@@ -81,7 +81,7 @@ def _turn(x0: FloatArray, x1: FloatArray) -> FloatArray:
 
 
 def _between(t: FloatArray, C_01: FloatArray, p_0: FloatArray) -> WindowState:
-    """Return frames between the two that are known, as on a straight way."""
+    """Return frames between the two that are known, as on a straight path."""
     share = (t - t[0]) / (t[-1] - t[0])
     C = Slerp([0.0, 1.0], Rotation.from_matrix([np.eye(3), C_01]))(share).as_matrix()
     none = np.zeros((len(t), 3))
@@ -102,7 +102,7 @@ def _resect(state: WindowState, marks: Landmarks, rows: IntArray, scale: FloatAr
     for _ in range(MAX_ITERATIONS):
         visual = linearise(state, marks.sights, scale)
         for k in inner:
-            at = slice(SEEING + 6 * k, SEEING + 6 * k + 6)
+            at = slice(CAMERA_NUMBERS + 6 * k, CAMERA_NUMBERS + 6 * k + 6)
             H = visual.H[at, at]
             damped = H + DAMPING * np.diag(np.diag(H)) + np.eye(6)
             step: FloatArray = np.asarray(-np.linalg.solve(damped, visual.g[at]), np.float64)
@@ -128,8 +128,8 @@ def _adjusted(state: WindowState, marks: Landmarks, scale: FloatArray) -> Camera
 
 def _fitted(state: WindowState, marks: Landmarks, scale: FloatArray) -> WindowState:
     """Return the state after some rounds of Levenberg and Marquardt, the landmarks moved with it."""
-    free = np.arange(SEEING + 6, SEEING + 6 * len(state.p))
-    along = SEEING + 6 * (len(state.p) - 1) + 3 + int(np.abs(state.p[-1]).argmax())
+    free = np.arange(CAMERA_NUMBERS + 6, CAMERA_NUMBERS + 6 * len(state.p))
+    along = CAMERA_NUMBERS + 6 * (len(state.p) - 1) + 3 + int(np.abs(state.p[-1]).argmax())
     free = free[free != along]
     for _ in range(MAX_ITERATIONS):
         visual = linearise(state, marks.sights, scale)
@@ -145,7 +145,7 @@ def _fitted(state: WindowState, marks: Landmarks, scale: FloatArray) -> WindowSt
         moves = -(inverse @ (visual.b + W @ step[free])[:, :, None])[:, :, 0]
         every = np.zeros(state.size)
         for k in range(len(state.p)):
-            every[state.frame(k)][:6] = step[SEEING + 6 * k : SEEING + 6 * k + 6]
+            every[state.frame(k)][:6] = step[CAMERA_NUMBERS + 6 * k : CAMERA_NUMBERS + 6 * k + 6]
         state = state.moved(every)
         marks.step(np.ones(len(moves), bool), moves, state.held)
         if np.abs(step).max() < 1e-5:

@@ -16,7 +16,7 @@ from procedures.attitude.complementary_kernels import (
     PRINTED_FILTER,
     PRINTED_GNSS,
     PRINTED_RATE,
-    MixingLaw,
+    MixerSettings,
 )
 from procedures.attitude.complementary_velocity_aids import determinant, observability
 from procedures.attitude.kernel_options import Record
@@ -25,7 +25,7 @@ from tests.procedures.attitude.uncompiled import uncompiled
 NAN = math.nan
 RATE, FORCE = np.array([0.2, -0.3, 0.5]), np.array([0.6, -1.1, -9.2])
 G = 9.8
-LAW = MixingLaw(k1=0.4, k2=0.05, gate=0.1, g=G)
+LAW = MixerSettings(k1=0.4, k2=0.05, gate=0.1, g=G)
 
 
 @pytest.fixture(autouse=True)

@@ -10,7 +10,7 @@ from procedures.arrays import FloatArray
 from procedures.frames import rotation, rotation_vector, skew
 from procedures.fusion.gnss_velocity import KeyframeFix, no_fix
 from procedures.fusion.inner.landmarks import Landmarks, Sights, linearise, residuals
-from procedures.fusion.inner.window_problem import Held, Prior, assemble, marginalised
+from procedures.fusion.inner.window_problem import Prior, WindowMeasurements, assemble, marginalised
 from procedures.fusion.inner.window_state import CAMERA, COMMON, FRAME, HEADING, OFFSET, WindowState, zero
 from procedures.fusion.inner.window_terms import add_inertial, fix_residuals, predicted
 from procedures.fusion.pose_graph_terms import rz
@@ -133,7 +133,7 @@ def test_what_was_marginalised_says_of_the_rest_what_it_said_before() -> None:
     info = zero(COMMON + 15)
     info.A[:] = np.diag(rng.uniform(1, 1e4, len(info.g)))
     prior = Prior(info, state.part(slice(1)))
-    held = Held(parts, [at_speed(each + 0.01, 400.0) for each in state.v])
+    held = WindowMeasurements(parts, [at_speed(each + 0.01, 400.0) for each in state.v])
     marks = Landmarks()
     sights = sights_of(rng, state, 12)
     for k in range(3):
@@ -146,7 +146,7 @@ def test_what_was_marginalised_says_of_the_rest_what_it_said_before() -> None:
     left, _ = marginalised(state, prior, held, SITE, marks, SCALE)
     later = replace(state.part(slice(1, None)), held=left.at.held)
     assert len(left.at.held) == 7
-    rest = Held(parts[1:], held.fixes[1:])
+    rest = WindowMeasurements(parts[1:], held.fixes[1:])
     after, _ = assemble(later, left, rest, SITE, marks, marks.sights.seen, SCALE)
     again = -np.linalg.solve(after.A, after.g)
     sigma = np.sqrt(np.diag(np.linalg.inv(before.A)))[kept]
