@@ -26,6 +26,7 @@ from drivers.address_guess import Role, whole_url
 from drivers.addresses import (
     CAN,
     DEFAULT_BAUD,
+    MAVLINK_RATE_HZ,
     CameraAddress,
     CanAddress,
     DeviceAddress,
@@ -53,7 +54,6 @@ LINKS = ("udpin", "udpout", "tcp", "serial")  # of MAVLink
 MAVLINK = "mavlink:udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT or serial:/dev/NAME"
 MAVLINK_OPTIONS = ("system", "key", "rate")
 MAVLINK_BAUD = 57600  # of telemetry radios and most autopilots' ports
-MAVLINK_RATE_HZ = 5.0
 CAMERA = "camera:http://HOST:PORT/PATH or camera:/dev/video0"
 WHEEL = "can://INTERFACE/CHANNEL, with a DBC and a signal MESSAGE.SIGNAL of it"
 HTTP_PORT = 80

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 DEFAULT_BAUD = 921600  # the usual one of FOG IMUs; a format's own takes precedence
+MAVLINK_RATE_HZ = 5.0  # of the messages that are asked for, where the address states none
 CAN = "can"  # the format of a CAN bus, as `dbc` and `map` describe it
 TRIAD = "triad"  # three single-axis gyros; also the format of what their port gives
 _SECRET = re.compile(r"(http://[^/:@]*:)[^/]*@")
@@ -164,7 +165,7 @@ class MavlinkAddress(Address):
     line: SerialAddress | TcpAddress | UdpAddress
     system: int | None = None
     key_file: str = ""
-    rate_hz: float = 5.0
+    rate_hz: float = MAVLINK_RATE_HZ
 
     @property
     def name(self) -> str:

@@ -267,7 +267,7 @@ def _parted(found: str | None, expected: str | None) -> Sequence[str]:
 
 
 def _loaded(content: str) -> dict[str, Any]:
-    """Return what a content says by column, nothing of one that nobody wrote as `row_content` does."""
+    """Return what a content says by column, nothing of one that is no JSON object."""
     try:
         said = json.loads(content)
     except UNREADABLE:

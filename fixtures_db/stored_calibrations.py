@@ -185,7 +185,7 @@ def _get(document: Any, key: str) -> Any:
     return document.get(key) if isinstance(document, dict) else None
 
 
-MADE_WITH = ("cube", "slab", "site", "operator")  # what may shift a calibration, beside the unit
+MADE_WITH = ("cube", "slab", "site", "operator")  # what may shift a calibration, except the unit
 
 
 @dataclass(frozen=True, slots=True)

@@ -40,13 +40,13 @@ class EarthSigns:
     std: FloatArray
 
     def of_turns(self, sensors: Sequence[int]) -> int:
-        """Return +1 or -1 as the dwells agree with the turns' directions or contradict them; 0 if not told."""
-        told = {_sign(a[sensors], std[sensors]) for a, std in zip(self.value, self.std, strict=True)} - {0}
+        """Return +1 or -1 as the dwells agree with the turns' directions or contradict them; 0 if undetermined."""
+        signs = {_sign(a[sensors], std[sensors]) for a, std in zip(self.value, self.std, strict=True)} - {0}
         whole = _sign(self.value[:, sensors].ravel(), self.std[:, sensors].ravel())
-        return whole if told == {whole} else 0
+        return whole if signs == {whole} else 0
 
     def of_faces(self, sensors: Sequence[int]) -> int:
-        """Return +1 or -1 as the dwells agree with the faces that their positions name; 0 if not told."""
+        """Return +1 or -1 as the dwells agree with the faces that their positions name; 0 if undetermined."""
         return _sign(self.value[0, sensors], self.std[0, sensors])
 
 
@@ -138,8 +138,8 @@ def sign_warnings(
     for sensors in _together(gyro_back):
         found.append(_of_gyroscopes(sensors, C_sb, 0 if signs is None else signs.of_turns(sensors)))
     for sensors in _together(accel_back):
-        told = signs is not None and not set(sensors) & set(gyro_back)
-        found.append(_of_accelerometers(sensors, C_sb, signs.of_faces(sensors) if told and signs else 0))
+        is_known = signs is not None and not set(sensors) & set(gyro_back)
+        found.append(_of_accelerometers(sensors, C_sb, signs.of_faces(sensors) if is_known and signs else 0))
     return found
 
 

@@ -128,7 +128,7 @@ class _Solved:
 
     @classmethod
     def of(cls, fit: TriadFit, by_tilt: FloatArray, taken: FloatArray) -> "_Solved":
-        """Take the design of a fit, and beside it the tilts ``taken`` (k, m, 2) that are solved for."""
+        """Take the design of a fit, and the tilts ``taken`` (k, m, 2) [rad] that are solved for as well."""
         seats = np.array([fit.bench.campaigns[number].sigma.seat for number, _ in fit.seen.dwells])
         own = np.array([rows[3 * i : 3 * i + 3] for i, rows in enumerate(by_tilt)])
         wider = np.sqrt(1 + seats[:, None] ** 2 * np.sum(own**2, axis=2))

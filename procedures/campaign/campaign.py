@@ -1,6 +1,6 @@
 """A campaign in memory: all that a solve needs, independent of where it came from, and its clock.
 
-The device's clock as a campaign's own records show it, against reference time beside the rows (``utc_s``).
+The device's clock as a campaign's own records show it, against the reference time of each row (``utc_s``).
 Nothing is concluded from a reference that leaves the rate open to more than 0.1 % or is no time [s] of these rows.
 """
 

@@ -4,7 +4,7 @@ The paths share nothing. Their random walks' precision is one tridiagonal matrix
 next; each has its own noise and rate, and is taken out when that has settled.
 
 Straight lines that pass every count's interval: what a dwell near a simple fraction of a count per sample says.
-At half a count per sample the count's pattern repeats every two samples, and a rate a little beside shows only
+At half a count per sample the count's pattern repeats every two samples, and a rate slightly off shows only
 where the pattern slips. Few slips leave a wedge of lines, as few edges do near a whole count, and a Gaussian is
 narrower than that by a third. The lines that fit are counted instead: each is as likely as any other.
 """
@@ -132,8 +132,8 @@ class _Left:
         information, h = self.BTB - self.sums(self.TB * bent), self.sums(self.TB * level)
         self.covariance = 1.0 / information
         self.theta = self.covariance * h
-        told = self.sums(self.nu * level - np.log(pivot)) + h * self.theta
-        self.log_norm = self.walk + 0.5 * (told - np.log(information))
+        exponent = self.sums(self.nu * level - np.log(pivot)) + h * self.theta
+        self.log_norm = self.walk + 0.5 * (exponent - np.log(information))
         self.mean = level + bent * self.at_nodes(self.theta)
         self.variance = 1.0 / (pivot + back[::-1] - diagonal) + bent**2 * self.at_nodes(self.covariance)
 
@@ -162,8 +162,8 @@ class _Left:
     ) -> FloatArray:
         """Move every site towards what its interval says, and smooth; return the log evidence before (paths,)."""
         log_p, x, w = interval_moments(below, above)
-        told = (c * precision + self.nu) ** 2 / (precision + self.tau) - c * c * precision
-        evidence = self.log_norm + self.sums(log_p + 0.5 * (np.log(1 + self.tau / precision) - told))
+        exponent = (c * precision + self.nu) ** 2 / (precision + self.tau) - c * c * precision
+        evidence = self.log_norm + self.sums(log_p + 0.5 * (np.log(1 + self.tau / precision) - exponent))
         tilted = precision / w
         self.tau = self.tau + damping * (np.maximum(tilted - precision, 0.0) - self.tau)
         self.nu = self.nu + damping * ((c + s * x) * tilted - c * precision - self.nu)
@@ -188,7 +188,7 @@ class _Left:
         self.starts = np.cumsum(self.sizes) - self.sizes
 
 
-REACH, STEP = 8.0, 0.1  # of the sigma given: how far beside it lines are tried, and how densely
+REACH, STEP = 8.0, 0.1  # of the sigma given: how far from it lines are tried, and how densely
 
 
 def rate_within_counts(

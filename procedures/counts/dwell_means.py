@@ -39,9 +39,9 @@ def shaken(dwells: Sequence[FloatArray], step: float) -> list[bool]:
     compared = np.array([[len(each), len(lag_sums(each))] for each in values]) >= MIN_COMPARED
     livelier = np.zeros(len(values), dtype=bool)
     for column in (0, 1):
-        told = scatter[compared[:, column], column]
-        if len(told) > 1:  # a short dwell says nothing of how quiet the others are
-            quiet = max(float(np.quantile(told, QUIET, method="lower")), ROUNDED * step)
+        known = scatter[compared[:, column], column]
+        if len(known) > 1:  # a short dwell says nothing of how quiet the others are
+            quiet = max(float(np.quantile(known, QUIET, method="lower")), ROUNDED * step)
             livelier |= compared[:, column] & (scatter[:, column] > TIMES_LIVELIER * quiet)
     return [bool(each) for each in livelier & ~livelier.all()]
 

@@ -171,7 +171,8 @@ def _gains(model: Board, W: FloatArray) -> FloatArray:
         part = part / np.maximum(size, np.finfo(float).tiny)[:, None, None]
         G, g = part @ np.swapaxes(part, 1, 2), part @ model.y
         amplitudes = np.tile(priors.OF_NAMELESS, (len(g), 1))
-        block = Block(np.arange(len(g)), np.zeros((len(g), sensors), np.int64), G, g, amplitudes, is_loss=False)
+        every, none = np.arange(len(g)), np.zeros((len(g), sensors), np.int64)
+        block = Block(every, none, G, g, amplitudes, np.zeros_like(amplitudes), is_loss=False)
         values = gains_of(model, float(model.y @ model.y), G, g, block)
         found = np.maximum(found, np.where(size > 0, np.max(values, axis=1), -np.inf))
     return found

@@ -1,6 +1,6 @@
 """Polynomials of temperature about 25 degC, one a sensor, each of its own order.
 
-Which order is for the data to say (`procedures.diagnosis.polynomial_orders`). The coefficient of the n-th power is
+Which order is for the data to say (`procedures.inference.hypotheses`). The coefficient of the n-th power is
 plausibly as large as makes it as much as the first at 30 K from the reference.
 """
 

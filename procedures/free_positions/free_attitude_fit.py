@@ -286,7 +286,7 @@ class _AccelerometerModel:
         return np.outer(np.array(stated) / STANDARD_GRAVITY, np.linalg.norm(self.K, axis=1))
 
     def _ups(self, u: FloatArray, bench: FloatArray) -> FloatArray:
-        """Return how far up tilts beside the face's own tilt, whitened by how far a slab may: 2 rows a rest."""
+        """Return how far up tilts more than the face's own tilt, whitened by how far a slab may: 2 rows a rest."""
         assert self.rests is not None
         cubes, found = cube_numbers(self.bench.campaigns), [np.zeros(0)]
         for row, (number, rest) in zip(u, self.rests.rests, strict=True):

@@ -47,7 +47,7 @@ class ScatterLevel:
 
 @np.errstate(all="ignore")  # what overflows is no rest
 def scatter_level(series: Series) -> ScatterLevel:
-    """Measure how much every sample's window scatters beside the quietest windows of the recording."""
+    """Measure how much every sample's window scatters, relative to the quietest windows of the recording."""
     half = max(round(WINDOW_S / series.period / 2), 4)
     level = np.full(len(series), np.inf)
     for begin, end in zip(series.starts, [*series.starts[1:], len(series)], strict=True):

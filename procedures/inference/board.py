@@ -32,6 +32,12 @@ class Hypothesis:
     driver: str = ""
 
     @property
+    def log_weights(self) -> FloatArray:
+        """Ln of the weights (m,) [1] of its amplitudes: a coefficient beyond what is stated is rarer."""
+        is_coefficient = self.effect is not None and not self.effect.is_scatter and self.kind != "term"
+        return priors.log_weights(self.amplitudes) if is_coefficient else np.zeros(len(self.amplitudes))
+
+    @property
     def curve(self) -> str:
         """What it is where its own law does not hold: a function of what drives it."""
         return f"a function of {self.driver}" if self.is_named and self.driver else self.name
@@ -66,6 +72,14 @@ class Option:
         return "" if self.candidate is None else str(self.candidate.columns.where)
 
     @property
+    def coefficients(self) -> frozenset[str]:
+        """The names of the coefficients that act; the line's x is the parabola's x.1."""
+        if self.candidate is None or self.mask is None:
+            return frozenset()
+        names = self.candidate.columns.coefficients
+        return frozenset(names[i].removesuffix(".1") for i in self.mask)
+
+    @property
     def is_bent(self) -> bool:
         """Say whether it has a time constant, or what else is not linear."""
         return self.candidate is not None and bool(self.candidate.columns.nonlinear)
@@ -89,6 +103,7 @@ class Block:
     G: FloatArray
     g: FloatArray
     amplitudes: FloatArray
+    log_weights: FloatArray
     is_loss: bool
 
 
@@ -137,6 +152,23 @@ class Board:
         return [np.flatnonzero(of == i) for i in range(len(self.hypotheses))]
 
     @cached_property
+    def same_as(self) -> Sequence[IntArray]:
+        """The numbers (k,) of the options that hold a coefficient of every option's own at its place, and itself.
+
+        Both at once are one option more than there is: another coefficient acts, or the same one elsewhere.
+        """
+        at = dict[tuple[object, ...], list[int]]()
+        for i, each in enumerate(self.options):
+            shape = each.candidate.columns.shape if each.candidate else ""
+            at.setdefault((each.hypothesis, each.place, shape), []).append(i)
+        found: list[IntArray] = [np.array([i]) for i in range(len(self.options))]
+        for together in at.values():
+            names = [self.options[i].coefficients for i in together]
+            for i, own in zip(together, names, strict=True):
+                found[i] = np.array([j for j, other in zip(together, names, strict=True) if j == i or own & other])
+        return found
+
+    @cached_property
     def blocks(self) -> Sequence[Block]:
         """All options, those of about as many columns together; but those of single rows."""
         return list(_blocks(self, range(len(self.options))))
@@ -162,4 +194,5 @@ def _blocks(board: Board, options: Iterable[int]) -> Iterator[Block]:
             row[: len(board.options[i].columns)] = board.options[i].columns
         W = np.moveaxis(board.W[:, columns], 0, 2)  # (b, k, m)
         amplitudes = np.array([board.hypotheses[board.options[i].hypothesis].amplitudes for i in which])
-        yield Block(np.array(which), columns, W @ np.swapaxes(W, 1, 2), W @ board.y, amplitudes, is_loss)
+        weights = np.array([board.hypotheses[board.options[i].hypothesis].log_weights for i in which])
+        yield Block(np.array(which), columns, W @ np.swapaxes(W, 1, 2), W @ board.y, amplitudes, weights, is_loss)

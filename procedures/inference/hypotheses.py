@@ -214,7 +214,7 @@ def _named(name: str, ways: Sequence[Candidate]) -> Hypothesis:
     again = log_odds if has_places else float(np.log(priors.ODDS_ANOTHER))
     is_bent = any(way.columns.nonlinear for way in ways)  # with two knees it would be any curve
     is_single = effect.is_scatter or len(ways[0].columns.coefficients) == 1 or is_bent
-    is_curve = is_bent or has_places or effect.added is not None
+    is_curve = is_bent or has_places
     driver = driver_in(name.split(".")[0], effect.driver) if is_curve else ""
     return Hypothesis(name, effect.kind, log_odds, amplitudes, effect, None if is_single else again, driver)
 

@@ -103,7 +103,7 @@ def _beside_rivals(
     likeliest = max(shares, key=lambda name: shares[name])
     search, now, found = stands[likeliest]
     causes = tuple(
-        replace(each, probability=each.joint * shares[likeliest], shares=_notable(each.shares | shares))
+        replace(each, probability=each.probability * shares[likeliest], shares=_notable(each.shares | shares))
         if each.hypothesis.name == likeliest
         else each
         for each in found.causes
@@ -130,12 +130,12 @@ def _bent(now: Refit, pool: Candidates) -> list[Candidate]:
     found = list[Candidate]()
     for each, term in zip(now.added, terms, strict=True):
         k = len(each.columns.coefficients) - len(each.columns.nonlinear)
-        ways = [
+        alike = [
             way
             for way in pool[each.effect.name]
-            if len(way.columns.coefficients) == len(each.columns.coefficients)
+            if (way.columns.shape, way.columns.orders) == (each.columns.shape, each.columns.orders)
         ]
-        own = ways[0].term.plausible
+        own = alike[0].term.plausible
         found.append(replace(each, term=Term(term.H[:, :k], own[:k])))
     return found
 

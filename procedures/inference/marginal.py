@@ -61,9 +61,18 @@ def stacked(board: Board, members: Sequence[Member]) -> FloatArray:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Held:
-    """Members held at their amplitudes: columns S (m, s), the inverse of M, c = M^-1 S'y and q = y' C^-1 y."""
+    """Members held at their amplitudes: their columns are S (m, s) = U diag(d) V'.
 
-    S: FloatArray
+    ``stays`` (r,) is 1 / (1 + d^2), what stays of variances along ``U`` (m, r), ``left`` (r,) that of U'y.
+    ``inverse`` (s, s) is that of M, ``c`` (s,) is M^-1 S'y, ``squares`` is y' C^-1 y.
+
+    Large members that are nearly the same leave no digits of a difference of products. So what is beside them is
+    projected out of the columns themselves.
+    """
+
+    U: FloatArray
+    stays: FloatArray
+    left: FloatArray
     inverse: FloatArray
     c: FloatArray
     squares: float
@@ -73,15 +82,22 @@ class Held:
     def of(cls, board: Board, members: Sequence[Member]) -> "Held":
         """Hold members."""
         S = stacked(board, members)
-        b, yy = S.T @ board.y, float(board.y @ board.y)
-        size, V = np.linalg.eigh(S.T @ S)  # large members that are nearly the same leave no digits of the 1
-        size = np.maximum(size, 0.0)
-        inverse = (V / (1 + size)) @ V.T
-        c = inverse @ b
-        squares = yy - float(b @ c)
-        logdet = float(np.sum(np.log1p(size)))
-        gain = -0.5 * logdet + float(tail(board, np.array(squares)) - tail(board, np.array(yy)))
-        return cls(S, inverse, c, squares, gain)
+        U, d, Vt = np.linalg.svd(S, full_matrices=S.shape[1] > S.shape[0])
+        stays, along = 1 / (1 + d**2), U.T @ board.y
+        every = np.append(stays, np.ones(S.shape[1] - len(d)))
+        beyond = board.y - U @ along
+        yy, squares = float(board.y @ board.y), float(beyond @ beyond + along @ (stays * along))
+        gain = -0.5 * float(np.sum(np.log1p(d**2)))
+        gain += float(tail(board, np.array(squares)) - tail(board, np.array(yy)))
+        c = Vt[: len(d)].T @ (d * stays * along)
+        return cls(U, stays, stays * along, (Vt.T * every) @ Vt, c, squares, gain)
+
+    def beside(self, W: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return columns W (m, n) beyond the members, along them (r, n), and what is left of W'y (n,)."""
+        along = self.U.T @ W
+        beyond = W - self.U @ along
+        found: FloatArray = beyond.T @ y + along.T @ self.left
+        return beyond, along, found
 
 
 def tail(board: Board, squares: FloatArray) -> FloatArray:
@@ -89,44 +105,46 @@ def tail(board: Board, squares: FloatArray) -> FloatArray:
     nu = board.evidence.noise_dof
     if not np.isfinite(nu):
         return -0.5 * squares
-    found: FloatArray = -0.5 * (nu + len(board.y)) * np.log1p(squares / nu)
+    found: FloatArray = -0.5 * (nu + len(board.y)) * np.log1p(np.maximum(squares, 0.0) / nu)
     return found
 
 
 def ranked(board: Board, members: Sequence[Member], only: int | None = None) -> Ranked:
-    """Return what every hypothesis, or ``only`` one, is worth beside members."""
+    """Return what every hypothesis, or ``only`` one, is worth beside members; nothing where these are its own."""
     held, n = Held.of(board, members), len(board.options)
     gains, best, amplitude = np.full(n, -np.inf), np.full(n, -np.inf), np.zeros(n)
     blocks = board.blocks if only is None else board.blocks_of[only]
     every = np.arange(n) if only is None else board.options_of[only]
-    variances, V = np.linalg.eigh(held.inverse)
-    if only is None:
-        W = board.W
-        columns = np.arange(W.shape[1])
-    else:
+    columns, W = np.arange(board.W.shape[1]), board.W
+    if only is not None:
         columns = np.unique(np.concatenate([board.options[i].columns for i in every.tolist()]))
-        W = board.W[:, columns]
-    across = held.S.T @ W
-    taken, shift = np.zeros((board.W.shape[1], len(V))), np.zeros(board.W.shape[1])
-    taken[columns] = across.T @ (V * np.sqrt(np.maximum(variances, 0.0)))  # what the members take of each column
-    shift[columns] = across.T @ held.c
+        W = W[:, columns]
+    beyond, along, left = held.beside(W, board.y)
+    whole = np.hstack((beyond.T, along.T * np.sqrt(held.stays)))  # W' C^-1 W is its square
+    number = np.zeros(board.W.shape[1], dtype=np.int64)
+    number[columns] = np.arange(len(columns))
     for block in blocks:
-        of = taken[block.columns]  # (b, k, s)
-        G, g = block.G - of @ np.swapaxes(of, 1, 2), block.g - shift[block.columns]
+        of = whole[number[block.columns]]  # (b, k, m + r)
+        G, g = of @ np.swapaxes(of, 1, 2), left[number[block.columns]]
         values = gains_of(board, held.squares, G, g, block)
         most = np.argmax(values, axis=1)
         at = np.arange(len(most))
         shares = np.array([board.options[i].log_share for i in block.options])
-        gains[block.options] = shares + log_mean(values)
+        gains[block.options] = shares + log_mean(values + block.log_weights)
         best[block.options] = shares + values[at, most]
         amplitude[block.options] = block.amplitudes[at, most]
     for i in every.tolist():
         option = board.options[i]
         if option.taken is not None:
-            values = _gains_of_rows(board, held, option, taken[option.columns], shift[option.columns])
+            own = number[option.columns]
+            by_members = (along[:, own] * np.sqrt(1 - held.stays)[:, None]).T
+            values = _gains_of_rows(board, held, option, by_members, left[own])
             most = int(np.argmax(values))
             gains[i] = option.log_share + log_mean(values)
             best[i], amplitude[i] = option.log_share + values[most], _amplitudes(board, option)[most]
+    for member in members:
+        same = board.same_as[member.option]
+        gains[same] = best[same] = -np.inf
     total = np.array([
         each.log_odds + (log_sum(gains[own]) if len(own) else -np.inf)
         for each, own in zip(board.hypotheses, board.options_of, strict=True)
@@ -154,16 +172,13 @@ def _amplitudes(board: Board, option: Option) -> FloatArray:
     return board.hypotheses[option.hypothesis].amplitudes
 
 
-def _gains_of_rows(
-    board: Board, held: Held, option: Option, by_members: FloatArray, shift: FloatArray
-) -> FloatArray:
+def _gains_of_rows(board: Board, held: Held, option: Option, by_members: FloatArray, g: FloatArray) -> FloatArray:
     """Return the gain (amplitudes,) of an option whose columns are single rows, beside what is held.
 
     Then G = I - U U' with few columns U: but for these directions it has the eigenvalue 1. ``by_members`` (k, s)
-    is what the members take of the columns, ``shift`` (k,) what they explain of W'y.
+    is what the members take of the columns, ``g`` (k,) what they leave of W'y.
     """
     assert option.taken is not None
-    g = board.W[:, option.columns].T @ board.y - shift
     X, sigma, _ = np.linalg.svd(np.hstack((option.taken, by_members)), full_matrices=False)
     size, along = np.maximum(1 - sigma**2, 0.0), X.T @ g
     rest, number = max(float(g @ g - along @ along), 0.0), len(g) - len(size)
@@ -177,9 +192,9 @@ def _gains_of_rows(
 
 def _log_positive(G: FloatArray, g: FloatArray, amplitudes: FloatArray) -> FloatArray:
     """Return ln of how much likelier coefficients above zero are with the data than before (b, amplitudes)."""
-    k = G.shape[1]
-    precision = G[:, None] + np.eye(k) / amplitudes[:, :, None, None] ** 2
-    C = np.linalg.inv(precision)
+    size, V = np.linalg.eigh(G)
+    variances = 1 / (np.maximum(size, 0.0)[:, None] + 1 / amplitudes[:, :, None] ** 2)
+    C = (V[:, None] * variances[:, :, None, :]) @ np.swapaxes(V, 1, 2)[:, None]
     mean = np.einsum("baij,bj->bai", C, g)
     found: FloatArray = np.sum(np.log(2) + log_ndtr(mean / np.sqrt(np.einsum("baii->bai", C))), axis=2)
     return found

@@ -159,16 +159,23 @@ def _places(board: Board, beside: Ranked, hypothesis: int) -> Iterator[tuple[Map
 
 def _together(board: Board, members: Sequence[Member], own: Sequence[Member]) -> Coefficients | None:
     """Return the coefficients that several members make together, at their amplitudes, beside all others."""
-    candidate = board.options[own[0].option].candidate
-    assert candidate is not None
+    ways = [way for each in own if (way := board.options[each.option].candidate) is not None]
+    candidate = max(
+        ways, key=lambda each: len(each.columns.coefficients)
+    )  # of polynomials that of the highest order
     held, columns = Held.of(board, members), candidate.columns
     k = len(columns.coefficients) - len(columns.nonlinear)
+    number = {name: i for i, name in enumerate(columns.coefficients)}
     T, first = np.zeros((k, len(held.c))), 0
     for each in members:
         option = board.options[each.option]
         end = first + len(option.columns)
-        if each in own and option.mask is not None and option.scale is not None:
-            T[option.mask, range(first, end)] = option.scale * each.amplitude
+        if each in own and option.mask is not None and option.scale is not None and option.candidate is not None:
+            names = [option.candidate.columns.coefficients[i] for i in option.mask]
+            at = [
+                number.get(name, number.get(f"{name}.1", 0)) for name in names
+            ]  # x of a line is x.1 of a parabola
+            T[at, range(first, end)] = option.scale * each.amplitude
         first = end
     value, covariance = T @ held.c, T @ held.inverse @ T.T
     if candidate.effect.shown is not None:
@@ -200,13 +207,15 @@ def averaged(board: Board, rest: Sequence[Member], hypothesis: int, member: Memb
         ):
             continue
         W = board.W[:, option.columns]
-        of = W.T @ held.S
-        G, g = W.T @ W - of @ held.inverse @ of.T, W.T @ board.y - of @ held.c
+        beyond, inside, g = held.beside(W, board.y)
+        G = beyond.T @ beyond + inside.T @ (held.stays[:, None] * inside)
         size, V = np.linalg.eigh(G)
         size, along = np.maximum(size, 0.0), V.T @ g
-        for s in board.hypotheses[hypothesis].amplitudes.tolist():
+        of_prior = board.hypotheses[hypothesis]
+        for s, log_weight in zip(of_prior.amplitudes.tolist(), of_prior.log_weights.tolist(), strict=True):
             spread = 1 + s**2 * size
-            weights.append(option.log_share + 0.5 * float(np.sum(s**2 * along**2 / spread - np.log(spread))))
+            gain = 0.5 * float(np.sum(s**2 * along**2 / spread - np.log(spread)))
+            weights.append(option.log_share + log_weight + gain)
             mean, C = np.zeros(k), np.zeros((k, k))
             mean[option.mask] = option.scale * (V @ (s**2 * along / spread))
             C[np.ix_(option.mask, option.mask)] = (

@@ -58,18 +58,14 @@ def grid(low: float, high: float) -> np.ndarray:
     return found
 
 
-def falling(low: float, high: float) -> np.ndarray:
-    """Return amplitudes (m,) [1] of equal weight: even in the logarithm below 1, rarer beyond it.
-
-    The density of the logarithm is ``1 / (1 + s)``, a Cauchy tail, whose integral is ``ln(s / (1 + s))``.
-    """
-    first, last = (np.log(s / (1 + s)) for s in (low, high))
-    quantiles = np.exp(first + (last - first) * (np.arange(AMPLITUDES) + 0.5) / AMPLITUDES)
-    found: np.ndarray = quantiles / (1 - quantiles)
+def log_weights(amplitudes: np.ndarray) -> np.ndarray:
+    """Return ln of the weights (m,) of amplitudes (m,) [1], of mean 1: beyond 1 as rare as a Cauchy tail."""
+    weights = 1 / (1 + amplitudes)
+    found: np.ndarray = np.log(weights / np.mean(weights))
     return found
 
 
-OF_NAMED = falling(1 / SPAN, SPAN)  # of the standard deviation of a coefficient that the catalogue states
+OF_NAMED = grid(1 / SPAN, FACTOR)  # of the standard deviation of a coefficient that the catalogue states
 OF_SPREAD = grid(1 / FACTOR, FACTOR)  # of the standard deviation of a scatter, or of noise, that is stated
 OF_NAMELESS = grid(1.0, SPAN)  # of what one sigma of all rows together is
 WINDOW = -2 * np.log(NEGLIGIBLE)  # nats below the best model: a hundred such models are negligible

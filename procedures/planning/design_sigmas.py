@@ -18,7 +18,7 @@ from procedures.calibration.triad_calibration import CORRELATED_DWELLS, triad_ve
 from procedures.campaign.observations import TriadDwells
 from procedures.planning.campaign_design import CampaignDesign, Placement
 from procedures.planning.placement_rows import BENCH, GYRO, OWN, SHARED, TRIAD
-from procedures.planning.step_information import TOLD, StepInformation
+from procedures.planning.step_information import OWN_FIT, StepInformation
 from procedures.statistics.least_squares import Fit
 from procedures.twelve_positions.accelerometer_fit import TriadFit
 from procedures.units import DEG_H_PER_DEG_S
@@ -40,16 +40,16 @@ class DesignSigmas:
     def of(self, design: CampaignDesign) -> FloatArray:
         """Return 1 sigma (30,) of k (relative), E, D [g], [deg/h] of both triads, as `NAMES`; inf where open."""
         dwells = [at for at in design.placements if at.turn is None]
-        told = sum((self.steps.told(at) for at in dwells), np.zeros((len(TOLD),) * 2))
-        found = self.by_information(told, self.shared(design), len(dwells))
+        information = sum((self.steps.information(at) for at in dwells), np.zeros((len(OWN_FIT),) * 2))
+        found = self.by_information(information, self.shared(design), len(dwells))
         return np.where(found > OPEN_SIGMA, np.inf, found)
 
-    def by_information(self, told: FloatArray, shared: FloatArray, dwells: int) -> FloatArray:
+    def by_information(self, information: FloatArray, shared: FloatArray, dwells: int) -> FloatArray:
         """Return 1 sigma (..., 30) of designs of so many dwells, by what they say; above `OPEN_SIGMA` where open.
 
-        ``told`` (..., 27, 27) is that of their dwells to the accelerometers, ``shared`` (..., 39, 39) to both.
+        ``information`` (..., 27, 27) is what they add to the accelerometers, ``shared`` (..., 39, 39) to both.
         """
-        return np.concatenate((self._accelerometer(told), self._gyroscope(shared, dwells)), axis=-1)
+        return np.concatenate((self._accelerometer(information), self._gyroscope(shared, dwells)), axis=-1)
 
     def shared(self, design: CampaignDesign) -> FloatArray:
         """Return the normal matrix (39, 39) of what a design says of all that belongs to no single placement."""
@@ -73,8 +73,11 @@ class DesignSigmas:
         moved = self.steps.moved(before.position, after.position, moves and after.is_carried)
         return joined(chain, moved) + self.steps.placed(after, moves)
 
-    def _accelerometer(self, told: FloatArray) -> FloatArray:
-        return _stated(told + self.known[False][np.ix_(TOLD, TOLD)], *self.accelerometer_vector)
+    def _accelerometer(self, information: FloatArray) -> FloatArray:
+        return _stated(
+            information + self.known[False][np.ix_(OWN_FIT, OWN_FIT)],
+            *self.accelerometer_vector,
+        )
 
     def _gyroscope(self, shared: FloatArray, dwells: int) -> FloatArray:
         """Neighbouring dwells share a bias instability, as in `triad_calibration.common_variance`."""
@@ -91,7 +94,7 @@ class DesignSigmas:
 
     @cached_property
     def accelerometer_vector(self) -> tuple[FloatArray, FloatArray]:
-        """The Jacobian (15, 27) of the accelerometers' k, E, D by what is ``told``, and a variance (15,)."""
+        """The Jacobian (15, 27) of the accelerometers' k, E, D by the columns `OWN_FIT`, and a variance (15,)."""
         return self._vector("accelerometer")
 
     @cached_property
@@ -148,7 +151,7 @@ def _stated(N: FloatArray, J: FloatArray, more: FloatArray) -> FloatArray:
     return found
 
 
-SHARE_OF_MEAN = 0.1  # of the score beside the worst ratio: what is met already is not let go for nothing
+SHARE_OF_MEAN = 0.1  # of the score, added to the worst ratio: what is met already is not let go for nothing
 TIMES_USUAL = 10.0  # of the usual campaign's sigma: what nobody asks for is solved at least as well as that
 IN_PLACE = [name.split(".")[-1] in {"xx", "yy", "zz"} for name in NAMES]
 MEASURED = ~np.array(IN_PLACE) & [not name.startswith("accelerometer.scale") for name in NAMES]

@@ -119,9 +119,11 @@ class OrderSearch:
             before = self._dwells[order[i - 1]] if i else self._head[-1]
             moved = self._sigmas.steps.moved(before.position, self._positions[among], self._moves)
             N += joined(chain, moved)
-        told = self._told[[j for at, j in enumerate(order) if at != i]].sum(axis=0) + self._told[among]
+        information = (
+            self._information[[j for at, j in enumerate(order) if at != i]].sum(axis=0) + self._information[among]
+        )
         dwells = len(order) + sum(at.turn is None for at in self._head)
-        sigmas = self._sigmas.by_information(told + self._decided_before, without_first(N), dwells)
+        sigmas = self._sigmas.by_information(information + self._decided_before, without_first(N), dwells)
         return self._wanted.score(sigmas)
 
     def _with(self, chain: FloatArray | None, order: Sequence[int], i: int) -> FloatArray:
@@ -159,8 +161,8 @@ class OrderSearch:
 
     @cached_property
     def _decided_before(self) -> FloatArray:
-        told = [self._sigmas.steps.told(at) for at in self._head if at.turn is None]
-        return np.sum(told, axis=0) if told else np.zeros_like(self._told[0])
+        information = [self._sigmas.steps.information(at) for at in self._head if at.turn is None]
+        return np.sum(information, axis=0) if information else np.zeros_like(self._information[0])
 
     @cached_property
     def _by_tail(self) -> FloatArray:
@@ -180,5 +182,5 @@ class OrderSearch:
         return np.array([self._sigmas.steps.placed(at, self._moves) for at in self._dwells])
 
     @cached_property
-    def _told(self) -> FloatArray:
-        return np.array([self._sigmas.steps.told(at) for at in self._dwells])
+    def _information(self) -> FloatArray:
+        return np.array([self._sigmas.steps.information(at) for at in self._dwells])

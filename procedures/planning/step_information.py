@@ -65,7 +65,7 @@ def _dwell_variance(white: FloatArray, scale: FloatArray, seconds: FloatArray) -
 
 
 NO_CLOSURE_STD_RAD = 1e-9  # rad, of a dwell, which closes nothing
-TOLD = np.r_[ACCEL, BENCH]  # what the accelerometers' own fit has of the shared columns
+OWN_FIT = np.r_[ACCEL, BENCH]  # what the accelerometers' own fit has of the shared columns
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,9 +114,9 @@ class StepInformation:
         found: FloatArray = self._moved_back[before - 1, after - 1]
         return found
 
-    def told(self, at: Placement) -> FloatArray:
-        """Return what a dwell adds (27, 27) to the accelerometers' own fit: columns `TOLD` of the shared."""
-        rows = self.rows.accel[at.position - 1][:, OWN:][:, TOLD]
+    def information(self, at: Placement) -> FloatArray:
+        """Return what a dwell adds (27, 27) to the accelerometers' own fit: columns `OWN_FIT` of the shared."""
+        rows = self.rows.accel[at.position - 1][:, OWN:][:, OWN_FIT]
         variance = self.noise.accel_variance(np.array([at.seconds]))[0]
         found: FloatArray = rows.T @ (rows / variance[:, None])
         return found

@@ -2,7 +2,7 @@
 
 Large effects underflow to p = 0, and of several zeros the first in the alphabet would win.
 
-One more value beside others of one mean and one scatter, both unknown: how improbable it is.
+The significance of one more value, given others of one mean and one scatter, both unknown.
     y_i = mu + r_i + e_i,    r_i ~ N(0, tau^2),    e_i ~ N(0, s_i^2) known
 
 mu has no prior, each decade of tau is as likely as the next, on a fine grid. With ``w_i = 1 / (s_i^2 + tau^2)``

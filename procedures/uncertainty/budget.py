@@ -199,7 +199,7 @@ def _spread(through: FloatArray, shares: Shares) -> Shares:
 def _by_origin(total: FloatArray, onward: FloatArray, shares: Shares) -> Shares:
     """Split ``total`` (15,), what tilts taken from another fit add, as their origin there is split.
 
-    The rows hold the tilts' covariance; what rounding and `hand_turns.TILT_FLOOR_RAD` put beside it goes with the
+    The rows hold the tilts' covariance; what rounding and `gyroscope_model.TILT_FLOOR_RAD` add goes with the
     rest. What the other fit leaves unexplained comes on top.
     """
     size = np.sum(onward**2, axis=1)

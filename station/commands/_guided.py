@@ -65,7 +65,7 @@ class Display:
 
 
 def campaigns_root() -> Path:
-    """Return where campaigns go unless told."""
+    """Return the default folder of campaigns."""
     return platformdirs.user_data_path("fog-station") / "campaigns"
 
 

@@ -1,4 +1,4 @@
-"""The options by which `diagnose` is told of a table from elsewhere, and what they say put together."""
+"""The options that describe a table from elsewhere, and what they say put together."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -74,8 +74,8 @@ class LogOptions:
 
     def refuse_with_folders(self) -> None:
         """Raise typer's usage error if one was given: a campaign's folder says it all itself."""
-        if told := [name for name, value in self.given.items() if value is not None]:
-            raise typer.BadParameter(f"--{told[0].replace('_', '-')} is for logs, but these are campaign folders")
+        if given := [name for name, value in self.given.items() if value is not None]:
+            raise typer.BadParameter(f"--{given[0].replace('_', '-')} is for logs, but these are campaign folders")
 
     def columns(self) -> "ColumnOptions":
         """Return what they say of a log's columns; a usage error where a unit is none."""
@@ -116,23 +116,23 @@ class LogOptions:
         )  # fmt: skip
 
 
-def means_of_logs(files: Sequence[Path], told: LogOptions) -> "MeansTable | None":
-    """Return a single log as a table of means where it was told or looks so; None of any other.
+def means_of_logs(files: Sequence[Path], options: LogOptions) -> "MeansTable | None":
+    """Return a single log as a table of means where it is specified as one or looks like one; None of any other.
 
     Raises
     ------
     DataRefused
-        If it was told to be one and is none.
+        If it is specified as one and is none.
     """
     from station.files.logs.means_table import KIND, is_means_table, means_of
     from station.files.tables.reader import read_table
 
-    kinds = told.given.get("as") or ()
+    kinds = options.given.get("as") or ()
     if KIND in kinds and len(files) > 1:
         raise typer.BadParameter(f"found {len(files)} logs with --as {KIND}, expected one table")
     if len(files) != 1 or (kinds and KIND not in kinds):
         return None
-    columns = told.columns()
+    columns = options.columns()
     if not kinds and files[0].is_file() and files[0].stat().st_size > MAX_MEANS_BYTES:
         return None
     table = read_table(files[0])
@@ -151,20 +151,20 @@ def means_of_logs(files: Sequence[Path], told: LogOptions) -> "MeansTable | None
     return found
 
 
-def read_logs(files: Sequence[Path], told: LogOptions, folder: Path | None) -> "LoadedCampaign":
+def read_logs(files: Sequence[Path], options: LogOptions, folder: Path | None) -> "LoadedCampaign":
     """Read logs as a campaign, say what was guessed, and keep it where that is asked.
 
     Raises
     ------
     DataRefused
-        If a log cannot be read, or turns without a rest and nobody told what it is.
+        If a log cannot be read, or turns without a rest and it is not specified what it is.
     """
-    found = told.read(files)
+    found = options.read(files)
     for line in found.guesses:
         typer.echo(f"inferred: {line}", err=True)
     for line in found.notes:
         typer.echo(f"note: {line}", err=True)
-    if not told.given.get("as"):
+    if not options.given.get("as"):
         from station.files.logs.log_steps import refuse_restless
 
         refuse_restless(found.loaded.campaign)

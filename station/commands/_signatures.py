@@ -129,7 +129,7 @@ Sign = Callable[[Path, bytes], bytes]
 
 
 def looks_signed(path: Path) -> bool:
-    """Return whether a file has a signature in it, told by its marks alone."""
+    """Return whether a file contains a signature, judged by its marks alone."""
     mark = SIGNATURE_MARKS.get(path.suffix.lower())
     return mark is not None and path.is_file() and mark in path.read_bytes()
 

@@ -117,11 +117,11 @@ def attitude(
     from station.files.atomic_file import refuse_own
 
     refuse_own((out, json), (log,))
-    told = _log_options.LogOptions({
+    options = _log_options.LogOptions({
         "time": time, "gyro": gyro, "accel": accel, "unit_time": unit_time, "unit_gyro": unit_gyro,
         "unit_accel": unit_accel, "rate": rate,
     })  # fmt: skip
-    read = _read(log, told, axes, accel_convention)
+    read = _read(log, options, axes, accel_convention)
     from dataclasses import replace
 
     import numpy as np
@@ -214,7 +214,7 @@ def _estimated(
     return track, document, attitude_text(read, document)
 
 
-def _read(log: Path, told: _log_options.LogOptions, axes: str | None, convention: str | None) -> "AttitudeLog":
+def _read(log: Path, options: _log_options.LogOptions, axes: str | None, convention: str | None) -> "AttitudeLog":
     from station.attitude.general_log import CONVENTIONS, read_any_log
     from station.calibrated.output_frame import body_axes
 
@@ -223,7 +223,7 @@ def _read(log: Path, told: _log_options.LogOptions, axes: str | None, convention
         raise typer.BadParameter(expected, param_hint="--accel-convention")
     with refused_as("--axes"):
         C = None if axes is None else body_axes(axes)
-    read = read_any_log(log, told.columns() if told.is_given else None, C, convention)
+    read = read_any_log(log, options.columns() if options.is_given else None, C, convention)
     for line in read.guesses:
         typer.echo(f"inferred: {line}", err=True)
     for line in read.notes:

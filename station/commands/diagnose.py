@@ -71,22 +71,24 @@ def diagnose(
     from station.files.campaign_folder.campaign_reading import read_campaign
     from station.files.campaign_folder.loaded_campaign import check_one_unit, with_effects
 
-    told = _log_options.LogOptions({
+    options = _log_options.LogOptions({
         "time": time, "gyro": gyro, "accel": accel, "unit_gyro": unit_gyro, "unit_accel": unit_accel,
         "unit_time": unit_time, "temperature": temperature, "aux": aux, "rate": rate, "reference": reference,
         "utc": utc, "as": as_, "latitude": latitude, "serial": serial, "campaign": campaign,
     })  # fmt: skip
-    if told.are_logs(campaigns) and (means := _log_options.means_of_logs(campaigns, told)) is not None:
-        _report_means(means, told, json)
+    if options.are_logs(campaigns) and (means := _log_options.means_of_logs(campaigns, options)) is not None:
+        _report_means(means, options, json)
         return
-    if told.are_logs(campaigns):
-        loaded, partial = [_log_options.read_logs(campaigns, told, campaign)], True
+    if options.are_logs(campaigns):
+        loaded, partial = [_log_options.read_logs(campaigns, options, campaign)], True
     else:
-        if not any(told.are_logs([path]) for path in validate or []):
-            told.refuse_with_folders()
+        if not any(options.are_logs([path]) for path in validate or []):
+            options.refuse_with_folders()
         loaded = [read_campaign(folder) for folder in campaigns]
     others = {
-        str(path): _log_options.read_logs([path], told, None) if told.are_logs([path]) else read_campaign(path)
+        str(path): _log_options.read_logs([path], options, None)
+        if options.are_logs([path])
+        else read_campaign(path)
         for path in validate or []
     }
     check_one_unit([*loaded, *others.values()])
@@ -94,10 +96,10 @@ def diagnose(
     _diagnose(loaded, others, json, html, plan, is_partial=partial, is_searched=discover)
 
 
-def _report_means(means: "MeansTable", told: _log_options.LogOptions, json: Path | None) -> None:
+def _report_means(means: "MeansTable", options: _log_options.LogOptions, json: Path | None) -> None:
     from station.results.diagnosis.means_document import means_document, means_text
 
-    document = means_document(means, told.given.get("latitude"), told.given.get("serial"))
+    document = means_document(means, options.given.get("latitude"), options.given.get("serial"))
     write_result(document, means_text(document), json, f"means of {document['poses']} poses, means/1")
 
 

@@ -40,11 +40,11 @@ def noise(
 
     Example: station noise fog.csv --time t --gyro -,-,rate --unit-gyro deg/s --png allan.png
     """
-    told = _log_options.LogOptions({
+    options = _log_options.LogOptions({
         "time": time, "gyro": gyro, "accel": accel, "unit_gyro": unit_gyro, "unit_accel": unit_accel,
         "unit_time": unit_time, "rate": rate, "as": as_, "serial": serial,
     })  # fmt: skip
-    loaded = _loaded(recordings, told)
+    loaded = _loaded(recordings, options)
     document = _document(loaded)
     from station.results.noise.noise_text import noise_text
 
@@ -61,13 +61,13 @@ def noise(
         typer.echo(f"{png}: Allan deviation and spectrum")
 
 
-def _loaded(recordings: Sequence[Path], told: _log_options.LogOptions) -> "list[LoadedCampaign]":
+def _loaded(recordings: Sequence[Path], options: _log_options.LogOptions) -> "list[LoadedCampaign]":
     from station.files.campaign_folder.campaign_reading import read_campaign
     from station.files.campaign_folder.loaded_campaign import check_one_unit
 
-    if told.are_logs(recordings):
-        return [_log_options.read_logs(recordings, told, None)]
-    told.refuse_with_folders()
+    if options.are_logs(recordings):
+        return [_log_options.read_logs(recordings, options, None)]
+    options.refuse_with_folders()
     loaded = [read_campaign(folder) for folder in recordings]
     check_one_unit(loaded)
     return loaded
@@ -81,7 +81,7 @@ def _document(loaded: "Sequence[LoadedCampaign]") -> dict[str, Any]:
     try:
         solution = solve([one.campaign for one in loaded])
     except ProcedureError:
-        solution = None  # then in the units told, or in outputs
+        solution = None  # then in the units specified, or in outputs
     document = noise_document(loaded, solution)
     if not document["channels"]:
         raise NotObservable(

@@ -28,7 +28,7 @@ def test_a_small_campaign(stored_result: StoredResult, name: str) -> None:
     stored_result.check(outcome(found), without=["gain"])
     if name == "wandering":
         proposals = discover(found).proposals
-        numbers = ("coefficients", "value", "std", "p", "gain", "share", "held_out")
+        numbers = ("coefficients", "value", "std", "probability", "share", "held_out")
         kept = [{name: getattr(each, name) for name in numbers} for each in proposals]
         stored_result.check(
             {"proposals": kept, "readings": [len(each.readings) for each in proposals]}, "discovered"

@@ -39,7 +39,7 @@ Sent = tuple[IntArray, list[float]]  # of a power-on: its counts (n, 6), what it
 class Errors:
     """Stored values less truth, in their own sigmas, by parameter; ``excused``: why they prove nothing.
 
-    ``untold``: why some are not among them, as the program said itself (`tests.year.undetectable_tilts`).
+    ``untold``: why some are not among them, as the program said itself (`tests.year.unnoticed_leans`).
     """
 
     sigmas: dict[str, float]

@@ -1,4 +1,4 @@
-"""A device with a port of its own beside a simulated IMU: on the IMU's time, or alone on the host's."""
+"""A second device with its own port, on the time of a simulated IMU or alone on the host's time."""
 
 import time
 from collections.abc import Iterable

@@ -1,4 +1,4 @@
-"""What is true of a simulated camera and of a simulated autopilot, beside where they are."""
+"""True parameters of a simulated camera and of a simulated autopilot; the track has where they are."""
 
 from dataclasses import dataclass, field
 

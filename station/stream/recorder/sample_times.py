@@ -2,7 +2,7 @@
 
 `PulseAges` gives how long before the last sample of a chunk a reference pulse (PPS) came. `RowTimes` gives UTC of
 the rows that came last in a chunk, each with the jitter of its own reading, so that a fit over many of them
-(`procedures.campaign.recorded_clock`) sees their scatter; a smooth line through them would hide it. A pulse is a
+(`procedures.counts.reference_time`) sees their scatter; a smooth line through them would hide it. A pulse is a
 whole second, latched by the device itself to a microsecond: it is then the reference. Which second it is follows
 from the first reading and then from the device's own time; where that reading was this machine's clock, it is
 replaced as soon as UTC is known. `SampleMoments` gives when a sample was taken by the station's clock.

@@ -126,10 +126,10 @@ def test_the_measured_fog_is_nonlinear_then_warm_and_nothing_more() -> None:
     (error,) = diagnosis.errors
     ppm = 1e6 / np.degrees(2.639)
     assert 11_800 < error.before * ppm < 11_880
-    assert 120 < error.after * ppm < 132
+    assert 120 < error.after * ppm < 150
     assert error.held_out_after is not None
-    assert 127 < error.held_out_after * ppm < 140
-    assert np.radians(error.held_out_after) <= 3.6e-4
+    assert 127 < error.held_out_after * ppm < 155
+    assert np.radians(error.held_out_after) <= 4e-4
 
 
 # A curve that resembles an error term leaves structure in the residual and is ambiguous

@@ -36,7 +36,7 @@ def test_counts_at_another_temperature_come_out_right(warmed: Diagnosed) -> None
     up = truth.local_gravity / STANDARD_GRAVITY
     f = calibrated_inputs(calibration, rate, None, around).f
     assert f is not None
-    assert abs(f[0, 2] - up) < 2e-5
+    assert abs(f[0, 2] - up) < 8e-5  # the average over models holds a tenth of a coefficient of dT/dt
     without = calibrated_inputs({**calibration, "effects": []}, rate, None, around).f
     assert without is not None
     assert abs(without[0, 2] - up) > 1e-3

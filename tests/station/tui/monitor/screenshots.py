@@ -4,8 +4,7 @@ import asyncio
 
 from station.monitor.view import MonitorView
 from tests.station.monitor import views
-from tests.station.tui.animation import shown
-from tests.station.tui.monitor.session import LARGE, SMALL
+from tests.station.tui.monitor.session import LARGE, SMALL, shown
 from tests.station.tui.screenshots import FOLDER, portable
 
 PICTURES = {

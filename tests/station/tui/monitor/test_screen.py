@@ -9,8 +9,7 @@ from station.tui.monitor_screen import MonitorApp
 from station.tui.screens.modals import ConfirmScreen
 from station.tui.widgets.common import EventLines, ValueWidget
 from tests.station.monitor.views import VIEWS
-from tests.station.tui.animation import shown
-from tests.station.tui.monitor.session import LARGE, SMALL, MemorySession, Shown
+from tests.station.tui.monitor.session import LARGE, SMALL, MemorySession, Shown, shown
 
 LOOKS = [  # the usual ones are the pictures of docs/how-to/monitor.md, see test_page.py
     ("waiting", SMALL, ""), ("alarming", SMALL, ""), ("blind", SMALL, ""), ("resting", SMALL, "question_mark"),
