@@ -1,7 +1,7 @@
-"""Roll and pitch online: the mixing law, which is a complementary filter, and the Kalman filter, the default.
+"""Roll and pitch online: the complementary filter of You and Lee and the Kalman filter, which is the default.
 
-The mixing law and its velocity aids are those of You, Lee, *An accelerometer-aided mixing algorithm for strapdown
-attitude (roll, pitch)*. Body axes are forward-right-down, the level frame north-east-down (`forward_right_down`);
-attitude is carried as the *down vector*, the unit vector of gravity in body axes, which has no singularity.
-Physics and measured figures: ``docs/explanation/attitude.md``.
+`attitude_estimate` runs either on an `attitude_log`; `both_directions` smooths, `gain_tuning` finds gains,
+`attitude_diagnosis` finds what a filter's model lacks, `axes_check` finds swapped axes. Attitude is the *down
+vector*, gravity's unit vector in body axes, which has no singularity. Source: You, Lee, *An accelerometer-aided
+mixing algorithm for strapdown attitude (roll, pitch)*; physics and figures: ``docs/explanation/attitude.md``.
 """

@@ -6,24 +6,25 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.attitude_log import AttitudeLog, down_of, earth_rate_ned
 from procedures.attitude.complementary_filter import STEEP_PITCH, ComplementaryFilter
-from procedures.attitude.complementary_gains import PAPER_GAINS, Gains
-from procedures.attitude.forward_right_down import down_of, earth_rate_ned
-from procedures.attitude.frozen_rows import (
+from procedures.attitude.complementary_velocity_aids import Observability, observability
+from procedures.attitude.filter_choice import PAPER_GAINS, Gains
+from procedures.attitude.kalman_filter import AID_CODE, AttitudeKalmanFilter
+from procedures.attitude.kalman_state import AIDED_SETTINGS, UNAIDED_SETTINGS, KalmanSettings
+from procedures.attitude.sensor_noise import (
+    at_rest,
+    clipped_rows,
     down_over_gaps,
+    frozen_rows_warning,
     frozen_stretches,
+    gate_of,
+    gyro_noise,
     measured_rows,
     rows_of,
-    said_of,
     sigma_over_gaps,
 )
-from procedures.attitude.heading_at_rest import heading_at_rest
-from procedures.attitude.kalman_state import AIDED_SETTINGS, UNAIDED_SETTINGS, KalmanSettings
-from procedures.attitude.observability import Observability, observability
-from procedures.attitude.roll_pitch_kalman_filter import AID_CODE, AttitudeKalmanFilter
-from procedures.attitude.sensor_noise import at_rest, clipped_rows, gate_of, gyro_noise
-from procedures.attitude.unaided_motion import run_as_it_moves
+from procedures.attitude.unaided_motion import heading_at_rest, run_unaided
 from procedures.earth.geodesy import EARTH_RATE
 from procedures.units import STANDARD_GRAVITY
 
@@ -70,7 +71,7 @@ def default_aid(log: AttitudeLog) -> str:
 
 
 def takes_gains(aid: str) -> bool:
-    """Say whether an aid is a form of the mixing law; without aid, gains ask for the law instead of the filter."""
+    """Say whether an aid is a form of the complementary filter; without aid, gains ask for it."""
     return aid not in ("airspeed-filter", "gnss")
 
 
@@ -84,7 +85,7 @@ def estimate(
     Parameters
     ----------
     aid
-        One of `AIDS`. "none" is the Kalman filter, or with ``gains`` the mixing law.
+        One of `AIDS`. "none" is the Kalman filter, or with ``gains`` the complementary filter.
     gravity
         m/s2.
     latitude
@@ -92,13 +93,13 @@ def estimate(
         rate is part of the biases and of their sigma.
     gyro_bias_std
         rad/s, 1 sigma of the gyros' biases where it is known, as after a calibration. With a latitude, and small
-        enough, it lets a rest at the start tell the heading.
+        enough, it lets a rest at the start determine the heading.
     force_bias_std
         m/s2, 1 sigma of the accelerometers' biases across gravity where it is known: the floor of sigma.
     fix_latency
         s by which GNSS velocities are older than the rows that they stand at.
     learns_motion
-        Whether a log without aid may tell how it moves; else ``settings`` hold, come what may.
+        Whether a log without aid may show how it moves; else ``settings`` hold, come what may.
     settings
         Of the Kalman filter; what depends on the log (interval, noise, ranges) is filled in.
     """
@@ -122,7 +123,7 @@ def over_frozen_rows(log: AttitudeLog, run: Callable[[AttitudeLog], AttitudeEsti
         track,
         down=down_over_gaps(log, measured, track.down),
         sigma=None if track.sigma is None else sigma_over_gaps(log, measured, track.sigma),
-        warnings=(said_of(log, stretches), *track.warnings),
+        warnings=(frozen_rows_warning(log, stretches), *track.warnings),
     )
 
 
@@ -167,7 +168,7 @@ def _kalman_filtered(
     )  # fmt: skip
     warnings = tuple[str, ...]()
     if aid == "none" and learns_motion:
-        kept, out, is_vehicle = run_as_it_moves(log, settings)
+        kept, out, is_vehicle = run_unaided(log, settings)
         warnings = (VEHICLE_WARNING,) if is_vehicle else ()
     else:
         kept = AttitudeKalmanFilter(aid, settings)

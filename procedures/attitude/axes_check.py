@@ -10,7 +10,7 @@ so that vibration averages out; a constant bias of the gyros is a part of the fi
 standard uncertainty follow by least squares, with errors that are correlated from block to block (Newey and West
 1987). A turn flown with the wings' lift, or a swing, keeps f still while the rates turn: s is then neither of a
 unit nor 1. So no reading is believed that does not also bring the mean force of seconds nearer to gravity
-(`mean_force.py`) than the rates as given do; and where nothing else tells, rates that spread it out are too large.
+(`mean_force.py`) than the rates as given do; where nothing else decides, rates that spread it out are too large.
 """
 
 import itertools
@@ -24,21 +24,21 @@ from procedures.attitude.mean_force import Windows, windows_of
 from procedures.units import RAD_PER_DEG, RAD_S_PER_DEG_H, STANDARD_GRAVITY
 
 BLOCK_S = 0.3  # s: a hand turns to and fro more slowly, and vibration faster
-LEAST_BLOCKS = 10
+MIN_BLOCKS = 10
 MAX_BLOCKS = 20_000  # that are looked at: an hour and a half
 LAGS = 8  # blocks over which errors are taken for correlated
 SIGNIFICANT = 5.0  # sigma: 48 readings are tried
-LEAST_EXPLAINED = 0.3  # of the change of f, by rates of a scale that a unit has
-LEAST_EXPLAINED_ELSE = 0.65  # by rates of other axes, or of a scale that no unit has
-TIE_RATIO = 1.5  # times the least that is left: readings that cannot be told apart; the fewest changes are named
-LEAST_SCALE_ERROR = (
+MIN_EXPLAINED = 0.3  # of the change of f, by rates of a scale that a unit has
+MIN_EXPLAINED_ELSE = 0.65  # by rates of other axes, or of a scale that no unit has
+TIE_RATIO = 1.5  # times the least residual: readings that are indistinguishable; the fewest changes are named
+MIN_SCALE_ERROR = (
     1.5  # a factor: beyond, it is said; a long lever arm makes 1.9 of 1, so that only a unit's is refused
 )
 NEAR_UNIT = 0.25  # relative: how near to a unit's factor a scale is taken for it; a lever arm makes 0.83 of 1
-LEAST_GAIN = 3e-4  # of gravity, in the mean force: what two readings that agree may differ by
+MIN_GAIN = 3e-4  # of gravity, in the mean force: what two readings that agree may differ by
 GAIN_SIGMA = 3.0
 TURNING_WINDOWS = 25.0  # per cent of a log's windows: a vehicle turns in as many
-LEAST_MISSING = 0.1  # of gravity: what gyros that clip or lose samples may lose of it
+MIN_MISSING = 0.1  # of gravity: what gyros that clip or lose samples may lose of it
 TOO_LARGE = {"deg/s": RAD_PER_DEG, "mrad/s": 1e-3, "mdeg/s": 1e-3 * RAD_PER_DEG}  # rad/s
 RANGE_FACTORS = (4.0, 8.0)  # of full-scale ranges; 2 is what a lever arm may make of 1
 RATE_LETTERS = "pqr"
@@ -93,7 +93,7 @@ def is_near(scale: float, factor: float) -> bool:
 
 
 def disagreement(log: AttitudeLog, windows: Windows | None = None) -> AxesDisagreement | None:
-    """Return how gyros and accelerometers disagree, None where they agree or the log cannot tell."""
+    """Return how gyros and accelerometers disagree, None where they agree or the log cannot show it."""
     windows = windows or windows_of(log)
     scales = rate_scales(log)
     if not scales:
@@ -112,10 +112,10 @@ def _by_change(log: AttitudeLog, scales: list[RateScale], windows: Windows) -> A
     found = max(near, key=lambda each: (float(np.trace(each.S)), each.explained))
     units = units_of_scale(found.scale, log.nominal)
     other_axes = found is not given
-    off = abs(np.log(max(found.scale, 1e-300))) > np.log(LEAST_SCALE_ERROR)
+    off = abs(np.log(max(found.scale, 1e-300))) > np.log(MIN_SCALE_ERROR)
     if not other_axes and (not off or abs(found.scale - 1) < SIGNIFICANT * found.std):
         return None
-    if found.explained < (LEAST_EXPLAINED if units and not other_axes else LEAST_EXPLAINED_ELSE):
+    if found.explained < (MIN_EXPLAINED if units and not other_axes else MIN_EXPLAINED_ELSE):
         return None
     units = units if off else ("rad/s",)
     factor = found.scale if off else 1.0
@@ -135,11 +135,11 @@ def _by_mean(log: AttitudeLog, windows: Windows) -> AxesDisagreement | None:
         return float(np.percentile(windows.mean_length(reading), TURNING_WINDOWS))
 
     std = windows.acceleration_std / np.sqrt(len(windows.turn))
-    if STANDARD_GRAVITY - least(None) < max(SIGNIFICANT * std, LEAST_MISSING * STANDARD_GRAVITY):
+    if STANDARD_GRAVITY - least(None) < max(SIGNIFICANT * std, MIN_MISSING * STANDARD_GRAVITY):
         return None
     for unit, factor in TOO_LARGE.items():
         whole = least(factor * np.eye(3))
-        if abs(whole / STANDARD_GRAVITY - 1) < LEAST_MISSING and _is_nearer_gravity(factor * np.eye(3), windows):
+        if abs(whole / STANDARD_GRAVITY - 1) < MIN_MISSING and _is_nearer_gravity(factor * np.eye(3), windows):
             return AxesDisagreement("p,q,r", (unit,), factor, None, _row(log))
     return None
 
@@ -148,7 +148,7 @@ def rate_scales(log: AttitudeLog) -> list[RateScale]:
     """Return the scale of the rates in each of 48 readings, the axes as given first; none of a short log."""
     rows = max(round(BLOCK_S / log.nominal), 1)
     blocks = min(len(log.t) // rows, MAX_BLOCKS)
-    if blocks < LEAST_BLOCKS:
+    if blocks < MIN_BLOCKS:
         return []
     y, x, bias = _regression(log, rows, blocks)
     Q = np.linalg.qr(bias + 1e-12)[0]
@@ -203,7 +203,7 @@ def _is_nearer_gravity(reading: FloatArray, windows: Windows) -> bool:
         return False
     gain = float(np.mean(left - windows.mean_length()))
     std = float(left.std(ddof=1) / np.sqrt(len(left))) if len(left) > 1 else windows.acceleration_std
-    return gain > max(GAIN_SIGMA * std, LEAST_GAIN * STANDARD_GRAVITY)
+    return gain > max(GAIN_SIGMA * std, MIN_GAIN * STANDARD_GRAVITY)
 
 
 def _row(log: AttitudeLog) -> int:
@@ -213,7 +213,7 @@ def _row(log: AttitudeLog) -> int:
 
 
 def _signed_permutations() -> list[FloatArray]:
-    """Return the 48 ways to read three axes, the axes as they are first."""
+    """Return the 48 variants to read three axes, the axes as they are first."""
     return [
         np.diag(signs) @ np.eye(3)[list(order)]
         for order in itertools.permutations(range(3))
@@ -222,15 +222,15 @@ def _signed_permutations() -> list[FloatArray]:
 
 
 def unit_by_motion(log: AttitudeLog) -> str | None:
-    """Return the unit of rates read as rad/s, "rad/s" or "deg/s"; None where the motion does not tell."""
+    """Return the unit of rates read as rad/s, "rad/s" or "deg/s"; None where the motion does not show it."""
     windows = windows_of(log)
     if (seen := disagreement(log, windows)) is not None:
         return seen.units[0] if not seen.has_other_axes and seen.units == ("deg/s",) else None
     scales = rate_scales(log)
     is_clear = (
-        bool(scales) and scales[0].explained > LEAST_EXPLAINED and scales[0].scale > SIGNIFICANT * scales[0].std
+        bool(scales) and scales[0].explained > MIN_EXPLAINED and scales[0].scale > SIGNIFICANT * scales[0].std
     )
-    is_one = is_clear and abs(np.log(scales[0].scale)) < np.log(LEAST_SCALE_ERROR)
+    is_one = is_clear and abs(np.log(scales[0].scale)) < np.log(MIN_SCALE_ERROR)
     return "rad/s" if is_one else None
 
 

@@ -54,11 +54,11 @@ def _both(
     log: AttitudeLog, aid: str, gravity: float, latitude: float | None, settings: KalmanSettings | None,
     gyro_bias_std: float | None, force_bias_std: float | None, fix_latency: float,
 ) -> AttitudeEstimate:  # fmt: skip
-    told = {"settings": settings, "gyro_bias_std": gyro_bias_std, "force_bias_std": force_bias_std}
-    ahead = estimate(log, aid, None, gravity, latitude, fix_latency=fix_latency, **told)  # type: ignore[arg-type]
+    given = {"settings": settings, "gyro_bias_std": gyro_bias_std, "force_bias_std": force_bias_std}
+    ahead = estimate(log, aid, None, gravity, latitude, fix_latency=fix_latency, **given)  # type: ignore[arg-type]
     back = estimate(
         reversed_log(_fixes_in_time(log, fix_latency)), aid, None, gravity,
-        None if latitude is None else -latitude, **told,  # type: ignore[arg-type]
+        None if latitude is None else -latitude, **given,  # type: ignore[arg-type]
     )  # fmt: skip
     assert ahead.sigma is not None
     assert back.sigma is not None

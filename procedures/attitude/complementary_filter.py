@@ -1,10 +1,16 @@
-"""The mixing law over samples as they come, and over a whole log."""
+"""The complementary filter (You and Lee's mixing algorithm) over samples as they come, and over a whole log.
+
+Its final bias is You and Lee (8), the final value of (7): for steps in all inputs, the error of phi_m tends to
+that of phi_a, whatever the gains and the gyros' bias. The integral takes the bias up; the error of the
+accelerometers' angle stays, from what the filter omits of (9) and from the sensors.
+"""
+
+from dataclasses import dataclass
 
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.complementary_gains import PAPER_GAINS, Gains
+from procedures.attitude.attitude_log import AttitudeLog, roll_pitch_of
 from procedures.attitude.complementary_kernels import (
     FORMS,
     MIXER,
@@ -12,7 +18,7 @@ from procedures.attitude.complementary_kernels import (
     PRINTED_GNSS,
     PRINTED_RATE,
     VECTOR,
-    MixingLaw,
+    MixerSettings,
 )
 from procedures.attitude.complementary_velocity_aids import (
     INITIAL_VELOCITY_VARIANCE,
@@ -20,16 +26,50 @@ from procedures.attitude.complementary_velocity_aids import (
     mix_log,
     take_velocity,
 )
-from procedures.attitude.final_bias import FinalBias, final_bias
-from procedures.attitude.forward_right_down import roll_pitch_of
+from procedures.attitude.filter_choice import PAPER_GAINS, Gains
 from procedures.units import STANDARD_GRAVITY
+
+MIN_COSINE = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class FinalBias:
+    """By how much roll and pitch [rad] will read too much if the motion goes on as it is, and 1 sigma of it.
+
+    Sigma is nan where the sensors' own biases are not known.
+    """
+
+    roll: float
+    pitch: float
+    roll_std: float
+    pitch_std: float
+
+
+def final_bias(
+    left_out: tuple[float, float], left_std: tuple[float, float], attitude: tuple[float, float], g: float
+) -> FinalBias:
+    """Return the final value at an ``attitude``, roll and pitch [rad].
+
+    Parameters
+    ----------
+    left_out, left_std
+        Forward and right parts of the acceleration that is not corrected, body axes, and 1 sigma of them
+        with the accelerometers' biases in it [m/s2].
+    g
+        m/s2.
+    """
+    roll, pitch = attitude
+    along = g * max(np.cos(pitch), MIN_COSINE)
+    across = along * max(abs(np.cos(roll)), MIN_COSINE)
+    return FinalBias(-left_out[1] / across, left_out[0] / along, left_std[1] / across, left_std[0] / along)
+
 
 RATE_GATE = 2.5e-3  # rad/s: You and Lee, section 4
 STEEP_PITCH = np.radians(80.0)  # pitch beyond which the Euler form says so
 
 
 class ComplementaryFilter:
-    """The mixing law: samples in, the attitude out, no history kept.
+    """The complementary filter: samples in, the attitude out, no history kept.
 
     Of ``aid`` "none" and "airspeed" (forward speed with remembered angle of attack, while turning faster than
     ``gate`` [rad/s]) are on the gravity vector. The others are in Euler angles as You and Lee print them, for
@@ -45,7 +85,7 @@ class ComplementaryFilter:
         self, gains: Gains = PAPER_GAINS, aid: str = "none", gate: float = RATE_GATE, g: float = STANDARD_GRAVITY,
         velocity_variance: float = INITIAL_VELOCITY_VARIANCE, *, starts_level: bool = True,
     ) -> None:  # fmt: skip
-        self._law = MixingLaw(gains.k1, gains.k2, gate, g, FORMS[aid], starts_level)
+        self._settings = MixerSettings(gains.k1, gains.k2, gate, g, FORMS[aid], starts_level)
         self._mixers = np.zeros(1, MIXER)
         self._mixers[0].covariance = velocity_variance * np.eye(3)
         self._t: float | None = None
@@ -53,7 +93,7 @@ class ComplementaryFilter:
     @property
     def is_printed(self) -> bool:
         """Whether it is in Euler angles."""
-        return self._law.form >= PRINTED
+        return self._settings.form >= PRINTED
 
     @property
     def gyro_bias(self) -> FloatArray:
@@ -74,17 +114,17 @@ class ComplementaryFilter:
 
     @property
     def is_turning(self) -> bool:
-        """Whether the gate is open: it turns faster than the gyros' noise and bias would tell by themselves."""
-        return bool(np.linalg.norm(self._mixers[0].smooth_rate) > self._law.gate)
+        """Whether the gate is open: it turns faster than the gyros' noise and bias would show by themselves."""
+        return bool(np.linalg.norm(self._mixers[0].smooth_rate) > self._settings.gate)
 
     def final_bias(self, force_std: float = np.nan, gyro_std: float = np.nan) -> FinalBias | None:
-        """Return what the law settles at if the motion goes on (8); None where no velocity tells what is left out.
+        """Return the angle at which the filter settles if the motion goes on (8); None without a velocity.
 
         ``force_std`` [m/s2] and ``gyro_std`` [rad/s] are 1 sigma of the sensors' biases. The velocity is the
         aid's, with the vertical part of the remembered angle of attack, which grows with the load as lift does: as
         far as it may do otherwise it is in sigma. Below the gate a rate counts as none.
         """
-        mixer, form = self._mixers[0], self._law.form
+        mixer, form = self._mixers[0], self._settings.form
         if form == VECTOR or not mixer.known:
             return None
         rate = np.asarray(mixer.smooth_rate, np.float64) * self.is_turning
@@ -102,18 +142,18 @@ class ComplementaryFilter:
     def _final(self, left: tuple[float, float], unsure: float, force_std: float, gyro_std: float) -> FinalBias:
         by_rate = float(self._mixers[0].velocity[0]) * gyro_std  # a yaw gyro's bias, times the speed: a bank
         std = float(np.hypot(force_std, unsure)), float(np.hypot(force_std, by_rate))
-        return final_bias(left, std, self.attitude, self._law.g)
+        return final_bias(left, std, self.attitude, self._settings.g)
 
     def run(self, log: AttitudeLog) -> FloatArray:
         """Take samples: the unit down vector (n, 3) in b of every row, or its roll and pitch (n, 2) [rad]."""
-        level = level_velocity(log) if self._law.form == PRINTED_GNSS else _along_x(log)
+        level = level_velocity(log) if self._settings.form == PRINTED_GNSS else _along_x(log)
         out, dt, begun = np.empty((len(log.t), 2 if self.is_printed else 3)), log.intervals, 0
         if self._t is None:
             out[0], begun = self._begin(log.f_b[0], level[0]), 1
         else:
             dt[0] = log.t[0] - self._t
         samples = (each[begun:] for each in (dt, log.omega_b, log.f_b, level, out))
-        mix_log(self._mixers, self._law, *samples)
+        mix_log(self._mixers, self._settings, *samples)
         self._t = float(log.t[-1])
         return out
 

@@ -1,6 +1,6 @@
-"""The mixing law of You and Lee (eq. 1), a sample at a time: on the gravity vector, and in Euler angles.
+"""The complementary filter of You and Lee (eq. 1), a sample at a time: on the gravity vector, and in Euler angles.
 
-On the gravity vector the law reads, with d the down vector and d_a the accelerometer's,
+On the gravity vector the filter reads, with d the down vector and d_a the accelerometer's,
 
     e = d_a x d    (its length is the sine of the angle between them)
     b' = K1 K2 e,    d' = -(omega + b + K1 e) x d
@@ -18,7 +18,7 @@ from procedures.arrays import FloatArray
 from procedures.attitude.kernel_options import Record, inlined, kernel
 
 MIN_FORCE_NORM = 1e-9  # of |f| over g: nothing to see
-# forms of the law; the printed ones are in Euler angles
+# forms of the filter; the printed ones are in Euler angles
 VECTOR, VECTOR_SPEED, PRINTED, PRINTED_FILTER, PRINTED_RATE, PRINTED_GNSS = range(6)
 FORMS = {
     "none": VECTOR, "airspeed": VECTOR_SPEED, "paper-airspeed": PRINTED, "paper-filter": PRINTED_FILTER,
@@ -41,12 +41,12 @@ MIXER = np.dtype((np.record, [
     ("learned_s", "f8"),  # for how long
     ("has_turned", "f8"),  # whether the gate was open yet: 0 or 1
     ("elapsed_s", "f8"),  # since the start
-    ("gravity", "f8", 3),  # scratch: specific force with the motion taken off [m/s2]
+    ("gravity", "f8", 3),  # scratch: specific force with the motion corrected [m/s2]
 ]))  # fmt: skip
 
 
-class MixingLaw(NamedTuple):
-    """What stays the same: gains [1/s], the gate [rad/s], gravity [m/s2], and the form of the law.
+class MixerSettings(NamedTuple):
+    """What stays the same: gains [1/s], the gate [rad/s], gravity [m/s2], and the form of the settings.
 
     ``starts_level``: the velocity filter begins from the vertical velocity of level flight, else from none.
     """
@@ -84,10 +84,10 @@ def turn_vector(d: FloatArray, x: float, y: float, z: float, s: float, c: float)
 
 @kernel
 def mix_vector(mixers: Record, dt: float, omega_b: FloatArray, f_b: FloatArray, k1: float, k2: float) -> None:
-    """Advance the law on the gravity vector by one sample.
+    """Advance the filter on the gravity vector by one sample.
 
     ``mixers`` (1,) of `MIXER`, ``omega_b`` (3,) [rad/s]; ``f_b`` (3,) [m/s2] is the specific force with motion
-    acceleration taken off; a force of zero leaves the gyro alone.
+    acceleration corrected; a force of zero leaves the gyro alone.
     """
     d, b = mixers[0].down, mixers[0].correction
     x, y, z = f_b[0], f_b[1], f_b[2]

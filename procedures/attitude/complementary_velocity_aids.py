@@ -1,11 +1,17 @@
-"""Velocity aids of the mixing law: forward speed, the whole of (9), and the velocity filter (11)-(14).
+"""Velocity aids of the complementary filter: forward speed, the whole of (9), and the velocity filter (11)-(14).
 
 Equation numbers are those of You and Lee.
+
+`observability` evaluates (13), on which the velocity filter depends, along a log.
 """
 
 import math
+from dataclasses import dataclass
+
+import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.complementary_kernels import (
     PRINTED,
     PRINTED_FILTER,
@@ -13,7 +19,7 @@ from procedures.attitude.complementary_kernels import (
     PRINTED_RATE,
     VECTOR,
     VECTOR_SPEED,
-    MixingLaw,
+    MixerSettings,
     mix_euler,
     mix_vector,
 )
@@ -34,7 +40,7 @@ def take_velocity(mixers: Record, dt: float, level: FloatArray) -> None:
     """Take in a velocity ``level`` (3,) [m/s], nan where there is none, and what it changes by.
 
     The derivative is of the velocity smoothed over `DERIVATIVE_S`: its integral is the velocity gained, so that
-    the law, slower than that, sees the noise of a speed and not that of a derivative.
+    the filter, slower than that, sees the noise of a speed and not that of a derivative.
     """
     aid = mixers[0]
     aid.since_s += dt
@@ -55,7 +61,7 @@ def take_velocity(mixers: Record, dt: float, level: FloatArray) -> None:
 
 @kernel
 def open_gate(
-    mixers: Record, law: MixingLaw, dt: float, omega_b: FloatArray, f_b: FloatArray, level: FloatArray
+    mixers: Record, settings: MixerSettings, dt: float, omega_b: FloatArray, f_b: FloatArray, level: FloatArray
 ) -> bool:
     """Take in a sample; return whether it turns faster than the gate.
 
@@ -69,11 +75,13 @@ def open_gate(
     smooth = aid.smooth_rate
     for i in range(3):
         smooth[i] += share * (omega_b[i] - smooth[i])
-    load = math.sqrt(f_b[0] * f_b[0] + f_b[1] * f_b[1] + f_b[2] * f_b[2]) / law.g
+    load = math.sqrt(f_b[0] * f_b[0] + f_b[1] * f_b[1] + f_b[2] * f_b[2]) / settings.g
     aid.load += share * (load - aid.load)
     take_velocity(mixers, dt, level)
     aid.elapsed_s += dt
-    return bool(smooth[0] * smooth[0] + smooth[1] * smooth[1] + smooth[2] * smooth[2] > law.gate * law.gate)
+    return bool(
+        smooth[0] * smooth[0] + smooth[1] * smooth[1] + smooth[2] * smooth[2] > settings.gate * settings.gate
+    )
 
 
 @kernel
@@ -87,11 +95,11 @@ def learn_attack(mixers: Record, dt: float, pitch: float) -> None:
 
 @kernel
 def mix_speed(
-    mixers: Record, law: MixingLaw, dt: float, omega_b: FloatArray, f_b: FloatArray, level: FloatArray
+    mixers: Record, settings: MixerSettings, dt: float, omega_b: FloatArray, f_b: FloatArray, level: FloatArray
 ) -> None:
-    """Advance the law on the gravity vector, aided by forward speed and the remembered angle of attack.
+    """Advance the filter on the gravity vector, aided by forward speed and the remembered angle of attack.
 
-    Taken off while the gate is open: omega x (u, 0, w), u = V cos a, w = V sin a. While it is closed nothing is,
+    Corrected while the gate is open: omega x (u, 0, w), u = V cos a, w = V sin a. While it is closed nothing is,
     since V times a yaw rate's bias would tilt a level flight; there the pitch is the angle of attack.
 
     Parameters
@@ -102,7 +110,7 @@ def mix_speed(
     aid = mixers[0]
     p, q, r = omega_b[0], omega_b[1], omega_b[2]
     x, y, z = f_b[0], f_b[1], f_b[2]
-    if open_gate(mixers, law, dt, omega_b, f_b, level):
+    if open_gate(mixers, settings, dt, omega_b, f_b, level):
         u, w = aid.airspeed * math.cos(aid.attack), aid.airspeed * math.sin(aid.attack)
         aid.velocity[0], aid.velocity[2] = u, w
         x, y, z = x - q * w, y - r * u + p * w, z + q * u
@@ -111,7 +119,7 @@ def mix_speed(
         learn_attack(mixers, dt, math.asin(max(-1.0, min(1.0, -aid.down[0]))))
     aid.gravity[0], aid.gravity[1], aid.gravity[2] = x, y, z
     start = 1.0 / (aid.elapsed_s + 0.1)  # a running mean first, the gain once that is the faster
-    mix_vector(mixers, dt, omega_b, aid.gravity, max(law.k1, start), law.k2)
+    mix_vector(mixers, dt, omega_b, aid.gravity, max(settings.k1, start), settings.k2)
 
 
 @kernel
@@ -135,7 +143,7 @@ def whole_acceleration(mixers: Record, omega_b: FloatArray) -> tuple[float, floa
     """Return x, y of the acceleration [m/s2], body axes, by a GNSS velocity: all of (9); ``omega_b`` (3,) [rad/s].
 
     Where the heading is known the velocity is forward, right, down of it; its acceleration is taken into the body
-    by the law's own angles. Where it is not (nan to the right) nothing slips sideways, v = 0, and the vertical
+    by the filter's own angles. Where it is not (nan to the right) nothing slips sideways, v = 0, and the vertical
     speed says w by those angles: to take the course for the heading would leave w out, and err as (10) does.
     """
     aid = mixers[0]
@@ -191,7 +199,7 @@ def filter_velocity(
 
 @kernel
 def mix_paper(
-    mixers: Record, law: MixingLaw, dt: float, omega_b: FloatArray, f_b: FloatArray, level: FloatArray
+    mixers: Record, settings: MixerSettings, dt: float, omega_b: FloatArray, f_b: FloatArray, level: FloatArray
 ) -> None:
     """Advance the Euler form as printed: forward speed (10), the whole of (9), or the velocity filter (11)-(14).
 
@@ -204,32 +212,32 @@ def mix_paper(
     omega_b, f_b, level : (3,), rad/s; m/s2; m/s, nan where there is none
     """
     aid = mixers[0]
-    is_open = open_gate(mixers, law, dt, omega_b, f_b, level)
-    if law.form == PRINTED_FILTER and is_open:
+    is_open = open_gate(mixers, settings, dt, omega_b, f_b, level)
+    if settings.form == PRINTED_FILTER and is_open:
         aid.has_turned = 1.0
-        filter_velocity(mixers, dt, omega_b, f_b, level[0], law.g)
+        filter_velocity(mixers, dt, omega_b, f_b, level[0], settings.g)
     else:
         aid.velocity[0] = aid.airspeed
         if not is_open:
             learn_attack(mixers, dt, aid.pitch)
-        if law.form == PRINTED_FILTER and law.starts_level and aid.has_turned == 0.0:
+        if settings.form == PRINTED_FILTER and settings.starts_level and aid.has_turned == 0.0:
             aid.velocity[2] = aid.airspeed * math.tan(aid.attack)
-    if law.form == PRINTED_GNSS:
+    if settings.form == PRINTED_GNSS:
         x, y = whole_acceleration(mixers, omega_b)
     else:
         x, y = acceleration_by_rates(aid.velocity, omega_b)
-    if law.form == PRINTED_RATE:
+    if settings.form == PRINTED_RATE:
         x += aid.level_rate[0]
-    phi_a, theta_a = angles_of_gravity(f_b, x, y, law.g)
-    mix_euler(mixers, dt, omega_b, phi_a, theta_a, law.k1, law.k2)
+    phi_a, theta_a = angles_of_gravity(f_b, x, y, settings.g)
+    mix_euler(mixers, dt, omega_b, phi_a, theta_a, settings.k1, settings.k2)
 
 
 @kernel
 def mix_log(
-    mixers: Record, law: MixingLaw, dt: FloatArray, omega_b: FloatArray, f_b: FloatArray, level: FloatArray,
-    out: FloatArray,
+    mixers: Record, settings: MixerSettings, dt: FloatArray, omega_b: FloatArray, f_b: FloatArray,
+    level: FloatArray, out: FloatArray,
 ) -> None:  # fmt: skip
-    """Run a law over a log.
+    """Run a filter over a log.
 
     Parameters
     ----------
@@ -243,13 +251,55 @@ def mix_log(
     """
     mixer = mixers[0]
     for i in range(len(dt)):
-        if law.form == VECTOR:
-            mix_vector(mixers, dt[i], omega_b[i], f_b[i], law.k1, law.k2)
-        elif law.form == VECTOR_SPEED:
-            mix_speed(mixers, law, dt[i], omega_b[i], f_b[i], level[i])
+        if settings.form == VECTOR:
+            mix_vector(mixers, dt[i], omega_b[i], f_b[i], settings.k1, settings.k2)
+        elif settings.form == VECTOR_SPEED:
+            mix_speed(mixers, settings, dt[i], omega_b[i], f_b[i], level[i])
         else:
-            mix_paper(mixers, law, dt[i], omega_b[i], f_b[i], level[i])
-        if law.form < PRINTED:
+            mix_paper(mixers, settings, dt[i], omega_b[i], f_b[i], level[i])
+        if settings.form < PRINTED:
             out[i, 0], out[i, 1], out[i, 2] = mixer.down[0], mixer.down[1], mixer.down[2]
         else:
             out[i, 0], out[i, 1] = mixer.roll, mixer.pitch
+
+
+RATE_AVERAGING_S = 1.0  # s, of the rates of which (13) is taken
+
+
+@dataclass(frozen=True, slots=True)
+class Observability:
+    """Over the rows at which the filter ran (``open_s`` seconds of the log).
+
+    ``determinant_rms`` [rad3/s3] of (13); ``rank_3`` is the share of those rows at which it stands above what
+    rates of the gate's size would give. Where it does not, velocity along the turn axis is dead reckoning.
+    """
+
+    open_s: float
+    determinant_rms: float
+    rank_3: float
+
+
+def determinant(rate: FloatArray, slope: FloatArray) -> FloatArray:
+    """Return the determinant (n,) of (13) for ``rate`` (n, 3) [rad/s] and its derivative ``slope`` (n, 3).
+
+    It is ``p (q^2 + r^2) + q dr/dt - r dq/dt``.
+    """
+    p, q, r = np.moveaxis(rate, -1, 0)
+    found: FloatArray = p * (q * q + r * r) + q * slope[..., 2] - r * slope[..., 1]
+    return found
+
+
+def observability(log: AttitudeLog, gate: float) -> Observability:
+    """Evaluate (13) along a log, on rates averaged over a second, where they exceed the gate [rad/s]."""
+    rows = max(round(RATE_AVERAGING_S / log.nominal), 1)
+    kernel = np.ones(rows) / rows
+    rate = np.stack([np.convolve(log.omega_b[:, i], kernel, "same") for i in range(3)], axis=1)
+    slope = np.gradient(rate, log.t, axis=0) if len(log.t) > 2 else np.zeros_like(rate)
+    is_open = np.linalg.norm(rate, axis=1) > gate
+    found = determinant(rate, slope)[is_open]
+    if not len(found):
+        return Observability(0.0, 0.0, 0.0)
+    above = np.abs(found) > 2 * gate**3
+    return Observability(
+        float(log.intervals[is_open].sum()), float(np.sqrt(np.mean(found**2))), float(np.mean(above))
+    )

@@ -1,4 +1,4 @@
-"""Gains of the mixing law by cross-validation: over a grid, on stretches of the log that did not choose them."""
+"""Gains of the complementary filter by cross-validation: over a grid, on held-out stretches of the log."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,9 +7,8 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_estimate import estimate
-from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.complementary_gains import Gains
-from procedures.attitude.forward_right_down import inclination
+from procedures.attitude.attitude_log import AttitudeLog, inclination
+from procedures.attitude.filter_choice import Gains
 from procedures.errors import NotObservable
 from procedures.units import STANDARD_GRAVITY
 
@@ -58,7 +57,7 @@ def grid_of_gains() -> tuple[Gains, ...]:
 def tune(
     log: AttitudeLog, aid: str, candidates: Sequence[Gains], gravity: float = STANDARD_GRAVITY
 ) -> GainTuning:  # fmt: skip
-    """Run the law with each of ``candidates`` and compare with the log's truth.
+    """Run the filter with each of ``candidates`` and compare with the log's truth.
 
     Raises
     ------

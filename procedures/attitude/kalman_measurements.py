@@ -1,9 +1,12 @@
-"""What the Kalman filter measures: velocity without aid, by airspeed, by GNSS; a heading; rest."""
+"""Measurements of the Kalman filter: velocity without aid, by airspeed, by GNSS; a heading; rest.
+
+A GNSS velocity is measured at its own moment, which may be some tenths of a second ago.
+"""
 
 import math
 
-from procedures.attitude.kalman_state import KalmanSettings, KalmanState
-from procedures.attitude.kalman_update import measure
+from procedures.arrays import FloatArray
+from procedures.attitude.kalman_state import KalmanSettings, KalmanState, measure
 from procedures.attitude.kernel_options import inlined
 
 REST_MEAN_S = 0.5  # over which rest's means are taken
@@ -22,8 +25,9 @@ def measure_level_velocity(s: KalmanState, c: KalmanSettings, i: int, measured: 
 def measure_rest_velocity(s: KalmanState, c: KalmanSettings, variance: float) -> None:
     """Measure that the velocity is zero, and learn nothing of accelerometer biases across gravity from it.
 
-    At rest these cannot be told from a tilt. A gyro's bias in yaw turns the body in the filter's eyes, and in such
-    a turn they seem to be seen; so they are held (Schmidt's update): estimate and covariance stay as they were.
+    At rest these cannot be distinguished from a tilt. A gyro's bias in yaw turns the body in the filter's eyes,
+    and in such a turn they seem to be seen; so they are held (Schmidt's update): estimate and covariance
+    stay as they were.
     """
     for i in range(3):
         s.held[3, i] = s.dx[12 + i]
@@ -72,7 +76,7 @@ def reset_covariance(s: KalmanState, c: KalmanSettings) -> None:
 
 @inlined
 def set_velocity(s: KalmanState, north: float, east: float, down: float, std: float) -> None:
-    """Begin the velocity anew [m/s], the same 1 sigma each way: what an aid first says is no outlier."""
+    """Reset the velocity [m/s], with the same 1 sigma on each axis: the first value of an aid is no outlier."""
     for i in range(3):
         for j in range(len(s.dx)):
             s.P[3 + i, j] = s.P[j, 3 + i] = 0.0
@@ -190,7 +194,7 @@ def measure_rest(s: KalmanState, c: KalmanSettings, aided: bool) -> bool:
 
     Rest is rates and specific force that stand still for a while, and no speed by the aid. Without aid a slow
     steady turn looks the same, so that the rate is then left alone; and so does a steady cruise in a vehicle: its
-    velocity then begins anew as zero (any steady frame will do), and the rate tells the bias loosely.
+    velocity then restarts at zero (any steady frame will do), and the rate determines the bias loosely.
     """
     memory = s.memory[0]
     T = memory.time
@@ -215,3 +219,77 @@ def measure_rest(s: KalmanState, c: KalmanSettings, aided: bool) -> bool:
                 variance = (c.rest_rate_noise**2 + c.gyro_noise**2) / T
                 measure(s, 2, expected - rate, variance, c.believed_sigma)
     return resting
+
+
+@inlined
+def remember_update(s: KalmanState, c: KalmanSettings) -> None:
+    """Keep what velocity and heading gained since the last update, without its corrections."""
+    memory, n = s.memory[0], len(s.past)
+    at = (int(memory.newest) + 1) % n
+    memory.newest = at
+    s.past[at, 0] = memory.time
+    for i in range(3):
+        s.past[at, 1 + i] = memory.velocity_gain[i]
+    s.past[at, 3] += c.gravity * memory.time
+    C, turn = s.C_nb, memory.rate_integral
+    s.past[at, 4] = C[2, 0] * turn[0] + C[2, 1] * turn[1] + C[2, 2] * turn[2]
+
+
+@inlined
+def sum_since(s: KalmanState, seconds: float) -> None:
+    """Sum the ring over the last ``seconds`` [s], as far as it reaches, into ``s.gained`` (5,)."""
+    n, at, gained = len(s.past), int(s.memory[0].newest), s.gained
+    gained[:] = 0.0
+    for _ in range(n):
+        T = s.past[at, 0]
+        if seconds <= 0.0 or T <= 0.0:
+            break
+        share = min(seconds / T, 1.0)
+        for i in range(5):
+            gained[i] += s.past[at, i] * share
+        seconds -= T
+        at = (at + n - 1) % n
+
+
+@inlined
+def measure_gnss_velocity(s: KalmanState, c: KalmanSettings, vel: FloatArray) -> None:
+    """Take in a GNSS velocity ``vel`` (3,) [m/s]; the first fast enough gives the heading where none was given.
+
+    The filter's own velocity carries the motion over the fix interval, so that what is compared are velocity
+    increments, not accelerations at a point; and likewise from the moment of the fix to now.
+    """
+    sum_since(s, c.fix_latency)
+    speed = math.hypot(vel[0], vel[1])
+    if math.isnan(s.memory[0].speed) and speed > c.rest_speed:
+        reset_covariance(s, c)
+    s.memory[0].speed = speed
+    knows_heading = s.memory[0].heading_known > 0.0
+    is_reset = s.memory[0].velocity_known == 0.0
+    if not knows_heading and speed > c.course_speed:
+        turn_level_frame(s, math.atan2(vel[1], vel[0]) + s.gained[4] - heading_of(s), c.course_std)
+        sum_since(s, c.fix_latency)
+        knows_heading = is_reset = True
+    if knows_heading and is_reset:
+        north, east, down = vel[0] + s.gained[1], vel[1] + s.gained[2], vel[2] + s.gained[3]
+        set_velocity(s, north, east, down, 2 * c.velocity_fix_std)
+        return
+    for i in range(3):
+        if knows_heading or i == 2:
+            measure_delayed_velocity(s, c, i, vel[i])
+        else:  # as far as the speed goes in some direction
+            measure_level_velocity(s, c, i, 0.0, c.velocity_fix_std**2 + speed * speed)
+
+
+@inlined
+def measure_delayed_velocity(s: KalmanState, c: KalmanSettings, i: int, measured: float) -> None:
+    """Measure component ``i`` [m/s] of the velocity as it was at the fix.
+
+    It is v less what was gained since, and that is wrong by psi x (what specific force gained).
+    """
+    gained = s.gained
+    j, k = (i + 1) % 3, (i + 2) % 3
+    by_weight = c.gravity * gained[0]
+    s.at[0], s.H[0] = 3 + i, 1.0
+    s.at[1], s.H[1] = j, -(gained[1 + k] - (by_weight if k == 2 else 0.0))
+    s.at[2], s.H[2] = k, gained[1 + j] - (by_weight if j == 2 else 0.0)
+    measure(s, 3, s.v_n[i] - gained[1 + i] - measured, c.velocity_fix_std**2, c.believed_sigma)

@@ -17,7 +17,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 class KernelCache(FunctionCache):
-    """numba's cache of one kernel, whose index tells apart what the kernel calls and reads, too."""
+    """numba's cache of one kernel, whose index distinguishes what the kernel calls and reads, too."""
 
     def _index_key(self, sig: object, codegen: object) -> tuple[object, ...]:
         text = repr(sorted(sources(self._py_func).items()))

@@ -5,7 +5,7 @@ then, by Newton's second law, whatever the sensor did in between,
 
     mean(f_n) = -g + (v(T) - v(0)) / T
 
-of a plain mean. With Hann's weight w(t) = (1 - cos(2 pi t/T)) / T, which is nought at both ends,
+of a plain mean. With Hann's weight w(t) = (1 - cos(2 pi t/T)) / T, which is zero at both ends,
 
     integral(w f_n) = -g - integral(w' v),    |integral(w' v)| <= 2 dv / T
 
@@ -26,8 +26,8 @@ from procedures.frames import rotation
 from procedures.units import STANDARD_GRAVITY
 
 WINDOW_S = 10.0  # s: in it a vehicle's speed changes by less than gravity would
-LEAST_WINDOWS = 8  # that a short log is cut into, for their scatter; but
-LEAST_WINDOW_S = 1.0  # s: a hand's speed changes by some tenths of gravity in less
+MIN_WINDOWS = 8  # that a short log is cut into, for their scatter; but
+MIN_WINDOW_S = 1.0  # s: a hand's speed changes by some tenths of gravity in less
 STEP_S = 0.02  # s that are summed before the frame is turned: no body turns by a radian in it
 MAX_WINDOWS = 360  # an hour of a longer log, evenly taken
 SPEED_CHANGE_STD = 10.0  # m/s in a window, 2 dv: a car's dv of 5 m/s, 1 sigma
@@ -131,7 +131,7 @@ def gravity_check(log: AttitudeLog, windows: Windows) -> GravityCheck:
 def windows_of(log: AttitudeLog) -> Windows:
     """Return a log in windows of `WINDOW_S`, shorter where it is short; rows beyond the last are not used."""
     span = len(log.t) * log.nominal
-    seconds = min(WINDOW_S, max(span / LEAST_WINDOWS, LEAST_WINDOW_S), span)
+    seconds = min(WINDOW_S, max(span / MIN_WINDOWS, MIN_WINDOW_S), span)
     rows = min(max(round(STEP_S / log.nominal), 1), len(log.t))
     steps = max(int(seconds / log.nominal + 1e-6) // rows, 1)
     length = rows * steps

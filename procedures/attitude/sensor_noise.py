@@ -1,14 +1,142 @@
-"""What a log tells about its sensors: their own noise, the gate above it, the range at which they clip."""
+"""What a log shows of its sensors: noise, the gate above it, the range at which they clip, and frozen rows.
+
+A channel whose noise exceeds its resolution does not repeat its value by chance. Where all six do so for long, and
+then continue at another value, the driver or the bus held the last sample: nothing was measured there, so these
+rows are a gap. A noise-free simulation and a unit at rest below its own resolution repeat themselves without
+fault: there the noise is less than the resolution.
+"""
+
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from procedures.arrays import FloatArray
+from procedures.arrays import BoolArray, FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.complementary_filter import RATE_GATE
 from procedures.attitude.complementary_velocity_aids import SMOOTH_S
-from procedures.attitude.frozen_rows import noise_above_resolution
 from procedures.attitude.kalman_state import KalmanSettings
+from procedures.attitude.strapdown_integration import GAP_RATE
 from procedures.statistics.white_noise import white_noise
+from procedures.units import STANDARD_GRAVITY
+
+MIN_FROZEN_S = 0.1  # s
+MIN_REPEATS = 3  # rows: by chance once in 1e9, in three channels of noise like their resolution
+MIN_NOISY_CHANNELS = 3  # channels of six
+JUMP_SIGMA = 8.0  # of a channel's noise, by which it goes on elsewhere
+MOVING_RATE, MOVING_FORCE = 0.05, 0.05  # rad/s; of gravity: what is no rest, where a log ends frozen
+DIFFERENCES = 4  # of successive rows: no motion is left in them, white noise is
+NOISE_GAIN = np.sqrt(70.0)  # of white noise in fourth differences: 1, 4, 6, 4, 1
+MEDIAN_SIZE = 0.6745  # of 1 sigma
+MIN_ALTERNATING = 0.6  # of fourth differences: 0.8 of white noise, next to none of motion
+MIN_USED = 0.2  # of a channel's rows
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FrozenStretch:
+    """Rows ``first`` to ``last`` that repeat the row before ``first``."""
+
+    first: int
+    last: int
+
+
+def noise_above_resolution(values: FloatArray) -> float:
+    """Return the standard deviation of the noise in ``values`` (n,), in their unit; nan below their resolution.
+
+    Three equal rows in a row are not used: they may be clipped or frozen.
+    """
+    step = np.diff(values)
+    moved = np.abs(step[step != 0.0])
+    fourth = np.diff(values, DIFFERENCES)
+    if not len(moved) or len(fourth) < 2:
+        return float("nan")
+    still = (step[1:] == 0.0) & (step[:-1] == 0.0)
+    used = ~(still[:-2] | still[1:-1] | still[2:])
+    if np.mean(used) < MIN_USED:
+        return float("nan")
+    noise = float(np.median(np.abs(fourth[used]))) / (MEDIAN_SIZE * NOISE_GAIN)
+    both = used[1:] & used[:-1]
+    alternating = float(np.mean((fourth[1:] * fourth[:-1] < 0.0)[both])) if both.any() else 0.0
+    resolution = float(moved[moved > 1e-9 * np.abs(values).max()].min(initial=np.inf))
+    return noise if alternating > MIN_ALTERNATING and noise > resolution else float("nan")
+
+
+def frozen_stretches(log: AttitudeLog) -> list[FrozenStretch]:
+    """Return the stretches in which all six channels repeat themselves, though they are noisy elsewhere."""
+    values = np.hstack([log.omega_b, log.f_b])
+    same = np.concatenate(([False], (values[1:] == values[:-1]).all(axis=1), [False]))
+    edge = np.diff(same.astype(np.int8))
+    firsts, ends = np.flatnonzero(edge == 1) + 1, np.flatnonzero(edge == -1) + 1
+    found = [
+        FrozenStretch(int(a), int(b) - 1)
+        for a, b in zip(firsts, ends, strict=True)
+        if b - a >= MIN_REPEATS and log.t[b - 1] - log.t[a - 1] >= MIN_FROZEN_S - 0.5 * log.nominal
+    ]
+    if not found:
+        return []
+    noise = np.array([noise_above_resolution(column) for column in values.T])
+    if np.isfinite(noise).sum() < MIN_NOISY_CHANNELS:
+        return []
+    return [each for each in found if _goes_on_elsewhere(values, each, noise)]
+
+
+def _goes_on_elsewhere(values: FloatArray, stretch: FrozenStretch, noise: FloatArray) -> bool:
+    held = values[stretch.first]
+    if stretch.last + 1 < len(values):
+        jump = np.abs(values[stretch.last + 1] - held)
+        return bool((jump > JUMP_SIGMA * np.where(np.isfinite(noise), noise, np.inf)).any())
+    off = abs(float(np.linalg.norm(held[3:])) / STANDARD_GRAVITY - 1)
+    return float(np.linalg.norm(held[:3])) > MOVING_RATE or off > MOVING_FORCE
+
+
+def measured_rows(log: AttitudeLog, stretches: list[FrozenStretch]) -> BoolArray:
+    """Return which rows (n,) are outside the stretches."""
+    measured = np.ones(len(log.t), bool)
+    for each in stretches:
+        measured[each.first : each.last + 1] = False
+    return measured
+
+
+def rows_of(log: AttitudeLog, rows: BoolArray) -> AttitudeLog:
+    """Return a log of those of its rows that the boolean ``rows`` (n,) selects."""
+    columns = {each.name: getattr(log, each.name) for each in fields(log)}
+    return replace(log, **{name: column[rows] for name, column in columns.items() if column is not None})
+
+
+def down_over_gaps(log: AttitudeLog, measured: BoolArray, down: FloatArray) -> FloatArray:
+    """Return down vectors (n, 3) of all rows from those of the measured ones: in between, from one to the next."""
+    filled = np.stack([np.interp(log.t, log.t[measured], down[:, i]) for i in range(3)], axis=1)
+    filled[measured] = down
+    length = np.linalg.norm(filled, axis=1)
+    filled[length > 1e-6] /= length[length > 1e-6, None]
+    return filled
+
+
+def sigma_over_gaps(log: AttitudeLog, measured: BoolArray, sigma: FloatArray) -> FloatArray:
+    """Return sigma (n,) [rad] of all rows from ``sigma`` (m,) of those that the boolean ``measured`` (n,) selects.
+
+    In a gap it grows from both ends by what the rate may have been.
+    """
+    t, rate = log.t[measured], GAP_RATE + 0.5 * np.linalg.norm(log.omega_b[measured], axis=1)
+    after = np.searchsorted(t, log.t)
+    left, right = np.maximum(np.searchsorted(t, log.t, "right") - 1, 0), np.minimum(after, len(t) - 1)
+    ahead = sigma[left] + rate[left] * (log.t - t[left])
+    back = np.where(after < len(t), sigma[right] + rate[right] * (t[right] - log.t), np.inf)
+    filled = np.minimum(ahead, back)
+    filled[measured] = sigma
+    return np.asarray(filled)
+
+
+def frozen_rows_warning(log: AttitudeLog, stretches: list[FrozenStretch]) -> str:
+    """Return the line that says which rows are treated as a gap."""
+    rows = sum(each.last - each.first + 1 for each in stretches)
+    start = f"{log.t[stretches[0].first]:.6g} s"
+    if len(stretches) > 1:
+        start += f" on, in {len(stretches)} stretches"
+    return (
+        f"gyroscopes and accelerometers repeat the same values for {rows} rows from {start}: "
+        f"treated as {'a gap' if len(stretches) == 1 else 'gaps'}"
+    )
+
 
 GATE_SIGMA = 4.0
 MIN_RANGE = np.radians(90.0), 15.0  # rad/s, m/s2: below, only a channel whose noise is seen is said to clip

@@ -9,7 +9,7 @@ from procedures.attitude.kernel_options import inlined
 from procedures.counts.sample_times import GAP_PERIODS
 
 GAP_RATE, GAP_FORCE = 0.2, 2.0  # rad/s, m/s2: 1 sigma of what it may have been
-LOST_ANGLE = 1.0  # rad, 1 sigma over a gap: beyond, attitude and velocity begin anew; the biases are kept
+LOST_ANGLE = 1.0  # rad, 1 sigma over a gap: beyond, attitude and velocity restart; the biases are kept
 
 
 @inlined

@@ -92,7 +92,7 @@ class Soak:
 class Monitor:
     """Rest the cube in ``position`` (1..12) for ``seconds``, and read roll and pitch by ``laws`` in that time.
 
-    It is the ``number``-th such step; the laws are those of `procedures.attitude.laws`.
+    It is the ``number``-th such step; the laws are those of `procedures.attitude.filter_choice`.
     """
 
     number: int

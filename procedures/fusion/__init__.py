@@ -1,5 +1,7 @@
-"""Where and which way: IMU, GNSS and odometry to a trajectory in two layers.
+"""Position and attitude: IMU, GNSS and odometry to a trajectory, in two layers.
 
-After the multi-layer visual-inertial-GNSS fusion (Han, Xiao, Huang, Zhang 2022, arXiv:2201.01561); what its text
-leaves open is chosen here, and said where.
+After the multi-layer visual-inertial-GNSS fusion (Han, Xiao, Huang, Zhang 2022, arXiv:2201.01561).
+`fusion_records` come in, `alignment_attempts` finds where to start; `inner` gives an `odometry` by a window of
+keyframes, whose IMU samples are one `preintegration` each, and `pose_graph` joins it with GNSS. A camera adds
+`vision`.
 """

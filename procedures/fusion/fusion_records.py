@@ -1,14 +1,20 @@
-"""What a fusion of IMU, GNSS and odometry is given, and a trajectory.
+"""Records of the fusion: IMU samples, GNSS fixes, wheel speeds, an alignment and a trajectory.
 
 ``n`` is East-North-Up, ``b`` the IMU's axes, ``o`` an odometry's own level frame: z up, heading and origin free.
 Times [s] are those of one clock. Quaternions are x, y, z, w, and take b to n (b to o).
+
+A receiver's fixes become `GnssFixes` by `level_fixes`: level about the first, with a standard deviation each, of
+one antenna only. `AlignmentState` is the result of an alignment, `Waiting` the reason why there is none yet.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
+from procedures.earth.geodesy import LocalLevel
+from procedures.earth.gnss_records import UNSTATED_STD_M, FixType, GnssFix
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,3 +89,144 @@ class Trajectory:
 
     def __len__(self) -> int:
         return len(self.t)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WheelMount:
+    """``forward`` (3,), a unit vector in b; ``lever`` (3,) [m] in b from IMU to wheel or middle of the axle.
+
+    ``std`` [m/s] is 1 sigma of a speed, ``scale_std`` that of the scale factor about 1, by which a speed is to be
+    multiplied. ``is_signed``: the sensor reports backwards by a minus; else its speeds have no sign.
+    """
+
+    forward: FloatArray
+    lever: FloatArray
+    std: float
+    scale_std: float
+    is_signed: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WheelSpeeds:
+    """``t`` (n,) [s], increasing, by the IMU's clock; ``speed`` (n,) [m/s] as the sensor reports it."""
+
+    t: FloatArray
+    speed: FloatArray
+
+    def followed_by(self, more: "WheelSpeeds") -> "WheelSpeeds":
+        """Return the speeds with later ones after them."""
+        return WheelSpeeds(np.r_[self.t, more.t], np.r_[self.speed, more.speed])
+
+    def since(self, t: float) -> "WheelSpeeds":
+        """Return those after ``t`` [s]."""
+        later = self.t > t
+        return WheelSpeeds(self.t[later], self.speed[later])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class KeyframeWheel:
+    """What a wheel says at a keyframe: ``along`` (3,) is forward in b, ``due`` and ``speed`` [m/s].
+
+    ``weight`` is the inverse variance [s2/m2] of the speed, ``rest_weight`` that of each axis of a rest; 0 where
+    nothing is measured.
+    """
+
+    along: FloatArray
+    due: float
+    speed: float
+    weight: float
+    rest_weight: float = 0.0
+
+
+def no_speeds() -> WheelSpeeds:
+    """Return none."""
+    return WheelSpeeds(np.zeros(0), np.zeros(0))
+
+
+UP_TO_LEVEL = 1.5  # of the sigma of height to that of place, where a receiver states one only
+UNSTATED_SPEED_STD = 0.2  # m/s of each axis
+SOURCES = ("GPS_RAW_INT", "GPS_INPUT", "GPS2_RAW")  # of several the first: another antenna stands elsewhere
+
+
+def is_usable(fix: GnssFix) -> bool:
+    """Whether a fix has a place in three dimensions that no filter of its sender has had a hand in."""
+    return fix.has_position and fix.fix >= FixType.FIX_3D and not fix.is_filtered and _height(fix) is not None
+
+
+def antenna(fixes: Sequence[GnssFix]) -> str:
+    """Return the message whose fixes are to be used, empty where there is none."""
+    seen = {fix.source for fix in fixes if is_usable(fix)}
+    return next((source for source in SOURCES if source in seen), "")
+
+
+def origin_at(fix: GnssFix) -> LocalLevel:
+    """Return the level frame about a usable fix."""
+    assert fix.latitude is not None
+    assert fix.longitude is not None
+    return LocalLevel(fix.latitude, fix.longitude, _height(fix) or 0.0)
+
+
+def level_fixes(origin: LocalLevel, t: FloatArray, fixes: Sequence[GnssFix]) -> GnssFixes:
+    """Return usable fixes, valid at times ``t`` (n,) [s] of the IMU's clock, in a level frame.
+
+    Without a height above the ellipsoid all are above mean sea level; a receiver states both or one all along.
+    The sigma is the same on each axis: the root mean square of the three.
+    """
+    n = len(fixes)
+    p_n, v_n = np.full((n, 3), np.nan), np.full((n, 3), np.nan)
+    for i, fix in enumerate(fixes):
+        assert fix.latitude is not None
+        assert fix.longitude is not None
+        p_n[i] = origin.enu(fix.latitude, fix.longitude, _height(fix) or 0.0)
+        if (level := fix.velocity_n) is not None:
+            v_n[i] = *level, np.nan if fix.v_up is None else fix.v_up
+    std = np.array([_position_std(fix) for fix in fixes], dtype=np.float64)
+    speed_std = np.array([fix.speed_std or UNSTATED_SPEED_STD for fix in fixes], dtype=np.float64)
+    return GnssFixes(t, p_n, v_n, np.full(n, np.nan), std, speed_std)
+
+
+def _height(fix: GnssFix) -> float | None:
+    return fix.altitude if fix.height is None else fix.height
+
+
+def _position_std(fix: GnssFix) -> float:
+    level = fix.horizontal_std or UNSTATED_STD_M
+    up = fix.vertical_std or UP_TO_LEVEL * level
+    return float(np.sqrt((2 * level**2 + up**2) / 3))
+
+
+MAX_YAW_STD = np.radians(4.0)  # 1 sigma with which an alignment is accepted
+MAX_TILT_STD = np.radians(1.0)
+MAX_TIME_OFFSET_STD_S = 0.015  # s, of GNSS's stamps where it is estimated: a window is built on it
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AlignmentState:
+    """State at the first of the fixes ``t0``: ``C_nb``, ``v_n``, biases and constants with covariance.
+
+    In the order rotation about n [rad], v [m/s], gyro bias [rad/s], accelerometer bias [m/s2]: (12, 12). In motion
+    ``lever`` (3,) [m] in b, the antenna's, and ``time_offset`` [s], to be added to the stamps of fixes, follow:
+    (16, 16), 0 where they were given; ``t0`` and ``t`` hold that offset. ``C_now`` is the attitude at the
+    last fix, ``tilt_std`` and ``yaw_std`` [rad] 1 sigma of it.
+    """
+
+    t0: float
+    C_nb: FloatArray
+    v_n: FloatArray
+    gyro_bias: FloatArray
+    accel_bias: FloatArray
+    covariance: FloatArray
+    t: float
+    C_now: FloatArray
+    tilt_std: float
+    yaw_std: float
+    misfit: float
+    lever: FloatArray | None = None
+    time_offset: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Waiting:
+    """Why there is no alignment yet."""
+
+    why: str

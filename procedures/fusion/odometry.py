@@ -34,7 +34,7 @@ class OdometryPose:
     before: x, y, z [m] and yaw [rad]. ``yaw_std`` [rad] is 1 sigma of the frame's heading against North where the
     source knows it; None: free. ``own_yaw_std`` [rad] is 1 sigma of the IMU's heading in that frame, where the
     source knows it. ``uses_velocity``: GNSS velocity is already in it and must not be used again.
-    ``revised`` are the poses right before this one that are known otherwise by now than they were handed on; those
+    ``revised`` are the poses right before this one that have changed since they were reported; those
     after ``open_since`` [s] may still be. None: no more of them.
     """
 
@@ -60,7 +60,7 @@ class OdometrySource(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class OdometryDrift:
-    """How an odometry errs: a random walk in time and in way.
+    """How an odometry errs: a random walk in time and in distance.
 
     ``per_root_s`` [m/sqrt(s)], ``per_root_m`` [m/sqrt(m)], ``yaw_per_root_s`` [rad/sqrt(s)]. The defaults fit
     visual-inertial odometry (SVO on EuRoC: docs/how-to/locate.md has the search).
@@ -70,9 +70,9 @@ class OdometryDrift:
     per_root_m: float = 0.03
     yaw_per_root_s: float = 0.008
 
-    def covariance(self, dt: float, way: float) -> FloatArray:
-        """Return the covariance (4, 4) of a step of ``dt`` [s] over ``way`` [m]."""
-        moved = self.per_root_s**2 * dt + self.per_root_m**2 * way
+    def covariance(self, dt: float, distance: float) -> FloatArray:
+        """Return the covariance (4, 4) of a step of ``dt`` [s] over ``distance`` [m]."""
+        moved = self.per_root_s**2 * dt + self.per_root_m**2 * distance
         return np.diag([moved, moved, moved, self.yaw_per_root_s**2 * dt])
 
 
@@ -87,9 +87,9 @@ class RecordedOdometry:
         """Yield the poses; the heading of their frame is free."""
         t, p = self.trajectory.t, self.trajectory.p
         C = Rotation.from_quat(self.trajectory.q).as_matrix()
-        way = np.linalg.norm(np.diff(p, axis=0, prepend=p[:1]), axis=1)
+        distance = np.linalg.norm(np.diff(p, axis=0, prepend=p[:1]), axis=1)
         for i in range(len(t)):
-            yield OdometryPose(t[i], p[i], C[i], self.drift.covariance(t[i] - t[max(i - 1, 0)], way[i]))
+            yield OdometryPose(t[i], p[i], C[i], self.drift.covariance(t[i] - t[max(i - 1, 0)], distance[i]))
 
 
 def without_restarts(trajectory: Trajectory) -> tuple[Trajectory, int]:

@@ -7,10 +7,9 @@ from typing import Any
 import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.attitude.attitude_diagnosis import AttitudeDiagnosis
 from procedures.attitude.attitude_estimate import AttitudeEstimate
-from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.diagnosis.attitude_diagnosis import AttitudeDiagnosis
-from procedures.attitude.forward_right_down import inclination, roll_pitch_of
+from procedures.attitude.attitude_log import AttitudeLog, inclination, roll_pitch_of
 from procedures.attitude.gain_tuning import GainTuning
 from procedures.frames import wrapped
 from procedures.units import DEG_H_PER_DEG_S

@@ -8,11 +8,9 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_estimate import MAX_FILTERED_TURN_S
-from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.attitude_log import AttitudeLog, down_of
 from procedures.attitude.complementary_filter import STEEP_PITCH, ComplementaryFilter
-from procedures.attitude.complementary_gains import PAPER_GAINS, Gains
-from procedures.attitude.forward_right_down import down_of
-from procedures.attitude.laws import FORM_IN_WORDS, FORMS
+from procedures.attitude.filter_choice import FORM_DESCRIPTIONS, FORMS, PAPER_GAINS, Gains
 from procedures.attitude.sensor_noise import gate_of, gyro_noise
 from procedures.units import DEG_H_PER_RAD_S, STANDARD_GRAVITY
 from station.attitude.live_kalman_filter import ALIGN_S, NO_AID, AidValues, joined
@@ -21,7 +19,7 @@ from station.calibrated.rates_and_forces import RatesAndForces
 
 
 class ComplementaryFilterTrack:
-    """One unit's attitude by one of `procedures.attitude.laws.FORMS`.
+    """One unit's attitude by one of `procedures.attitude.filter_choice.FORMS`.
 
     ``force_std`` [m/s2] and ``gyro_std`` [rad/s] are 1 sigma of the sensors' biases, nan where they are not known.
     """
@@ -69,8 +67,8 @@ class ComplementaryFilterTrack:
             *np.degrees([said.roll, said.pitch, said.roll_std, said.pitch_std]).tolist()
         )  # fmt: skip
         return FilterReading(
-            self._law, FORM_IN_WORDS[self._form], float(np.degrees(roll)), float(np.degrees(pitch)), (d0, d1, d2),
-            (x, y, z), settles, self._note(mixer),
+            self._law, FORM_DESCRIPTIONS[self._form], float(np.degrees(roll)), float(np.degrees(pitch)),
+            (d0, d1, d2), (x, y, z), settles, self._note(mixer),
         )  # fmt: skip
 
     def _note(self, mixer: ComplementaryFilter) -> str:

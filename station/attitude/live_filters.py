@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.attitude.complementary_gains import PAPER_GAINS, Gains
-from procedures.attitude.forward_right_down import down_of, inclination
-from procedures.attitude.laws import JOINT
+from procedures.attitude.attitude_log import down_of, inclination
+from procedures.attitude.filter_choice import JOINT, PAPER_GAINS, Gains
 from station.attitude.live_complementary_filter import ComplementaryFilterTrack
 from station.attitude.live_kalman_filter import NO_AID, AidValues, AttitudeEstimator, compile_filter
 from station.attitude.live_readings import AttitudeReading, FilterReading

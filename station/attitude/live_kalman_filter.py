@@ -12,16 +12,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.forward_right_down import inclination, roll_pitch_of
+from procedures.attitude.attitude_log import AttitudeLog, inclination, roll_pitch_of
+from procedures.attitude.kalman_filter import AttitudeKalmanFilter
 from procedures.attitude.kalman_state import KalmanSettings
-from procedures.attitude.roll_pitch_kalman_filter import AttitudeKalmanFilter
-from procedures.attitude.unaided_motion import LEAST_MOTION_S, VEHICLE_RUNS, with_own_speed
+from procedures.attitude.unaided_motion import MIN_MOTION_S, VEHICLE_RUNS, settings_in_vehicle
 from procedures.units import DEG_H_PER_RAD_S
 from station.attitude.live_readings import AttitudeReading
 from station.calibrated.rates_and_forces import RatesAndForces
 
-# times the noise assumed, over `LEAST_MOTION_S`: 0.55 m/s*sqrt(s), where hands reach 0.40 and a calm ship 0.74
+# times the noise assumed, over `MIN_MOTION_S`: 0.55 m/s*sqrt(s), where hands reach 0.40 and a calm ship 0.74
 WANDER_LIMIT = 2.5
 MAX_TICKS = 600  # that are kept: a minute
 
@@ -45,8 +44,8 @@ class VehicleWatch:
     def follow(self, kept: AttitudeKalmanFilter, log: AttitudeLog) -> AttitudeKalmanFilter:
         """Take a tick that ``kept`` has filtered; return the filter to continue with."""
         if self.is_vehicle:
-            if kept.state.memory[0].wander_time >= LEAST_MOTION_S:
-                kept.settings = with_own_speed(kept)
+            if kept.state.memory[0].wander_time >= MIN_MOTION_S:
+                kept.settings = settings_in_vehicle(kept)
             return kept
         self._keep(kept, log)
         if not self._wanders(kept):
@@ -71,10 +70,10 @@ class VehicleWatch:
         if self._seen and now < self._seen[-1][0]:  # it was aligned again
             self._seen.clear()
         self._seen.append((now, squared))
-        while len(self._seen) > 1 and self._seen[1][0] <= now - LEAST_MOTION_S:
+        while len(self._seen) > 1 and self._seen[1][0] <= now - MIN_MOTION_S:
             self._seen.popleft()
         lasted = now - self._seen[0][0]
-        if lasted < LEAST_MOTION_S:
+        if lasted < MIN_MOTION_S:
             return False
         return math.sqrt((squared - self._seen[0][1]) / lasted) > WANDER_LIMIT * kept.settings.speed_noise
 
@@ -85,7 +84,7 @@ class VehicleWatch:
             found.forget_motion()
             found.settings = settings
             found.run(log)
-            settings = with_own_speed(found)
+            settings = settings_in_vehicle(found)
         return found
 
 
@@ -96,7 +95,7 @@ def joined(logs: Sequence[AttitudeLog]) -> AttitudeLog:
 
 
 ALIGN_S = 2.0
-# of rest, from which north is stated: a little more than `procedures.attitude.heading_at_rest` asks for
+# of rest, from which north is stated: a little more than `procedures.attitude.unaided_motion` asks for
 NORTH_S = 31.0
 RESIDUAL_SHARE = 0.1  # of each tick: a second
 # put between what has no relation in time: the filter then restarts with the biases learnt

@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from procedures.attitude.forward_right_down import inclination
+from procedures.attitude.attitude_log import inclination
 
 MotionState = Literal["waiting", "aligning", "at rest", "moving"]
 

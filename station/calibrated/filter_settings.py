@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.forward_right_down import earth_rate_ned
+from procedures.attitude.attitude_log import AttitudeLog, earth_rate_ned
 from procedures.attitude.kalman_state import AIDED_SETTINGS, UNAIDED_SETTINGS, KalmanSettings
 from procedures.attitude.sensor_noise import gyro_noise
 from procedures.attitude.unaided_motion import vehicle_settings

@@ -12,7 +12,7 @@ from station.commands._options import Heading, Latitude, argument, option, refus
 if TYPE_CHECKING:
     from procedures.attitude.attitude_estimate import AttitudeEstimate
     from procedures.attitude.attitude_log import AttitudeLog
-    from procedures.attitude.complementary_gains import Gains
+    from procedures.attitude.filter_choice import Gains
 
 
 DIRECTIONS = ("forwards", "both")
@@ -157,7 +157,7 @@ def _chosen_aid(aid: str | None, gains: "Gains | None", read: "AttitudeLog", log
     import numpy as np
 
     from procedures.attitude.attitude_estimate import AID_COLUMN, AIDS, default_aid, takes_gains
-    from procedures.attitude.roll_pitch_kalman_filter import AID_CODE
+    from procedures.attitude.kalman_filter import AID_CODE
 
     chosen = aid or default_aid(read)
     if chosen not in AIDS:
@@ -182,7 +182,7 @@ def _diagnosed(
     read: "AttitudeLog", aid: str, gains: "Gains | None", gravity: float
 ) -> "tuple[AttitudeEstimate, dict[str, Any], str]":
     """Return the corrected attitude with its document and text, after the diagnosis."""
-    from procedures.attitude.diagnosis.attitude_diagnosis import diagnose_attitude
+    from procedures.attitude.attitude_diagnosis import diagnose_attitude
     from station.attitude.attitude_json import (
         attitude_diagnosis_document,
         attitude_diagnosis_text,
@@ -236,7 +236,7 @@ def _gains(tau: float | None, k1: float | None, k2: float | None) -> "Gains | No
         raise typer.BadParameter("give --tau, or --k1 and --k2, not both", param_hint="--tau")
     if (k1 is None) != (k2 is None):
         raise typer.BadParameter("give both --k1 and --k2", param_hint="--k1")
-    from procedures.attitude.complementary_gains import Gains
+    from procedures.attitude.filter_choice import Gains
 
     with refused_as("--k1" if tau is None else "--tau"):
         if tau is not None:

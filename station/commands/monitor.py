@@ -92,7 +92,7 @@ def monitor(
     from drivers.address_guess import whole_url
     from drivers.address_parsing import parse_device_url
     from drivers.errors import PortNotFound
-    from procedures.attitude.laws import JOINT, parse_laws, refuse_without_velocity
+    from procedures.attitude.filter_choice import JOINT, parse_filters, refuse_without_velocity
     from station.calibrated.output_frame import body_axes
     from station.monitor.monitor_command import MonitorRequest, run
     from station.monitor.view import parse_alarm
@@ -105,7 +105,7 @@ def monitor(
     _check_sources(aid, locate, camera, wheel, has_receiver=bool(gnss) or url.startswith("replay:"))
     aid = "airspeed-filter" if aid == "airspeed" else aid
     with refused_as("--law"):
-        laws = parse_laws(law) if law else ()
+        laws = parse_filters(law) if law else ()
         if laws and not url.startswith("replay:"):
             refuse_without_velocity(laws, aid or ("gnss" if gnss else "none"))
     with refused_as("--lever-arm"):

@@ -6,18 +6,17 @@ from functools import partial
 import numpy as np
 
 from procedures.earth.geodesy import earth_rate_n
-from procedures.fusion.alignment.alignment_attempts import align_when_possible, between
-from procedures.fusion.alignment.alignment_in_motion import MovingAligner
-from procedures.fusion.alignment.alignment_result import AlignmentState, Waiting
-from procedures.fusion.fusion_records import GnssFixes, ImuSeries
-from procedures.fusion.imu.gnss_velocity import LeverArm
-from procedures.fusion.imu.imu_gaps import imu_gaps
-from procedures.fusion.inner.inertial_terms import Site
+from procedures.fusion.alignment_attempts import align_when_possible, between
+from procedures.fusion.alignment_in_motion import MovingAligner
+from procedures.fusion.feature_tracks import FeatureTracks
+from procedures.fusion.fusion_records import AlignmentState, GnssFixes, ImuSeries, Waiting
+from procedures.fusion.gnss_velocity import LeverArm
 from procedures.fusion.inner.visual_inertial_window import VisionSettings, VisualInertialWindow
-from procedures.fusion.outer.pose_graph import PoseGraph, PoseGraphSettings
-from procedures.fusion.vision.feature_tracks import FeatureTracks
-from procedures.fusion.visual_alignment.camera_time import CameraTimeOffset, camera_offset
-from procedures.fusion.visual_alignment.visual_alignment_attempts import VisualAligner, align_by_camera
+from procedures.fusion.inner.window_terms import Site
+from procedures.fusion.pose_graph import PoseGraph, PoseGraphSettings
+from procedures.fusion.preintegration import imu_gaps
+from procedures.fusion.vision.camera_time import CameraTimeOffset, camera_offset
+from procedures.fusion.vision.visual_alignment import VisualAligner, align_by_camera
 from station.errors import DataRefused
 from station.files.fusion_folder import FusionLog
 from station.locate.imu_source import alignment_of, never, of_gaps

@@ -6,14 +6,13 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from procedures.earth.geodesy import earth_rate_n
-from procedures.fusion.alignment.alignment_at_rest import is_still
-from procedures.fusion.alignment.alignment_attempts import align_when_possible
-from procedures.fusion.alignment.alignment_in_motion import MovingAligner
-from procedures.fusion.alignment.alignment_result import AlignmentState, Waiting
-from procedures.fusion.imu.imu_gaps import ImuGap, imu_gaps
-from procedures.fusion.inner.inertial_terms import Site
+from procedures.fusion.alignment_attempts import align_when_possible, is_still
+from procedures.fusion.alignment_in_motion import MovingAligner
+from procedures.fusion.fusion_records import AlignmentState, Waiting
 from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
-from procedures.fusion.outer.pose_graph import OUTLIER_SIGMAS, GlobalPose, PoseGraphSettings
+from procedures.fusion.inner.window_terms import Site
+from procedures.fusion.pose_graph import OUTLIER_SIGMAS, GlobalPose, PoseGraphSettings
+from procedures.fusion.preintegration import ImuGap, imu_gaps
 from station.errors import DataRefused
 from station.files.fusion_folder import FusionLog
 from station.locate.outer_layer import (

@@ -10,23 +10,22 @@ from typing import TypeAlias
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.fusion.alignment.alignment_attempts import (
+from procedures.fusion.alignment_attempts import (
     FIRST_ATTEMPT_S,
     MIN_ATTEMPT_SPACING_S,
     MOTION_WINDOW_S,
     attempt,
     between,
 )
-from procedures.fusion.alignment.alignment_in_motion import MovingAligner
-from procedures.fusion.alignment.alignment_result import AlignmentState, Waiting
-from procedures.fusion.fusion_records import GnssFixes, ImuSeries
-from procedures.fusion.imu.gnss_velocity import LeverArm
-from procedures.fusion.inner.inertial_terms import Site
+from procedures.fusion.alignment_in_motion import MovingAligner
+from procedures.fusion.fusion_records import AlignmentState, GnssFixes, ImuSeries, Waiting
+from procedures.fusion.gnss_velocity import LeverArm
 from procedures.fusion.inner.inertial_window import InertialWindow
 from procedures.fusion.inner.visual_inertial_window import VisionSettings
+from procedures.fusion.inner.window_terms import Site
 from procedures.fusion.odometry import OdometryPose
-from procedures.fusion.outer.pose_graph import GlobalPose, PoseGraph, PoseGraphSettings
-from procedures.fusion.visual_alignment.visual_alignment_attempts import VisualAligner
+from procedures.fusion.pose_graph import GlobalPose, PoseGraph, PoseGraphSettings
+from procedures.fusion.vision.visual_alignment import VisualAligner
 from station.locate.live_camera import LiveCamera
 
 LONGEST_REST = 60.0  # s of a rest that the window goes through again: its data are what the heading is known by

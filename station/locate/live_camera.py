@@ -13,11 +13,17 @@ import numpy as np
 from drivers.camera import CameraImage
 from procedures.arrays import FloatArray
 from procedures.earth.gnss_records import TimeMark
+from procedures.fusion.feature_tracks import FeatureTracks, PinholeCamera
 from procedures.fusion.fusion_records import ImuSeries
-from procedures.fusion.inner.camera_frames import CLOSEST, SPACING, Frame, filled, no_frame
-from procedures.fusion.inner.keyframes import between
-from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
-from procedures.fusion.visual_alignment.camera_time import CHECK_MOUNTING, CameraTimeOffset, camera_offset
+from procedures.fusion.inner.keyframes import (
+    FRAME_SPACING_S,
+    MIN_FRAME_SPACING_S,
+    Frame,
+    between,
+    filled,
+    no_frame,
+)
+from procedures.fusion.vision.camera_time import CHECK_MOUNTING, CameraTimeOffset, camera_offset
 from station.stream.camera import Follow
 from station.stream.gnss_times import FixTimes
 from station.text import plural
@@ -145,7 +151,7 @@ class LiveCamera:
             return 0
         if min(self._ages) - self.offset.offset > REACH_S:
             return 0
-        return int(np.ceil(min(self.lateness, REACH_S) / SPACING))
+        return int(np.ceil(min(self.lateness, REACH_S) / FRAME_SPACING_S))
 
     def due(self, last: float, until: float, *, lags: bool = False) -> Iterator[Frame]:
         """Yield the keyframes after ``last`` [s] that are due up to ``until``: at frames, and as often without.
@@ -178,24 +184,24 @@ class LiveCamera:
     def _likely(self, last: float) -> float:
         """Return when the keyframe after ``last`` [s] is to stand: at the next frame, or half way there."""
         if self.offset is None or len(self._frames) < AGE_FRAMES:
-            return last + SPACING
+            return last + FRAME_SPACING_S
         t = np.array([frame.t for frame in islice(reversed(self._frames), AGE_FRAMES)]) + self.offset.offset
         period = -float(np.median(np.diff(t)))
-        at = t[0] + np.ceil((last + CLOSEST - t[0]) / period) * period
-        return float([*between(last, at, SPACING), at][0])
+        at = t[0] + np.ceil((last + MIN_FRAME_SPACING_S - t[0]) / period) * period
+        return float([*between(last, at, FRAME_SPACING_S), at][0])
 
     def _next(self, last: float, until: float, *, lags: bool) -> Frame | None:
         found: Frame | None = None
         if self.offset is not None:
             for frame in reversed(self._frames):
-                if (t := frame.t + self.offset.offset) < last + CLOSEST:
+                if (t := frame.t + self.offset.offset) < last + MIN_FRAME_SPACING_S:
                     break
                 found = Frame(t, frame.feature, frame.uv)
         if found is not None and found.t <= until:
             return found
         if lags:
             return no_frame(at) if (at := self._likely(last)) <= until else None
-        return no_frame(last + SPACING) if until - last > 1.5 * SPACING else None
+        return no_frame(last + FRAME_SPACING_S) if until - last > 1.5 * FRAME_SPACING_S else None
 
     @property
     def said(self) -> str:

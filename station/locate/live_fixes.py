@@ -13,13 +13,21 @@ from drivers.can.wheel_reading import WheelReading
 from procedures.arrays import FloatArray
 from procedures.earth.geodesy import LocalLevel
 from procedures.earth.gnss_records import GnssFix, TimeMark
-from procedures.fusion.fixes_east_north_up import antenna, is_usable, level_fixes, origin_at
-from procedures.fusion.fusion_records import GnssFixes, ImuNoise
+from procedures.fusion.fusion_records import (
+    GnssFixes,
+    ImuNoise,
+    WheelMount,
+    WheelSpeeds,
+    antenna,
+    is_usable,
+    level_fixes,
+    no_speeds,
+    origin_at,
+)
 from procedures.fusion.inner.inner_window import InnerWindow
-from procedures.fusion.inner.keyframes import CLOSEST, SPACING
+from procedures.fusion.inner.keyframes import KEYFRAME_SPACING_S, MIN_FIX_SPACING_S
 from procedures.fusion.inner.wheel_aid import WheelAid
-from procedures.fusion.outer.pose_graph import OUTLIER_SIGMAS, GlobalPose
-from procedures.fusion.wheel_speeds import WheelMount, WheelSpeeds, no_speeds
+from procedures.fusion.pose_graph import OUTLIER_SIGMAS, GlobalPose
 from station.files.mcap_files.gnss_file import Record
 from station.locate.location import Location
 from station.stream.gnss_times import FixTimes
@@ -95,17 +103,17 @@ class LiveFixes:
     def next_keyframe(self, last: float, until: float) -> float | None:
         """Return the time of the keyframe after ``last`` [s]; None if it is after ``until``.
 
-        Keyframes stand at fixes, and between them evenly, at most `SPACING` apart.
+        Keyframes stand at fixes, and between them evenly, at most `KEYFRAME_SPACING_S` apart.
         """
         assert self.fixes is not None
         t, k = self.fixes.t, self.taken
-        while k < len(t) and t[k] < last + CLOSEST:
+        while k < len(t) and t[k] < last + MIN_FIX_SPACING_S:
             k += 1  # on the heels of a keyframe, or too late
-        if k < len(t) and (gap := float(t[k]) - last) < 2 * SPACING + CLOSEST:
-            parts = max(1, int(np.ceil(gap / SPACING - 0.5)))
+        if k < len(t) and (gap := float(t[k]) - last) < 2 * KEYFRAME_SPACING_S + MIN_FIX_SPACING_S:
+            parts = max(1, int(np.ceil(gap / KEYFRAME_SPACING_S - 0.5)))
             at = float(t[k]) if parts == 1 else last + gap / parts
         else:
-            at = last + SPACING
+            at = last + KEYFRAME_SPACING_S
         return None if at > until else at
 
     def passed(self, t: float) -> range:

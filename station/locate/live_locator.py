@@ -14,14 +14,14 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.earth.geodesy import earth_rate_n, normal_gravity
-from procedures.fusion.alignment.alignment_in_motion import MovingAligner
+from procedures.fusion.alignment_in_motion import MovingAligner
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
-from procedures.fusion.imu.gnss_velocity import LeverArm
-from procedures.fusion.inner.inertial_terms import Site
+from procedures.fusion.gnss_velocity import LeverArm
 from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
 from procedures.fusion.inner.visual_inertial_window import VisionSettings, VisualInertialWindow
+from procedures.fusion.inner.window_terms import Site
 from procedures.fusion.odometry import OdometryPose
-from procedures.fusion.outer.pose_graph import GlobalPose, PoseGraphSettings
+from procedures.fusion.pose_graph import GlobalPose, PoseGraphSettings
 from station.locate.camera_source import antenna_of, with_lever
 from station.locate.imu_source import with_constants
 from station.locate.live_alignment import (

@@ -13,7 +13,7 @@ from procedures.fusion.fusion_records import GnssFixes, Trajectory
 from procedures.fusion.inner.inner_window import InnerWindow
 from procedures.fusion.inner.wheel_aid import WheelAid
 from procedures.fusion.odometry import OdometrySource
-from procedures.fusion.outer.pose_graph import GlobalPose, PoseGraph, PoseGraphSettings
+from procedures.fusion.pose_graph import GlobalPose, PoseGraph, PoseGraphSettings
 from station.files.fusion_folder import FusionLog
 from station.files.fusion_folder.fusion_tables import mount_of
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from drivers.camera.video import camera_images
+from procedures.fusion.feature_tracks import FeatureTracks
 from procedures.fusion.vision.feature_tracker import FeatureTracker, FeatureTrackerSettings, Image, LensModel
-from procedures.fusion.vision.feature_tracks import FeatureTracks
 from procedures.optional_libraries import opencv
 from station.errors import DataRefused
 from station.files.atomic_file import refuse_own

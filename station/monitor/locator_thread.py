@@ -9,7 +9,7 @@ from queue import SimpleQueue
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.fusion.visual_alignment.camera_time import CameraTimeOffset
+from procedures.fusion.vision.camera_time import CameraTimeOffset
 from station.calibrated.calibration_choice import AppliedCalibration
 from station.calibrated.rates_and_forces import Sensors
 from station.files.fusion_folder.fusion_tables import camera_of, lens_of

@@ -17,8 +17,7 @@ from drivers.address_parsing import parse_device_url
 from drivers.camera import CameraImage
 from drivers.can.wheel_reading import WheelReading
 from procedures.arrays import FloatArray
-from procedures.attitude.complementary_gains import Gains
-from procedures.attitude.laws import JOINT, parse_laws, refuse_without_velocity
+from procedures.attitude.filter_choice import JOINT, Gains, parse_filters, refuse_without_velocity
 from procedures.campaign.campaign import UNKNOWN
 from procedures.earth.geodesy import normal_gravity
 from procedures.optional_libraries import opencv
@@ -246,7 +245,7 @@ def _laws(wanted: MonitorRequest) -> tuple[tuple[str, ...], Gains | None]:
     if address.scheme == "replay":
         file = Path(address.path)
         try:
-            laws = laws or parse_laws(recorded_choice(file, "laws"))
+            laws = laws or parse_filters(recorded_choice(file, "laws"))
             if gains is None and (said := recorded_choice(file, "gains")):
                 gains = Gains(*map(float, said.split()))
         except (ValueError, TypeError) as error:

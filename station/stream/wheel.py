@@ -20,7 +20,7 @@ from drivers.addresses import WheelAddress
 from drivers.can.wheel_reading import WheelReading
 from drivers.can.wheel_signal import WheelDecoder, WheelSignal, wheel_signal
 from drivers.errors import BadDeviceUrl
-from procedures.fusion.wheel_speeds import WheelSpeeds
+from procedures.fusion.fusion_records import WheelSpeeds
 from station.errors import DataRefused
 from station.files.atomic_file import replace_file
 from station.files.fusion_folder.fusion_schema import WheelMountTable

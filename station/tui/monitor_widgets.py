@@ -7,7 +7,7 @@ from textwrap import wrap
 
 from textual.content import Content
 
-from procedures.attitude.laws import JOINT
+from procedures.attitude.filter_choice import JOINT
 from station.attitude.live_readings import FilterReading, MotionState, RestErrorComparison, difference
 from station.calibrated import InUse
 from station.locate.location import Location

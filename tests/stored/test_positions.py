@@ -5,21 +5,17 @@ from functools import cache
 import numpy as np
 import pytest
 
-from procedures.fusion.alignment.alignment_at_rest import align_at_rest
-from procedures.fusion.alignment.alignment_attempts import align_when_possible
-from procedures.fusion.alignment.alignment_in_motion import MovingAligner
-from procedures.fusion.alignment.alignment_result import AlignmentState
-from procedures.fusion.fusion_records import GnssFixes, ImuSeries
-from procedures.fusion.imu.gnss_velocity import LeverArm
+from procedures.fusion.alignment_attempts import align_at_rest, align_when_possible
+from procedures.fusion.alignment_in_motion import MovingAligner
+from procedures.fusion.fusion_records import AlignmentState, GnssFixes, ImuSeries
+from procedures.fusion.gnss_velocity import LeverArm
 from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
 from procedures.fusion.inner.visual_inertial_window import VisionSettings, VisualInertialWindow
 from procedures.fusion.odometry import OdometryDrift
-from procedures.fusion.outer.pose_graph import PoseGraph, PoseGraphSettings
-from procedures.fusion.visual_alignment.visual_alignment_attempts import VisualAligner, align_by_camera
-from procedures.fusion.visual_alignment.visual_start import VisualStart
+from procedures.fusion.pose_graph import PoseGraph, PoseGraphSettings
+from procedures.fusion.vision.visual_alignment import VisualAligner, VisualStart, align_by_camera
 from tests.drivers.simulated.camera_tracks import View
-from tests.procedures.fusion.motions import EARTH, GRAVITY, NOISE, Eight, fog
-from tests.procedures.fusion.seen import CAMERA, SITE, tracks_of
+from tests.procedures.fusion.motions import CAMERA, EARTH, GRAVITY, NOISE, SITE, Eight, fog, tracks_of
 from tests.stored.conftest import StoredResult
 
 ZERO = np.zeros(3)

@@ -14,29 +14,27 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.fusion.alignment.alignment_in_motion import ACCEL_NOISE_FACTOR
-from procedures.fusion.alignment.alignment_result import AlignmentState
-from procedures.fusion.fusion_records import GnssFixes, ImuSeries
-from procedures.fusion.imu.gnss_velocity import GnssMeasurements, KeyframeFix, LeverArm, no_fix
-from procedures.fusion.imu.preintegration import Preintegrated
-from procedures.fusion.inner.inertial_terms import Site
+from procedures.fusion.alignment_in_motion import ACCEL_NOISE_FACTOR
+from procedures.fusion.fusion_records import AlignmentState, GnssFixes, ImuSeries
+from procedures.fusion.gnss_velocity import GnssMeasurements, KeyframeFix, LeverArm, no_fix
 from procedures.fusion.inner.inner_window import (
-    ANCHOR,
     FRAME_STD,
     FRAME_WALK,
     FREE_VELOCITY,
-    GIVEN,
-    OUTAGE,
+    KNOWN_STD,
+    ORIGIN_STD,
+    OUTAGE_S,
     InnerSettings,
     InnerWindow,
 )
-from procedures.fusion.inner.keyframes import SPACING, keyframes
-from procedures.fusion.inner.left_keyframes import Left, swept_back
-from procedures.fusion.inner.way_handed_on import WayHandedOn
+from procedures.fusion.inner.keyframes import KEYFRAME_SPACING_S, keyframes
+from procedures.fusion.inner.marginalised_keyframes import MarginalisedKeyframe, RevisedPath, smoothed_states
 from procedures.fusion.inner.wheel_aid import WheelAid
-from procedures.fusion.inner.window_problem import Gone, Held, Prior, marginalised
+from procedures.fusion.inner.window_problem import BackSubstitution, Prior, WindowMeasurements, marginalised
 from procedures.fusion.inner.window_state import ANTENNA, SPEED, Normal, WindowState
+from procedures.fusion.inner.window_terms import Site
 from procedures.fusion.odometry import AntennaEstimate, OdometryPose
+from procedures.fusion.preintegration import Preintegrated
 
 FREE_TURN = 0.3  # rad on the first attitude: the alignment's own data are used again from there on
 FREE_POSITION = 10.0  # m
@@ -47,7 +45,7 @@ HEIGHT_TIME = 1.0  # s, for which the error of a height lasts that is held by GN
 class WindowSettings:
     """``lever`` (3,) [m] in b from IMU to antenna, ``spacing`` [s] of keyframes, ``frames`` of them in the window.
 
-    ``still_std`` [m/s]: the IMU is known to stand, and by how much; GNSS velocities are then left out.
+    ``still_std`` [m/s]: the IMU is known to stand, and by how much; GNSS velocities are then not used.
     ``lever_std`` [m] and ``offset_std`` [s]: lever arm, and the time offset that the fixes' stamps still lack,
     are estimated from ``lever`` and 0 on where either is given.
     """
@@ -56,7 +54,7 @@ class WindowSettings:
     lever: FloatArray
     layers: int = 2
     frames: int = 20
-    spacing: float = SPACING
+    spacing: float = KEYFRAME_SPACING_S
     still_std: float | None = None
     lever_std: float | None = None
     offset_std: float | None = None
@@ -82,11 +80,11 @@ class InertialWindow(InnerWindow):
         self.settings = settings
         self.frames = keyframes(fixes.t, start.t0, float(imu.t[-1]), settings.spacing)
         self._is_flat = settings.still_std is None and not np.isfinite(fixes.v_n[:, 2]).any()
-        begun = self._beginning(fixes, start, GIVEN if wheel is None else wheel.mount.scale_std)
+        begun = self._beginning(fixes, start, KNOWN_STD if wheel is None else wheel.mount.scale_std)
         super().__init__(settings.inner, self.frames.t, imu, fixes, start, begun, LeverArm(settings.lever), wheel)
-        self._first, self._left = begun[1], list[Left]()
+        self._first, self._left = begun[1], list[MarginalisedKeyframe]()
         self._is_settled = False  # that it was linearised again where the alignment's data end
-        self._way = WayHandedOn()
+        self._path = RevisedPath()
 
     def poses(self) -> Iterator[OdometryPose]:
         """Yield a pose for each keyframe; none uses anything later."""
@@ -112,19 +110,19 @@ class InertialWindow(InnerWindow):
         1965).
         """
         self._linearise_again()
-        states, times = swept_back(self._left, self.state), self.frames.t.tolist()
+        states, times = smoothed_states(self._left, self.state), self.frames.t.tolist()
         return [(t, state.p[0], state.C_ob[0]) for t, state in zip(times, states, strict=True)]
 
     def _linearise_again(self) -> None:
         """Eliminate all keyframes but the newest again, linearised where they stand by all that was measured."""
         while len(self.state.p) > 1:
             self._slide()
-        states = swept_back(self._left, self.state)
-        prior, left = self._first, list[Left]()
+        states = smoothed_states(self._left, self.state)
+        prior, left = self._first, list[MarginalisedKeyframe]()
         for here, there, one in zip(states[:-1], states[1:], self._left, strict=True):
             two = here.with_frame(there.C_ob[0], there.p[0], there.v[0], there.bg[0], there.ba[0])
             prior, gone = marginalised(two, prior, one.held, self.settings.site, self.marks, self._scale)
-            left.append(Left(two, one.held, gone))
+            left.append(MarginalisedKeyframe(two, one.held, gone))
         self._prior, self._left = prior, left
         self._solve()
 
@@ -136,12 +134,12 @@ class InertialWindow(InnerWindow):
             start.C_nb[None], p[None], start.v_n[None], start.gyro_bias[None], start.accel_bias[None],
             np.eye(3), np.zeros(3), 0.0, np.zeros((0, 3)),
         )  # fmt: skip
-        where = np.full(3, FREE_POSITION if settings.layers == 1 else ANCHOR)
+        where = np.full(3, FREE_POSITION if settings.layers == 1 else ORIGIN_STD)
         if settings.still_std is None and not np.isfinite(fixes.v_n[first, 2]):
             where[2] = FREE_POSITION
         frame = np.repeat([FREE_TURN, FREE_VELOCITY, noise.gyro_bias, noise.accel_bias], 3)
-        antenna = np.r_[np.full(3, settings.lever_std or GIVEN), settings.offset_std or GIVEN]
-        std = np.r_[np.full(ANTENNA.start, GIVEN), antenna, wheel_std, frame[:3], where, frame[3:]]
+        antenna = np.r_[np.full(3, settings.lever_std or KNOWN_STD), settings.offset_std or KNOWN_STD]
+        std = np.r_[np.full(ANTENNA.start, KNOWN_STD), antenna, wheel_std, frame[:3], where, frame[3:]]
         return state, Prior(Normal(np.diag(std**-2), np.zeros(len(std))), replace(state, bg=none, ba=none))
 
     def _measurements(self, fixes: GnssFixes, imu: ImuSeries) -> GnssMeasurements:
@@ -168,13 +166,13 @@ class InertialWindow(InnerWindow):
             self._is_settled = True
         return self._pose(dt)
 
-    def _slide(self) -> Gone:
-        two, held = self.state.part(slice(2)), Held(self._held.parts[:1], self._held.fixes[:1])
-        left = Left(two, held, super()._slide())
+    def _slide(self) -> BackSubstitution:
+        two, held = self.state.part(slice(2)), WindowMeasurements(self._held.parts[:1], self._held.fixes[:1])
+        left = MarginalisedKeyframe(two, held, super()._slide())
         if self.settings.layers == 1 or not self._is_settled:
             self._left.append(left)
         if self.settings.layers == 2:
-            self._way.slid(left)
+            self._path.slid(left)
         return left.gone
 
     def _pose(self, dt: float) -> OdometryPose:
@@ -191,14 +189,14 @@ class InertialWindow(InnerWindow):
         return pose if self.settings.layers == 1 else self._handed_on(pose)
 
     def _handed_on(self, pose: OdometryPose) -> OdometryPose:
-        """Return the newest pose where the way handed on leads, with what is known otherwise of that by now."""
-        way, has_velocity = self._way, self._since == 0.0
-        looks_back = way.listen(has_velocity, self._since > OUTAGE and self._is_settled)
+        """Return the newest pose at the end of the revised path, with the poses that have changed."""
+        path, has_velocity = self._path, self._since == 0.0
+        looks_back = path.listen(has_velocity, self._since > OUTAGE_S and self._is_settled)
         revised = tuple[OdometryPose, ...]()
         if has_velocity or looks_back or self._held.fixes[-1].wheel is not None:  # else all stands where it stood
-            revised = way.revise(self.state, self._factor, self._velocity_density(), looks_back)
-        pose = replace(pose, p_o=way.newest(self.state), revised=revised, open_since=way.open_since)
-        way.add(replace(pose, revised=()))
+            revised = path.revise(self.state, self._factor, self._velocity_density(), looks_back)
+        pose = replace(pose, p_o=path.newest(self.state), revised=revised, open_since=path.open_since)
+        path.add(replace(pose, revised=()))
         return pose
 
     def _antenna(self) -> AntennaEstimate | None:
@@ -208,7 +206,7 @@ class InertialWindow(InnerWindow):
 
     def _drift(self, dt: float) -> FloatArray:
         """Return the covariance (4, 4) of a step: velocity noise summed up, or an outage's velocity error."""
-        if self._since > OUTAGE or self.settings.layers == 1:
+        if self._since > OUTAGE_S or self.settings.layers == 1:
             speed = slice(self.last + SPEED.start, self.last + SPEED.stop)
             moved = 2 * np.diag(self.covariance(speed)) * self._since * dt
         else:
@@ -222,4 +220,4 @@ class InertialWindow(InnerWindow):
         i = int(np.searchsorted(self.fixes.t, self.t, "right")) - 1
         i = min(max(i, 1), len(self.fixes.t) - 1)
         std = np.nanmin(self.fixes.velocity_std[max(i - 5, 0) : i + 1])
-        return float(std**2 * min(self.fixes.t[i] - self.fixes.t[i - 1], OUTAGE))
+        return float(std**2 * min(self.fixes.t[i] - self.fixes.t[i - 1], OUTAGE_S))

@@ -11,9 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.fusion.alignment.alignment_result import AlignmentState
-from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
-from procedures.fusion.imu.gnss_velocity import (
+from procedures.fusion.fusion_records import AlignmentState, GnssFixes, ImuNoise, ImuSeries
+from procedures.fusion.gnss_velocity import (
     CLIMB_SPAN_S,
     GnssMeasurements,
     KeyframeFix,
@@ -21,24 +20,28 @@ from procedures.fusion.imu.gnss_velocity import (
     measurements,
     no_fix,
 )
-from procedures.fusion.imu.imu_gaps import ImuGap, imu_gaps
-from procedures.fusion.imu.inertial_increments import ImuGrid, grid
-from procedures.fusion.imu.preintegration import Preintegrated, preintegrate
-from procedures.fusion.inner.inertial_terms import Site, predicted
 from procedures.fusion.inner.landmarks import Landmarks
-from procedures.fusion.inner.wheel_aid import UNDONE_S, WheelAid, foretold_covariance, without_wheel
-from procedures.fusion.inner.window_factor import ChainFactor, Factor
-from procedures.fusion.inner.window_problem import Eliminated, Gone, Held, Prior, assemble, marginalised
-from procedures.fusion.inner.window_state import COMMON, FRAME, WHEEL, Normal, WindowState
-from procedures.fusion.outer.pose_graph_terms import rz
+from procedures.fusion.inner.wheel_aid import RETRACTED_S, WheelAid, predicted_covariance, without_wheel
+from procedures.fusion.inner.window_problem import (
+    BackSubstitution,
+    Eliminated,
+    Prior,
+    WindowMeasurements,
+    assemble,
+    marginalised,
+)
+from procedures.fusion.inner.window_state import COMMON, FRAME, WHEEL, ChainFactor, Factor, Normal, WindowState
+from procedures.fusion.inner.window_terms import Site, predicted
+from procedures.fusion.pose_graph_terms import rz
+from procedures.fusion.preintegration import ImuGap, ImuGrid, Preintegrated, grid, imu_gaps, preintegrate
 
-SMALL = 2e-2  # of a sigma, by which a last step may move
-OUTAGE = 1.5  # s without a velocity from which an outage begins
+STEP_TOLERANCE = 2e-2  # of a sigma, by which a last step may move
+OUTAGE_S = 1.5  # s without a velocity from which an outage begins
 FRAME_STD = np.radians(0.05)  # rad: GNSS's velocities hold the odometry's frame to n
 FRAME_WALK = 1e-4  # rad/sqrt(s)
-ANCHOR = 1e-3  # m, the origin of an odometry
+ORIGIN_STD = 1e-3  # m, the origin of an odometry
 FREE_VELOCITY = 1.0  # m/s
-GIVEN = 1e-6  # m, rad or s, of what is not estimated
+KNOWN_STD = 1e-6  # m, rad or s, of what is not estimated
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,7 +70,7 @@ class InnerWindow:
         self.state, self._prior = begun
         self._grid, self._gaps = grid(imu, times), imu_gaps(imu)
         self._measured = self._measurements(fixes, imu)
-        self._held = Held([], [no_fix()])
+        self._held = WindowMeasurements([], [no_fix()])
         self.awaited = 0  # keyframes that it is longer by, as many as wait for what a late source will say of them
         self.t, self._since = float(times[0]), 0.0  # of the newest keyframe; s without a velocity
 
@@ -123,23 +126,23 @@ class InnerWindow:
             fix = self._fix(part, self._heading() @ last.C_ob[-1], site.pull(last.v[-1]))
             if self.wheel is not None:
                 fix = self._with_wheel(self.wheel, fix, t, part)
-            self._held = Held([*self._held.parts, part], [*self._held.fixes, fix])
+            self._held = WindowMeasurements([*self._held.parts, part], [*self._held.fixes, fix])
         newest = self._held.fixes[-1]
         rests = newest.wheel is not None and newest.wheel.rest_weight > 0
         self._since = 0.0 if newest.v_weight.any() or rests else self._since + t - self.t
         self.t = t
 
     def _with_wheel(self, wheel: WheelAid, fix: KeyframeFix, t: float, part: Preintegrated) -> KeyframeFix:
-        """Return what is said at the newest keyframe, at ``t`` [s] behind ``part``, with the wheel's part."""
+        """Return the measurements at the newest keyframe, at ``t`` [s] behind ``part``, with the wheel's part."""
         C, v = self.state.C_ob[-1], self.state.v[-1]
         seen = wheel.measured(self.t, part, C.T @ self._inner.site.pull(v))
         if seen is None:
             return fix
         v_b, slipped = C.T @ v, wheel.slips_now
-        P = foretold_covariance(self._factor, self._solved, C, v_b, self._inner.noise, part.dt)
+        P = predicted_covariance(self._factor, self._solved, C, v_b, self._inner.noise, part.dt)
         seen = wheel.judged(seen, t, part.dt, v_b, 1 + self.state.wheel, P, self._imu)
         if wheel.slips_now and not slipped:
-            self._held = without_wheel(self._held, t - self.t, UNDONE_S)
+            self._held = without_wheel(self._held, t - self.t, RETRACTED_S)
         return replace(fix, wheel=seen)
 
     @property
@@ -157,7 +160,7 @@ class InnerWindow:
             step = -self._factor.solve(normal.g)
             self.state = self.state.moved(step)
             self.marks.step(free.rows, free.step(step), self.state.held)
-            if step @ normal.A @ step < SMALL**2 * len(step):
+            if step @ normal.A @ step < STEP_TOLERANCE**2 * len(step):
                 break
 
     def _factorised(self, A: FloatArray) -> Factor:
@@ -165,10 +168,10 @@ class InnerWindow:
         is_chain = not len(self.marks.slot) and not len(self.state.held) and len(self._prior.at.p) <= 2
         return ChainFactor(A) if is_chain else Factor(A)
 
-    def _problem(self, state: WindowState, prior: Prior, held: Held) -> tuple[Normal, Eliminated]:
+    def _problem(self, state: WindowState, prior: Prior, held: WindowMeasurements) -> tuple[Normal, Eliminated]:
         return assemble(state, prior, held, self._inner.site, self.marks, self.marks.sights.seen, self._scale)
 
-    def _slide(self) -> Gone:
+    def _slide(self) -> BackSubstitution:
         """Marginalise the oldest keyframe, and return how it went."""
         known = self.state
         if not len(self.marks.slot):  # nothing ties it but to the next, and to what the prior knows
@@ -176,7 +179,7 @@ class InnerWindow:
         held = self._held
         self._prior, gone = marginalised(known, self._prior, held, self._inner.site, self.marks, self._scale)
         self.state = replace(self.state.part(slice(1, None)), held=self._prior.at.held)
-        self._held = Held(held.parts[1:], held.fixes[1:])
+        self._held = WindowMeasurements(held.parts[1:], held.fixes[1:])
         return gone
 
     def _heading(self) -> FloatArray:

@@ -6,8 +6,8 @@ import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
 
-SPACING = 0.05  # s between keyframes at fixes, at most
-CLOSEST = 0.02  # s: a fix on the heels of another has none of its own
+KEYFRAME_SPACING_S = 0.05  # s between keyframes at fixes, at most
+MIN_FIX_SPACING_S = 0.02  # s: a fix that follows another sooner has no keyframe
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -19,9 +19,13 @@ class Keyframes:
 
 
 def keyframes(
-    measured: FloatArray, first: float, last: float, spacing: float = SPACING, closest: float = CLOSEST
+    measured: FloatArray,
+    first: float,
+    last: float,
+    spacing: float = KEYFRAME_SPACING_S,
+    closest: float = MIN_FIX_SPACING_S,
 ) -> Keyframes:
-    """Return keyframes from ``first`` to ``last`` [s], at what is ``measured`` (m,) [s] then and between."""
+    """Return keyframes from ``first`` to ``last`` [s]: at the times ``measured`` (m,) [s], and between them."""
     times, at = [first], [-1]
     for i in np.flatnonzero((measured >= first) & (measured <= last)):
         t = float(measured[i])
@@ -40,3 +44,26 @@ def between(first: float, last: float, spacing: float) -> list[float]:
     parts = int(np.ceil((last - first) / spacing - 0.5))
     times: list[float] = np.linspace(first, last, parts + 1)[1:-1].tolist() if parts > 1 else []
     return times
+
+
+FRAME_SPACING_S = 0.1  # s between keyframes, at most
+MIN_FRAME_SPACING_S = 0.09  # s: frames that follow sooner are not used
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Frame:
+    """What a camera saw at ``t`` [s]: ``feature`` (m,) at ``uv`` (m, 2) [px], the lens's distortion corrected."""
+
+    t: float
+    feature: IntArray
+    uv: FloatArray
+
+
+def no_frame(t: float) -> Frame:
+    """Return what is seen where there is no camera."""
+    return Frame(t, np.zeros(0, np.int64), np.zeros((0, 2)))
+
+
+def filled(last: float, frame: Frame) -> list[Frame]:
+    """Return a frame with what stands between it and the keyframe at ``last`` [s]: one each `FRAME_SPACING_S`."""
+    return [*map(no_frame, between(last, frame.t, FRAME_SPACING_S)), frame]

@@ -11,41 +11,39 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.fusion.alignment.alignment_in_motion import ACCEL_NOISE_FACTOR
-from procedures.fusion.alignment.alignment_result import AlignmentState
-from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
-from procedures.fusion.imu.gnss_velocity import LeverArm
-from procedures.fusion.imu.preintegration import Preintegrated
-from procedures.fusion.inner.camera_frames import CLOSEST, SPACING, Frame
-from procedures.fusion.inner.inertial_terms import Site
+from procedures.fusion.alignment_in_motion import ACCEL_NOISE_FACTOR
+from procedures.fusion.feature_tracks import FeatureTracks, PinholeCamera
+from procedures.fusion.fusion_records import AlignmentState, GnssFixes, ImuNoise, ImuSeries
+from procedures.fusion.gnss_velocity import LeverArm
 from procedures.fusion.inner.inner_window import (
-    ANCHOR,
     FRAME_STD,
     FRAME_WALK,
     FREE_VELOCITY,
-    GIVEN,
-    OUTAGE,
+    KNOWN_STD,
+    ORIGIN_STD,
+    OUTAGE_S,
     InnerSettings,
     InnerWindow,
 )
-from procedures.fusion.inner.keyframes import keyframes
-from procedures.fusion.inner.reprojection import residuals
+from procedures.fusion.inner.keyframes import FRAME_SPACING_S, MIN_FRAME_SPACING_S, Frame, keyframes
+from procedures.fusion.inner.landmarks import residuals
 from procedures.fusion.inner.wheel_aid import WheelAid
-from procedures.fusion.inner.window_problem import Gone, Prior, walked
+from procedures.fusion.inner.window_problem import BackSubstitution, Prior, walked
 from procedures.fusion.inner.window_state import COMMON, FRAME, HEADING, OFFSET, Normal, WindowState
+from procedures.fusion.inner.window_terms import Site
 from procedures.fusion.odometry import OdometryPose
-from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
+from procedures.fusion.preintegration import Preintegrated
 
 FRAMES, ROUNDS = 10, 4
 HEADING_WALK = 5e-4  # rad/sqrt(s) by which the window's own frame drifts against n
-ASTRAY = 4.0  # whitened length of a sight (two axes) that is no match: 3e-4 by chance
+OUTLIER_SIGMAS = 4.0  # whitened length of a sight (two axes) that is no match: 3e-4 by chance
 CAMERA_TURN = np.radians(1.0)  # 1 sigma of what was given of the camera's place
 CAMERA_PLACE = 0.02  # m
 FREE_HEADING = 0.3  # rad on the first attitude: the alignment's own data are used again from there on
 FREE_TILT = 0.1
 FIXED = 1e-4  # rad, the heading of the window's own frame
 OFFSET_WALK = 3e-4  # s/sqrt(s): 50 ppm of a camera's own clock are 3 ms in a minute
-SLACK = 2.0  # of the drift that the window states: measured on real IMUs, docs/how-to/locate-vision.md
+DRIFT_FACTOR = 2.0  # of the drift that the window states: measured on real IMUs, docs/how-to/locate-vision.md
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,7 +70,7 @@ class VisionSettings:
 
 def beginning(
     start: AlignmentState, camera: PinholeCamera, noise: ImuNoise, offset_std: float = 0.0,
-    wheel_std: float = GIVEN,
+    wheel_std: float = KNOWN_STD,
 ) -> tuple[WindowState, Prior]:  # fmt: skip
     """Return the first keyframe, and the little that is known of it: its heading is the window's own."""
     none = np.zeros((1, 3))
@@ -81,9 +79,11 @@ def beginning(
         camera.C_bc, camera.t_bc, 0.0, np.zeros((0, 3)), rate=none if offset_std or camera.row_time else None,
         line=camera.ray_time,
     )  # fmt: skip
-    frame = np.repeat([FREE_TILT, ANCHOR, FREE_VELOCITY, noise.gyro_bias, noise.accel_bias], 3)
+    frame = np.repeat([FREE_TILT, ORIGIN_STD, FREE_VELOCITY, noise.gyro_bias, noise.accel_bias], 3)
     camera_std = np.repeat([CAMERA_TURN, CAMERA_PLACE], 3)
-    info = np.diag(np.r_[camera_std, FREE_HEADING, offset_std or GIVEN, [GIVEN] * 4, wheel_std, frame] ** -2)
+    info = np.diag(
+        np.r_[camera_std, FREE_HEADING, offset_std or KNOWN_STD, [KNOWN_STD] * 4, wheel_std, frame] ** -2
+    )
     turn = slice(COMMON, COMMON + 3)
     info[turn, turn] = start.C_nb.T @ np.diag([FREE_TILT**-2, FREE_TILT**-2, FIXED**-2]) @ start.C_nb
     return state, Prior(Normal(info, np.zeros(COMMON + FRAME)), replace(state, bg=none, ba=none))
@@ -106,8 +106,8 @@ class VisualInertialWindow(InnerWindow):
     ) -> None:
         self.settings, self.tracks = settings, tracks
         seen, self._begin = tracks.frames()
-        self.frames = keyframes(seen, start.t0, float(imu.t[-1]), SPACING, CLOSEST)
-        wheel_std = GIVEN if wheel is None else wheel.mount.scale_std
+        self.frames = keyframes(seen, start.t0, float(imu.t[-1]), FRAME_SPACING_S, MIN_FRAME_SPACING_S)
+        wheel_std = KNOWN_STD if wheel is None else wheel.mount.scale_std
         begun = beginning(start, settings.camera, settings.site.noise, settings.offset_std, wheel_std)
         super().__init__(settings.inner, self.frames.t, imu, fixes, start, begun, settings.antenna, wheel)
         self._scale = np.array([settings.camera.fx, settings.camera.fy]) / settings.camera.std
@@ -142,7 +142,7 @@ class VisualInertialWindow(InnerWindow):
     @property
     def offset_std(self) -> float:
         """1 sigma of the camera's time offset [s]."""
-        return SLACK * float(np.sqrt(self.covariance(slice(OFFSET, OFFSET + 1))[0, 0]))
+        return DRIFT_FACTOR * float(np.sqrt(self.covariance(slice(OFFSET, OFFSET + 1))[0, 0]))
 
     def _add(self, frame: Frame, part: Preintegrated | None) -> OdometryPose:
         dt = frame.t - self.t
@@ -158,11 +158,11 @@ class VisualInertialWindow(InnerWindow):
         s = self.marks.sights
         ready = replace(s, seen=s.seen & self.marks.ready[:, None])
         rows, frames, r, y = residuals(self.state, ready, self._scale)
-        bad = (np.linalg.norm(r, axis=1) > ASTRAY) | (y[:, 2] <= 0)
+        bad = (np.linalg.norm(r, axis=1) > OUTLIER_SIGMAS) | (y[:, 2] <= 0)
         self.rejected += int(bad.sum())
         self.marks.reject(rows[bad], frames[bad])
 
-    def _slide(self) -> Gone:
+    def _slide(self) -> BackSubstitution:
         dt = self._held.parts[0].dt
         self.marks.lose_unseen()
         gone = super()._slide()
@@ -190,7 +190,7 @@ class VisualInertialWindow(InnerWindow):
         """Return 1 sigma [rad] of the newest keyframe's heading in n."""
         pick, last = np.zeros(self.state.size), self.last
         pick[HEADING], pick[last : last + 3] = 1.0, self.state.C_ob[-1][2]
-        return SLACK * float(np.sqrt(pick @ self._factor.solve(pick)))
+        return DRIFT_FACTOR * float(np.sqrt(pick @ self._factor.solve(pick)))
 
     def _drift(self, dt: float) -> FloatArray:
         """Return the covariance (4, 4) of a step: that of the window from end to end, spread over its time."""
@@ -200,8 +200,8 @@ class VisualInertialWindow(InnerWindow):
         pick = np.zeros((self.state.size, 4))
         pick[last + 3 : last + 6, :3], pick[first + 3 : first + 6, :3] = np.eye(3), -np.eye(3)
         pick[last : last + 3, 3], pick[first : first + 3, 3] = self.state.C_ob[-1][2], -self.state.C_ob[0][2]
-        P = pick.T @ self._factor.solve(pick) * SLACK**2 * dt / sum(part.dt for part in self._held.parts)
+        P = pick.T @ self._factor.solve(pick) * DRIFT_FACTOR**2 * dt / sum(part.dt for part in self._held.parts)
         P[3, :3], P[:3, 3] = 0.0, 0.0
-        P[3, 3] = P[3, 3] if self._since > OUTAGE else FRAME_WALK**2 * dt
+        P[3, 3] = P[3, 3] if self._since > OUTAGE_S else FRAME_WALK**2 * dt
         drift: FloatArray = P
         return drift

@@ -1,13 +1,13 @@
 """A wheel beside an IMU: what it says at each keyframe, whether it slips, whether the vehicle stands.
 
-*Slip* is disagreement. What the wheel says is compared with what IMU and GNSS foretell, by the sigma of both: one
+*Slip* is disagreement. What the wheel says is compared with what IMU and GNSS predict, by the sigma of both: one
 keyframe alone, and the mean of the last half second, in which a slow slip shows. From then on the wheel is not
-used, nor what it said in the second before, as far as that still lies in the window; until it has agreed for half
-a second. What is foretold grows less certain meanwhile, and the limits as well with the time that it lasts: a
-window that was too sure of itself comes back to the wheel.
+used, nor what it measured in the second before, as far as that still lies in the window, until it has agreed for
+half a second. What is predicted grows less certain meanwhile, and the limits as well with the time that it lasts:
+a window that was too sure of itself comes back to the wheel.
 
-*At rest* the wheel tells nought, and rates and specific forces do not change; then velocity is nought in all three
-axes. A wheel alone is not believed: locked, or below what its sensor feels, it tells nought as well.
+*At rest* the wheel measures zero, and rates and specific forces do not change; then velocity is zero in all three
+axes. A wheel alone is not believed: locked, or below what its sensor feels, it measures zero as well.
 """
 
 from collections import deque
@@ -17,26 +17,24 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.frames import skew
-from procedures.fusion.fusion_records import ImuNoise, ImuSeries
-from procedures.fusion.imu.preintegration import Preintegrated
-from procedures.fusion.inner.wheel_terms import at_end
-from procedures.fusion.inner.window_factor import Factor
-from procedures.fusion.inner.window_problem import Held
-from procedures.fusion.inner.window_state import WHEEL
-from procedures.fusion.wheel_speeds import KeyframeWheel, WheelMount, WheelSpeeds
+from procedures.fusion.fusion_records import ImuNoise, ImuSeries, KeyframeWheel, WheelMount, WheelSpeeds
+from procedures.fusion.inner.window_problem import WindowMeasurements
+from procedures.fusion.inner.window_state import WHEEL, Factor
+from procedures.fusion.inner.window_terms import at_end
+from procedures.fusion.preintegration import Preintegrated
 
 SLIP_SIGMAS = 4.0  # of one keyframe: 6e-5 by chance
 CREEP_SIGMAS = 4.5  # of the mean of `MEMORY_S`
 MEMORY_S = 0.5  # s
-UNDONE_S = 1.0  # s before a slip was seen, in which the wheel is not believed either
+RETRACTED_S = 1.0  # s before a slip was seen, in which the wheel is not believed either
 WIDENING_S = 10.0  # s of slip after which the limits are twice as wide
-UNFELT = 0.5  # m/s below which many a wheel's sensor tells nought
+MIN_MEASURED_SPEED = 0.5  # m/s below which many a wheel's sensor measures zero
 REST_S = 0.5  # s in which nothing changes at rest
 REST_PARTS = 5  # means that are compared
 REST_FORCE, REST_RATE = 0.08, 0.01  # m/s2 and rad/s by which they may differ beside their noise: an engine, wind
 REST_SIGMAS = 4.0
 REST_STD = 0.01  # m/s of each axis of a vehicle that stands
-REST_SURPRISE = 1.0  # m/s, beside five sigmas, of a velocity foretold that may be nought all the same
+MAX_REST_SPEED_ERROR = 1.0  # m/s, beside five sigmas, of a velocity predicted that may be zero all the same
 
 
 class WheelAid:
@@ -70,14 +68,14 @@ class WheelAid:
             self.speeds = self.speeds.since(float(self.speeds.t[-1]) - 20.0)
 
     def measured(self, t0: float, part: Preintegrated, pull_b: FloatArray) -> KeyframeWheel | None:
-        """Return what the wheel told since ``t0`` [s], at the end of ``part``.
+        """Return what the wheel measured since ``t0`` [s], at the end of ``part``.
 
         ``pull_b`` (3,) [m/s2] is gravity and Coriolis acceleration in the axes at the end.
         """
         self._until = t0 + part.dt
         first, last = np.searchsorted(self.speeds.t, [t0, self._until], "right")
-        told = WheelSpeeds(self.speeds.t[first:last], self.speeds.speed[first:last])
-        return at_end(told, self.mount, t0, part, pull_b)
+        speeds = WheelSpeeds(self.speeds.t[first:last], self.speeds.speed[first:last])
+        return at_end(speeds, self.mount, t0, part, pull_b)
 
     def judged(
         self,
@@ -94,7 +92,7 @@ class WheelAid:
         Parameters
         ----------
         t, dt : time of the keyframe, and since the one before [s]
-        v_b : (3,), velocity [m/s] foretold, body
+        v_b : (3,), velocity [m/s] predicted, body
         scale : the wheel's scale factor, as it is known
         P : (4, 4), covariance of v_b and scale
         imu : samples of the last `REST_S` at least
@@ -117,14 +115,14 @@ class WheelAid:
     def _compared(
         self, seen: KeyframeWheel, v_b: FloatArray, scale: float, P: FloatArray
     ) -> tuple[float, float, KeyframeWheel]:
-        """Return what the wheel tells beyond what is foretold [m/s], its variance, and the wheel with its sign."""
-        foretold = float(seen.along @ v_b) - seen.due
-        if not self.mount.is_signed and abs(-scale * seen.speed - foretold) < abs(scale * seen.speed - foretold):
+        """Return the wheel's speed less the predicted one [m/s], its variance, and the wheel with its sign."""
+        predicted = float(seen.along @ v_b) - seen.due
+        if not self.mount.is_signed and abs(-scale * seen.speed - predicted) < abs(scale * seen.speed - predicted):
             seen = replace(seen, speed=-seen.speed)
         if seen.speed == 0.0:
-            seen = replace(seen, weight=1 / (1 / seen.weight + UNFELT**2))
+            seen = replace(seen, weight=1 / (1 / seen.weight + MIN_MEASURED_SPEED**2))
         pick = np.r_[seen.along, -seen.speed]
-        return scale * seen.speed - foretold, float(pick @ P @ pick) + 1 / seen.weight, seen
+        return scale * seen.speed - predicted, float(pick @ P @ pick) + 1 / seen.weight, seen
 
     def _disagrees(self, t: float, dt: float, off: float, variance: float) -> bool:
         lasted = 0.0 if self._slipping_since is None else t - self._slipping_since
@@ -142,11 +140,11 @@ class WheelAid:
 
     def _stands(self, t: float, seen: KeyframeWheel, v_b: FloatArray, P: FloatArray, imu: ImuSeries) -> bool:
         first, last = np.searchsorted(self.speeds.t, [t - REST_S, t], "right")
-        told = self.speeds.speed[first:last]
-        if seen.speed or not len(told) or told.any() or self.speeds.t[first] > t - REST_S / 2:
+        speeds = self.speeds.speed[first:last]
+        if seen.speed or not len(speeds) or speeds.any() or self.speeds.t[first] > t - REST_S / 2:
             return False
         std = np.sqrt(np.trace(P[:3, :3]))
-        return bool(np.linalg.norm(v_b) < REST_SURPRISE + 5 * std) and self._is_quiet(t, imu)
+        return bool(np.linalg.norm(v_b) < MAX_REST_SPEED_ERROR + 5 * std) and self._is_quiet(t, imu)
 
     def _is_quiet(self, t: float, imu: ImuSeries) -> bool:
         """Say whether the means of parts of the last `REST_S` differ by no more than at rest."""
@@ -164,15 +162,15 @@ class WheelAid:
         return True
 
 
-def foretold_covariance(
+def predicted_covariance(
     factor: Factor, at: int, C_ob: FloatArray, v_b: FloatArray, noise: ImuNoise, dt: float
 ) -> FloatArray:
-    """Return the covariance (4, 4) of a velocity foretold, body axes [m/s], and of the wheel's scale factor.
+    """Return the covariance (4, 4) of a velocity predicted, body axes [m/s], and of the wheel's scale factor.
 
     Parameters
     ----------
     factor : of the keyframes before, of which the last begins ``at`` in the state
-    C_ob, v_b : (3, 3) and (3,), attitude and velocity [m/s] foretold, body
+    C_ob, v_b : (3, 3) and (3,), attitude and velocity [m/s] predicted, body
     dt : s of IMU since the last of them
     """
     pick = np.zeros((factor.size, 4))
@@ -183,8 +181,8 @@ def foretold_covariance(
     return P
 
 
-def without_wheel(held: Held, newest: float, seconds: float) -> Held:
+def without_wheel(held: WindowMeasurements, newest: float, seconds: float) -> WindowMeasurements:
     """Return what ties the keyframes without what a wheel said in the last ``seconds``, ``newest`` [s] on top."""
     ages = np.r_[newest + np.cumsum([part.dt for part in held.parts][::-1])[::-1], newest]
     fixes = [replace(fix, wheel=None) if age < seconds else fix for fix, age in zip(held.fixes, ages, strict=True)]
-    return Held(held.parts, fixes)
+    return WindowMeasurements(held.parts, fixes)

@@ -6,25 +6,22 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
-from procedures.fusion.imu.gnss_velocity import KeyframeFix
-from procedures.fusion.imu.preintegration import Preintegrated
-from procedures.fusion.inner.fix_terms import add_fixes
-from procedures.fusion.inner.inertial_terms import Site, add_inertial
-from procedures.fusion.inner.landmarks import FREE, LOST, USUAL, Landmarks
-from procedures.fusion.inner.reprojection import Visual, linearise
-from procedures.fusion.inner.wheel_terms import add_wheels
-from procedures.fusion.inner.window_factor import Factor
+from procedures.fusion.gnss_velocity import KeyframeFix
+from procedures.fusion.inner.landmarks import DEFAULT_INVERSE_DEPTH, FREE, LOST, Landmarks, Visual, linearise
 from procedures.fusion.inner.window_state import (
     CAMERA,
     COMMON,
     FRAME,
     OFFSET,
+    Factor,
     Normal,
     WindowState,
     zero,
 )
+from procedures.fusion.inner.window_terms import Site, add_fixes, add_inertial, add_wheels
+from procedures.fusion.preintegration import Preintegrated
 
-DEPTH_STD = 1.0  # 1/m about `USUAL`: says nothing to sights, keeps the normal equations regular
+DEPTH_STD = 1.0  # 1/m about `DEFAULT_INVERSE_DEPTH`: says nothing to sights, keeps the normal equations regular
 RAY_WEIGHT = 1e-2  # of a ray, whose sights weigh 1e5
 
 
@@ -37,7 +34,7 @@ class Prior:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Held:
+class WindowMeasurements:
     """What ties the keyframes: ``parts`` between them, and what ``fixes`` say at each."""
 
     parts: Sequence[Preintegrated]
@@ -67,7 +64,13 @@ NOTHING = Eliminated(
 
 
 def assemble(
-    state: WindowState, prior: Prior, held: Held, site: Site, marks: Landmarks, seen: BoolArray, scale: FloatArray
+    state: WindowState,
+    prior: Prior,
+    held: WindowMeasurements,
+    site: Site,
+    marks: Landmarks,
+    seen: BoolArray,
+    scale: FloatArray,
 ) -> tuple[Normal, Eliminated]:
     """Return the normal equations of prior, IMU, fixes and sights ``seen`` (l, k), whitened by ``scale`` (2,)."""
     normal = zero(state.size)
@@ -101,7 +104,7 @@ def _add_visual(
     columns = np.concatenate((np.arange(CAMERA), [OFFSET], (starts[:, None] + np.arange(6)).ravel()))
     free = rows & (marks.slot == FREE)
     visual.L[free] += np.diag([RAY_WEIGHT, RAY_WEIGHT, 1 / DEPTH_STD**2])
-    visual.b[free, 2] += (marks.sights.at[free, 2] - USUAL) / DEPTH_STD**2
+    visual.b[free, 2] += (marks.sights.at[free, 2] - DEFAULT_INVERSE_DEPTH) / DEPTH_STD**2
     W, b = visual.W[free], visual.b[free]
     root = np.asarray(np.linalg.inv(np.linalg.cholesky(visual.L[free])), np.float64)  # inverse = root' root
     inverse, V = np.swapaxes(root, 1, 2) @ root, (root @ W).reshape(-1, len(columns))
@@ -118,7 +121,7 @@ def _add_visual(
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Gone:
+class BackSubstitution:
     """What was eliminated: its step is ``-(by[:, :-1] d + by[:, -1])`` for a step d (m,) of what stays.
 
     ``by`` is (n, m + 1); ``factor`` that of its own normal equations (n, n), what stays being known.
@@ -129,8 +132,8 @@ class Gone:
 
 
 def marginalised(
-    state: WindowState, prior: Prior, held: Held, site: Site, marks: Landmarks, scale: FloatArray
-) -> tuple[Prior, Gone]:
+    state: WindowState, prior: Prior, held: WindowMeasurements, site: Site, marks: Landmarks, scale: FloatArray
+) -> tuple[Prior, BackSubstitution]:
     """Return the prior that the oldest keyframe leaves and how it went, and drop it from ``marks``.
 
     Landmarks it saw that are still followed are held by the prior from now on; those that are lost go with it,
@@ -144,7 +147,7 @@ def marginalised(
     state = replace(state, held=np.vstack((state.held, marks.sights.at[new])))
     used = seen & concerned[:, None]
     used[followed, 1:] = False
-    one = Held(held.parts[:1], held.fixes[:1])
+    one = WindowMeasurements(held.parts[:1], held.fixes[:1])
     normal, _ = assemble(state, prior, one, site, marks, used, scale)
     _add_first_guess(normal, state, marks, new)
     gone = marks.slot[(marks.slot != FREE) & ~followed]
@@ -155,12 +158,12 @@ def _add_first_guess(normal: Normal, state: WindowState, marks: Landmarks, new: 
     """Add what keeps a free landmark's depth regular, once, when it becomes one that is held."""
     at = state.held_from + 3 * marks.slot[new][:, None] + np.arange(3)
     normal.A[at, at] += [RAY_WEIGHT, RAY_WEIGHT, 1 / DEPTH_STD**2]
-    normal.g[at[:, 2]] += (marks.sights.at[new, 2] - USUAL) / DEPTH_STD**2
+    normal.g[at[:, 2]] += (marks.sights.at[new, 2] - DEFAULT_INVERSE_DEPTH) / DEPTH_STD**2
 
 
 def _reduced(
     normal: Normal, state: WindowState, marks: Landmarks, gone: IntArray, rows: BoolArray
-) -> tuple[Prior, Gone]:
+) -> tuple[Prior, BackSubstitution]:
     """Eliminate the oldest keyframe and the slots ``gone``; drop ``rows`` of the landmarks, renumber the rest."""
     stays = np.ones(state.size, bool)
     stays[state.frame(0)] = False
@@ -176,7 +179,7 @@ def _reduced(
     marks.keep(~rows)
     marks.drop_first_frame()
     after = replace(state.part(slice(1, None)), held=state.held[kept])
-    return Prior(Normal((left + left.T) / 2, g), after), Gone(solved, factor)
+    return Prior(Normal((left + left.T) / 2, g), after), BackSubstitution(solved, factor)
 
 
 def walked(prior: Prior, at: int, variance: float) -> Prior:

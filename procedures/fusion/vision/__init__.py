@@ -1,1 +1,6 @@
-"""What a camera saw: features followed, relative rotation and structure, its delay."""
+"""Images to features, and the start with a camera.
+
+`feature_tracker` follows features through images and `two_view` gives the motion between two of them;
+`camera_time` finds the delay of the camera, `visual_structure` its path up to scale, and `visual_alignment` the
+scale and the axes, where the inner layer starts.
+"""

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import AfterValidator, Field, model_validator
 
 from procedures.arrays import FloatArray
-from procedures.attitude.laws import LAWS, MAX_LAWS
+from procedures.attitude.filter_choice import LIVE_FILTERS, MAX_LIVE_FILTERS
 from procedures.campaign.campaign import MeasuredCube
 from procedures.campaign.measured_cube import NAMES
 from procedures.frames import ATTITUDES, AXES, POSITIONS, face_of
@@ -257,8 +257,8 @@ class TurnTable(_Step):
         return self
 
 
-Law = Annotated[str, matching("|".join(LAWS), f"one of {', '.join(LAWS)}")]
-Laws = Annotated[list[Law], Field(min_length=1, max_length=MAX_LAWS)]
+Law = Annotated[str, matching("|".join(LIVE_FILTERS), f"one of {', '.join(LIVE_FILTERS)}")]
+Laws = Annotated[list[Law], Field(min_length=1, max_length=MAX_LIVE_FILTERS)]
 
 
 class MonitorTable(_Step):

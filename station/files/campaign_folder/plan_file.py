@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from procedures.attitude.laws import parse_laws, refuse_without_velocity
+from procedures.attitude.filter_choice import parse_filters, refuse_without_velocity
 from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak, Step, Turn, as_repeats
 from procedures.frames import ATTITUDES, TURN_START, face_of
 from station.errors import DataRefused
@@ -159,7 +159,7 @@ def _step(
         return Turn(table.axis, table.direction, table.revolutions, start, table.seconds, table.speed_deg_s)
     if isinstance(table, PlannedMonitor):
         try:
-            refuse_without_velocity(laws := parse_laws(",".join(table.laws)), "none")
+            refuse_without_velocity(laws := parse_filters(",".join(table.laws)), "none")
         except ValueError as error:
             raise DataRefused(path, line, str(error), "filters that evaluate a rest", "remove them") from None
         number = 1 + sum(isinstance(step, Monitor) for step in before)

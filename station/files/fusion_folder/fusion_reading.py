@@ -8,9 +8,8 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.earth.geodesy import normal_gravity
 from procedures.error_codes import ErrorCode
-from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries, Trajectory
-from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
-from procedures.fusion.wheel_speeds import WheelSpeeds
+from procedures.fusion.feature_tracks import FeatureTracks, PinholeCamera
+from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries, Trajectory, WheelSpeeds
 from station.errors import DataRefused
 from station.files.fusion_folder.fusion_schema import FusionGnssTable, FusionTable
 from station.files.fusion_folder.fusion_tables import (

@@ -10,10 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.fusion.fusion_records import GnssFixes, Trajectory
+from procedures.fusion.feature_tracks import FeatureTracks, PinholeCamera
+from procedures.fusion.fusion_records import GnssFixes, Trajectory, WheelMount, WheelSpeeds
 from procedures.fusion.vision.feature_tracker import LensModel
-from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
-from procedures.fusion.wheel_speeds import WheelMount, WheelSpeeds
 from procedures.units import M_PER_FT, M_S_PER_KM_H, M_S_PER_KNOT, M_S_PER_MPH
 from station.errors import DataRefused
 from station.files.atomic_file import replace_file

@@ -7,9 +7,8 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.earth.geodesy import LocalLevel
-from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
-from procedures.fusion.vision.feature_tracks import FeatureTracks
-from procedures.fusion.wheel_speeds import WheelSpeeds
+from procedures.fusion.feature_tracks import FeatureTracks
+from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries, WheelSpeeds
 from station.files.atomic_file import replace_file
 from station.files.fusion_folder.fusion_reading import FUSION_TOML
 from station.files.fusion_folder.fusion_schema import LensTable, WheelMountTable

@@ -12,8 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.forward_right_down import ENU_NED, inclination
+from procedures.attitude.attitude_log import ENU_NED, AttitudeLog, inclination
 from procedures.attitude.kalman_state import KalmanSettings
 from procedures.campaign.plan_steps import Monitor
 from procedures.errors import ProcedureError

@@ -13,8 +13,8 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, RotationSpline
 
 from procedures.arrays import FloatArray, IntArray
+from procedures.fusion.feature_tracks import FeatureTracks, PinholeCamera
 from procedures.fusion.fusion_records import Trajectory
-from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
 
 NEAREST = 0.2  # m, in front of which nothing is seen
 ROUNDS = 5  # in which the row of a point is found, which says when, which says the row

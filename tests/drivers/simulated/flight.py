@@ -8,8 +8,7 @@ attack grows with the load, ``a = a0 / cos(bank)``. The Earth does not turn, as 
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.forward_right_down import roll_pitch_of
+from procedures.attitude.attitude_log import AttitudeLog, roll_pitch_of
 from procedures.frames import nominal_C_lb, rotation
 from procedures.units import RAD_S_PER_DEG_H, STANDARD_GRAVITY
 

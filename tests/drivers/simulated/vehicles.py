@@ -10,8 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.forward_right_down import roll_pitch_of
+from procedures.attitude.attitude_log import AttitudeLog, roll_pitch_of
 from procedures.frames import rotation
 from procedures.units import RAD_S_PER_DEG_H, STANDARD_GRAVITY
 

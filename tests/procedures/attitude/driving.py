@@ -3,8 +3,7 @@
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.forward_right_down import roll_pitch_of
+from procedures.attitude.attitude_log import AttitudeLog, roll_pitch_of
 from procedures.frames import rotation
 
 G = 9.80665

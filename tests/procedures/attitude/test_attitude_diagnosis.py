@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
+from procedures.attitude.attitude_diagnosis import diagnose_attitude
+from procedures.attitude.attitude_effects import NAMED, AttitudeMotion
 from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.diagnosis.attitude_diagnosis import diagnose_attitude
-from procedures.attitude.diagnosis.attitude_effects import AttitudeMotion
-from procedures.attitude.diagnosis.attitude_evidence import NAMED
 from procedures.error_codes import ErrorCode
 from procedures.errors import NotObservable
 from tests.procedures.attitude.driving import G, with_truth

@@ -5,10 +5,9 @@ from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
 from procedures.attitude import complementary_kernels as mixing_kernels
-from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.attitude_log import AttitudeLog, down_of, inclination, roll_pitch_of
 from procedures.attitude.complementary_filter import ComplementaryFilter
-from procedures.attitude.complementary_gains import PAPER_GAINS, Gains
-from procedures.attitude.forward_right_down import down_of, inclination, roll_pitch_of
+from procedures.attitude.filter_choice import PAPER_GAINS, Gains
 from procedures.attitude.gain_tuning import FOLDS, grid_of_taus, tune
 from procedures.error_codes import ErrorCode
 from procedures.errors import NotObservable

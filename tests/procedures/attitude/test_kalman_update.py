@@ -5,8 +5,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
-from procedures.attitude import gnss_velocity_measurement as gnss
-from procedures.attitude import kalman_kernels, kalman_update
+from procedures.attitude import kalman_filter, kalman_state
+from procedures.attitude import kalman_measurements as gnss
 from procedures.attitude.kalman_state import KalmanSettings, KalmanState, new_state
 from tests.procedures.attitude.uncompiled import uncompiled
 
@@ -20,7 +20,7 @@ C = KalmanSettings(
 
 @pytest.fixture(autouse=True)
 def as_python(monkeypatch: pytest.MonkeyPatch) -> None:
-    uncompiled(monkeypatch, kalman_update, gnss, kalman_kernels)
+    uncompiled(monkeypatch, kalman_state, gnss, kalman_filter)
 
 
 def state(n: int = 17) -> KalmanState:
@@ -44,7 +44,7 @@ def state(n: int = 17) -> KalmanState:
 def test_the_covariance_goes_on_by_its_transition_and_by_what_went_on_unseen(n: int, at_rest: bool) -> None:
     s, before = state(n), state(n)
     s.memory[0].at_rest = float(at_rest)
-    kalman_update.propagate(s, C)
+    kalman_state.propagate(s, C)
     F, gain, T = np.eye(n), np.array([0.7, -1.1, -4.9]), 0.5
     if at_rest:
         gain[:2] = 0.0
@@ -72,7 +72,7 @@ def test_a_measurement_is_kalmans_and_beyond_three_sigma_counts_as_if_it_stood_t
     s.at[:3], s.H[:3] = (2, 5, 11), (0.7, -1.2, 0.4)
     H[[2, 5, 11]] = 0.7, -1.2, 0.4
     s.PH[:] = 1e3
-    kalman_update.measure(s, 3, error, 0.01, 3.0)
+    kalman_state.measure(s, 3, error, 0.01, 3.0)
     left = error - H @ before
     size = max(H @ P @ H + 0.01, (left / 3) ** 2)
     assert (size > H @ P @ H + 0.01) == (abs(error) > 1)

@@ -8,10 +8,9 @@ import pytest
 
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_estimate import estimate
-from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.attitude_log import AttitudeLog, down_of, roll_pitch_of
 from procedures.attitude.complementary_filter import ComplementaryFilter
-from procedures.attitude.complementary_gains import Gains
-from procedures.attitude.forward_right_down import down_of, roll_pitch_of
+from procedures.attitude.filter_choice import Gains
 from procedures.units import RAD_S_PER_DEG_H, STANDARD_GRAVITY
 from tests.drivers.simulated.flight import FORCE_UG, GYRO_DEG_H, LEVEL_S, paper_flight
 

@@ -2,11 +2,9 @@ import numpy as np
 import pytest
 
 from procedures.attitude.attitude_estimate import estimate
-from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.forward_right_down import down_of
-from procedures.attitude.frozen_rows import frozen_stretches
+from procedures.attitude.attitude_log import AttitudeLog, down_of
 from procedures.attitude.kalman_state import KalmanSettings
-from procedures.attitude.sensor_noise import at_rest, gyro_noise, range_limit
+from procedures.attitude.sensor_noise import at_rest, frozen_stretches, gyro_noise, range_limit
 
 
 def noisy(rate: float, force: float, seconds: float = 200.0, hz: float = 100.0) -> AttitudeLog:

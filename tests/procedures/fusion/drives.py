@@ -12,8 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
 from procedures.earth.geodesy import earth_rate_n
-from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries, Trajectory
-from procedures.fusion.wheel_speeds import WheelMount, WheelSpeeds
+from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries, Trajectory, WheelMount, WheelSpeeds
 
 GRAVITY = 9.81
 LATITUDE = np.radians(48.0)

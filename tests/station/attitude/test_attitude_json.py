@@ -7,9 +7,9 @@ import pytest
 
 from procedures.attitude.attitude_estimate import AttitudeEstimate
 from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.complementary_gains import Gains
+from procedures.attitude.complementary_velocity_aids import Observability
+from procedures.attitude.filter_choice import Gains
 from procedures.attitude.gain_tuning import GainTuning
-from procedures.attitude.observability import Observability
 from station.attitude.attitude_json import attitude_document, attitude_text, rms_deg, tuning_document, write_track
 
 TEN = np.radians(10.0)

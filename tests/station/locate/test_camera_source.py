@@ -8,16 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from procedures.fusion.alignment.alignment_result import Waiting
-from procedures.fusion.vision.feature_tracks import FeatureTracks
+from procedures.fusion.feature_tracks import FeatureTracks
+from procedures.fusion.fusion_records import Waiting
 from station import cli
 from station.errors import DataRefused
 from station.files.fusion_folder import FusionLog, read_fusion
 from station.files.fusion_folder.fusion_tables import write_tracks
 from station.locate.camera_source import ClockedTracks, on_imu_clock, suspected_offset
 from station.locate.locate_folder import location_text
-from tests.procedures.fusion.motions import Eight
-from tests.procedures.fusion.seen import CAMERA, tracks_of
+from tests.procedures.fusion.motions import CAMERA, Eight, tracks_of
 from tests.refusals import refused
 from tests.station.locate.test_imu_source import write_flight
 

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from drivers.camera import CameraImage
-from procedures.fusion.inner.camera_frames import SPACING
-from procedures.fusion.vision.feature_tracks import FeatureTracks
-from procedures.fusion.visual_alignment.camera_time import CameraTimeOffset
+from procedures.fusion.feature_tracks import FeatureTracks
+from procedures.fusion.inner.keyframes import FRAME_SPACING_S
+from procedures.fusion.vision.camera_time import CameraTimeOffset
 from station.locate.live_camera import LiveCamera
 from station.stream.camera import FeaturePositions
-from tests.procedures.fusion.seen import CAMERA
-from tests.procedures.fusion.visual_alignment.test_camera_time import rocking, seen
+from tests.procedures.fusion.motions import CAMERA
+from tests.procedures.fusion.vision.test_camera_time import rocking, seen
 
 LATE_S, CLOCK_S = 0.06, 1000.0
 
@@ -93,8 +93,8 @@ def test_keyframes_stand_at_frames_and_as_often_without() -> None:
     fed(live, eye, 6.0)
     due = list(live.due(3.0, 5.55))
     t = np.array([each.t for each in due])
-    assert 5.55 - 1.5 * SPACING < t[-1] <= 5.55
-    assert np.diff(t).max() < 1.5 * SPACING
+    assert 5.55 - 1.5 * FRAME_SPACING_S < t[-1] <= 5.55
+    assert np.diff(t).max() < 1.5 * FRAME_SPACING_S
     empty = np.array([not len(each.feature) for each in due])
     assert np.all(empty == ((t > 4.05) & (t < 4.95)))
     assert not list(live.due(float(t[-1]), 5.55))
@@ -127,7 +127,7 @@ def test_where_it_lags_keyframes_stand_where_frames_will_and_have_them_once_they
     assert not any(len(each.feature) for each in due)
     times = np.array([each.t for each in due])
     assert np.abs(times[:, None] - eye.t).min(axis=1).max() < 0.002
-    assert np.diff(times).max() < 1.5 * SPACING
+    assert np.diff(times).max() < 1.5 * FRAME_SPACING_S
     fed(live, eye, 4.6, first)
     late = list(live.late(times, times[0]))
     assert [each.t for each in late] == [t for t in times[1:] if t < 4.5]

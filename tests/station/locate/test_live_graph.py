@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from procedures.fusion.odometry import OdometryDrift
-from procedures.fusion.outer.pose_graph import PoseGraph
+from procedures.fusion.pose_graph import PoseGraph
 from station.locate.live_alignment import LiveGraph
 from tests.procedures.fusion.motions import Eight, only
 

@@ -7,8 +7,8 @@ from scipy.spatial.transform import Rotation
 
 from drivers.camera import CameraImage
 from drivers.simulated.vehicle_track import MIN_SPEED_M_S, VehicleTrack
+from procedures.fusion.feature_tracks import FeatureTracks, PinholeCamera
 from procedures.fusion.fusion_records import Trajectory
-from procedures.fusion.vision.feature_tracks import FeatureTracks, PinholeCamera
 from station.stream.camera import FeaturePositions
 from station.stream.stream_events import StreamState
 from tests.drivers.simulated.camera_tracks import View, simulate_tracks

@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from procedures.fusion.inner.camera_frames import SPACING
+from procedures.fusion.inner.keyframes import FRAME_SPACING_S
 from station.locate.location import Location
 from station.monitor.text_lines import json_line
 from tests.station.monitor.driving import DrivenAlong, DriveRig, driven_along
@@ -70,9 +70,9 @@ def test_a_location_is_no_later_and_no_older_than_without_a_camera(
     lagging: tuple[str, DrivenAlong], alone: DrivenAlong
 ) -> None:
     _, rig = lagging
-    assert located(rig)[0][0] <= located(alone)[0][0] + SPACING
-    assert np.median(ages(rig)) < np.median(ages(alone)) + 0.1 * SPACING
-    assert ages(rig).max() < ages(alone).max() + SPACING
+    assert located(rig)[0][0] <= located(alone)[0][0] + FRAME_SPACING_S
+    assert np.median(ages(rig)) < np.median(ages(alone)) + 0.1 * FRAME_SPACING_S
+    assert ages(rig).max() < ages(alone).max() + FRAME_SPACING_S
 
 
 def test_place_and_heading_are_the_truth_within_their_sigma(lagging: tuple[str, DrivenAlong]) -> None:

@@ -10,8 +10,7 @@ import pytest
 
 from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.truth import Truth
-from procedures.attitude.complementary_gains import Gains
-from procedures.attitude.laws import parse_laws
+from procedures.attitude.filter_choice import Gains, parse_filters
 from station import cli
 from station.attitude.live_complementary_filter import ComplementaryFilterTrack
 from station.attitude.live_kalman_filter import AidValues
@@ -113,7 +112,7 @@ def test_what_two_laws_read_is_recorded_and_a_replay_reads_the_same_to_the_last_
 @pytest.mark.parametrize("text", ["kalman", "joint,joint", "joint,paper,mixer"])
 def test_laws_that_are_none_are_refused(text: str) -> None:
     with pytest.raises(ValueError):  # noqa: PT011  whatever its words
-        parse_laws(text)
+        parse_filters(text)
 
 
 @pytest.mark.parametrize(

@@ -5,8 +5,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.forward_right_down import down_of, inclination
+from procedures.attitude.attitude_log import AttitudeLog, down_of, inclination
 from procedures.attitude.kalman_state import KalmanSettings
 from procedures.units import STANDARD_GRAVITY
 from station.attitude.live_kalman_filter import AttitudeEstimator

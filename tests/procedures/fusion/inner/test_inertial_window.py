@@ -6,19 +6,15 @@ from functools import cache
 import numpy as np
 import pytest
 
-from procedures.fusion.alignment.alignment_at_rest import align_at_rest
-from procedures.fusion.alignment.alignment_attempts import align_when_possible, between
-from procedures.fusion.alignment.alignment_in_motion import MovingAligner
-from procedures.fusion.alignment.alignment_result import AlignmentState
-from procedures.fusion.fusion_records import GnssFixes, ImuSeries
-from procedures.fusion.inner.inertial_terms import Site
+from procedures.fusion.alignment_attempts import align_at_rest, align_when_possible, between
+from procedures.fusion.alignment_in_motion import MovingAligner
+from procedures.fusion.fusion_records import AlignmentState, GnssFixes, ImuSeries
 from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
 from procedures.fusion.inner.window_state import ACCEL, GYRO
-from procedures.fusion.outer.pose_graph import PoseGraph
+from procedures.fusion.inner.window_terms import Site
+from procedures.fusion.pose_graph import PoseGraph
 from procedures.units import RAD_S_PER_DEG_H
-from tests.procedures.fusion.motions import ACCEL_BIAS, EARTH, GRAVITY, GYRO_BIAS, NOISE, Eight, fog
-from tests.procedures.fusion.seen import SITE
-from tests.procedures.fusion.whole_runs import whole_run, whole_track
+from tests.procedures.fusion.motions import ACCEL_BIAS, EARTH, GRAVITY, GYRO_BIAS, NOISE, SITE, Eight, fog
 
 ZERO = np.zeros(3)
 LEVER = np.array([0.5, 0.2, -0.3])
@@ -69,7 +65,7 @@ def test_lever_arm_and_late_stamps_are_found_within_their_sigma(seed: int) -> No
     assert abs(aligned.time_offset + 0.12) < 4 * np.sqrt(aligned.covariance[15, 15])
     settings = WindowSettings(SITE, aligned.lever, lever_std=1.0, offset_std=0.2)
     source = InertialWindow(settings, imu, fixes.shifted(aligned.time_offset), aligned)
-    poses = whole_track(source)
+    poses = list(source.poses())
     antenna = poses[-1].antenna
     assert antenna is not None
     off = np.r_[antenna.lever - LEVER, aligned.time_offset + antenna.time_offset + 0.12]
@@ -82,7 +78,7 @@ def test_lever_arm_and_late_stamps_are_found_within_their_sigma(seed: int) -> No
 @pytest.mark.proof
 def test_two_layers_reach_what_one_does(flight: Eight) -> None:
     source = window(flight, 1, layers=2)
-    poses = [pose for pose in whole_run(PoseGraph(), source, source.fixes) if pose.t > 8.0]
+    poses = [pose for pose in PoseGraph().run(source, source.fixes) if pose.t > 8.0]
     error = np.array([pose.p - flight.p(np.array(pose.t)) for pose in poses])
     assert np.linalg.norm(error, axis=1).mean() < 0.06
     truth = flight.attitude(np.array([pose.t for pose in poses])).as_matrix()
@@ -98,9 +94,9 @@ def test_two_layers_smooth_an_outage_as_one_does() -> None:
     fixes = fixes.part(((fixes.t < 9.0) | (fixes.t > 15.0)) & (fixes.t < 18.0))
     imu = between(imu, 0.0, 18.0)
     one, two = (InertialWindow(WindowSettings(SITE, ZERO, layers), imu, fixes, aligned) for layers in (1, 2))
-    at_its_end = [pose for pose in whole_track(one) if pose.t < 15.0][-1]
+    at_its_end = [pose for pose in one.poses() if pose.t < 15.0][-1]
     graph = PoseGraph()
-    told = [pose.p - flight.p(np.array(pose.t)) for pose in whole_run(graph, two, fixes) if pose.t > 15.5]
+    told = [pose.p - flight.p(np.array(pose.t)) for pose in graph.run(two, fixes) if pose.t > 15.5]
     assert np.linalg.norm(at_its_end.p_o - flight.p(np.array(at_its_end.t))) > 0.5  # it had to be found again
     assert np.linalg.norm(told, axis=1).mean() < 0.15
     tight, (found, rejected) = one.smoothed(), graph.smoothed()
@@ -124,7 +120,7 @@ def test_a_fog_on_the_bench_keeps_north_to_what_its_east_bias_explains() -> None
     bench = InertialWindow(
         WindowSettings(Site(GRAVITY, EARTH, noise), ZERO, still_std=1e-3, spacing=1.0, frames=20), imu, none, start
     )
-    *_, last = whole_track(bench)
+    *_, last = bench.poses()
     E = last.C_ob @ C_nb.T
     yaw = np.degrees(E[1, 0] - E[0, 1]) / 2
     assert abs(yaw - np.degrees((C_nb @ bias)[0] / EARTH[1])) < 0.2

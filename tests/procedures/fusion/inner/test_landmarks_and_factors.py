@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from procedures.fusion.inner.landmarks import Landmarks
-from procedures.fusion.inner.window_factor import ChainFactor, Factor
-from procedures.fusion.inner.window_state import COMMON, FRAME, WindowState
+from procedures.fusion.inner.window_state import COMMON, FRAME, ChainFactor, Factor, WindowState
 from tests.refusals import refused
 
 FRAMES, SCALE = 6, np.array([400.0, 400.0])

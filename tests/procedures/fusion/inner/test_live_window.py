@@ -5,19 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from procedures.fusion.alignment.alignment_attempts import align_when_possible, between
-from procedures.fusion.alignment.alignment_in_motion import MovingAligner
-from procedures.fusion.alignment.alignment_result import AlignmentState
-from procedures.fusion.imu.gnss_velocity import LeverArm
-from procedures.fusion.inner.camera_frames import CLOSEST, SPACING, Frame, filled
+from procedures.fusion.alignment_attempts import align_when_possible, between
+from procedures.fusion.alignment_in_motion import MovingAligner
+from procedures.fusion.feature_tracks import FeatureTracks
+from procedures.fusion.fusion_records import AlignmentState
+from procedures.fusion.gnss_velocity import LeverArm
 from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
+from procedures.fusion.inner.keyframes import FRAME_SPACING_S, MIN_FRAME_SPACING_S, Frame, filled
 from procedures.fusion.inner.visual_inertial_window import VisionSettings, VisualInertialWindow
-from procedures.fusion.vision.feature_tracks import FeatureTracks
-from procedures.fusion.visual_alignment.visual_alignment_attempts import VisualAligner, align_by_camera
-from procedures.fusion.visual_alignment.visual_start import VisualStart
+from procedures.fusion.vision.visual_alignment import VisualAligner, VisualStart, align_by_camera
 from tests.drivers.simulated.camera_tracks import View
-from tests.procedures.fusion.motions import EARTH, GRAVITY, NO_LEVER, NOISE, Eight
-from tests.procedures.fusion.seen import CAMERA, SITE, tracks_of
+from tests.procedures.fusion.motions import CAMERA, EARTH, GRAVITY, NO_LEVER, NOISE, SITE, Eight, tracks_of
 
 
 def test_a_window_that_is_lived_through_ends_where_the_recorded_one_does() -> None:
@@ -69,14 +67,14 @@ def test_a_visual_window_that_is_lived_through_ends_where_the_recorded_one_does(
     poses = list(live.poses())
     assert poses[-1].t < t[cut]
     for i in range(cut, len(t)):
-        if t[i] - live.t < CLOSEST:
+        if t[i] - live.t < MIN_FRAME_SPACING_S:
             continue
         rows = slice(int(begin[i]), int(begin[i + 1]))
         for frame in filled(live.t, Frame(float(t[i]), tracks.feature[rows], tracks.uv[rows])):
             poses.append(live.go_on(frame, between(imu, live.t - 0.1, frame.t + 0.1), fixes))
     upto = len(poses)
     assert np.allclose([pose.t for pose in poses], [pose.t for pose in recorded[:upto]])
-    assert max(np.diff([pose.t for pose in poses])) < 1.5 * SPACING
+    assert max(np.diff([pose.t for pose in poses])) < 1.5 * FRAME_SPACING_S
     assert np.allclose(poses[-1].p_o, recorded[upto - 1].p_o, atol=1e-6)
     assert np.allclose(poses[-1].C_ob, recorded[upto - 1].C_ob, atol=1e-8)
     assert np.allclose(poses[-1].drift, recorded[upto - 1].drift)

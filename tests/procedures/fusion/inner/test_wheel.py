@@ -8,22 +8,17 @@ import pytest
 
 from procedures.earth.geodesy import earth_rate_n
 from procedures.frames import rotation
-from procedures.fusion.alignment.alignment_attempts import align_when_possible
-from procedures.fusion.alignment.alignment_in_motion import MovingAligner
-from procedures.fusion.alignment.alignment_result import AlignmentState
-from procedures.fusion.fusion_records import ImuSeries
-from procedures.fusion.imu.inertial_increments import grid
-from procedures.fusion.imu.preintegration import preintegrate
-from procedures.fusion.inner.inertial_terms import Site
+from procedures.fusion.alignment_attempts import align_when_possible
+from procedures.fusion.alignment_in_motion import MovingAligner
+from procedures.fusion.fusion_records import AlignmentState, ImuSeries, KeyframeWheel, WheelMount, WheelSpeeds
 from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
 from procedures.fusion.inner.wheel_aid import WheelAid
-from procedures.fusion.inner.wheel_terms import at_end, wheel_residuals
 from procedures.fusion.inner.window_state import COMMON, FRAME, HEADING, WindowState
-from procedures.fusion.wheel_speeds import KeyframeWheel, WheelMount, WheelSpeeds
+from procedures.fusion.inner.window_terms import Site, at_end, wheel_residuals
+from procedures.fusion.preintegration import grid, preintegrate
 from tests.procedures.fusion.drives import GRAVITY, LATITUDE, MEMS, MOUNT, SCALE, SLIPS, Drive
-from tests.procedures.fusion.inner.test_fix_terms import two_keyframes
+from tests.procedures.fusion.inner.test_window_terms import two_keyframes
 from tests.procedures.fusion.motions import NOISE
-from tests.procedures.fusion.whole_runs import whole_track
 
 STEP = 1e-6
 ZERO = np.zeros(3)
@@ -92,7 +87,7 @@ def run(slips: bool, wheel: bool, seed: int = 1) -> tuple[InertialWindow, np.nda
     aid = WheelAid(MOUNT, told, MEMS) if wheel else None
     settings = WindowSettings(Site(GRAVITY, earth_n, MEMS), ZERO, 1, frames=10, spacing=0.1)
     window = InertialWindow(settings, imu, fixes, aligned, aid)
-    poses = np.array([[pose.t, *pose.p_o] for pose in whole_track(window)])
+    poses = np.array([[pose.t, *pose.p_o] for pose in window.poses()])
     poses[:, 1:] -= car.at(poses[:, 0])[0]
     return window, poses
 
@@ -148,7 +143,7 @@ def test_a_wheel_that_stops_telling_says_nought_while_driving_and_is_not_believe
         WindowSettings(Site(GRAVITY, earth_n, MEMS), ZERO, 1, frames=10, spacing=0.1), imu, fixes, aligned,
         WheelAid(MOUNT, broken, MEMS),
     )  # fmt: skip
-    late = [pose for pose in whole_track(window) if pose.t > 30.0]
+    late = [pose for pose in window.poses() if pose.t > 30.0]
     e = [np.linalg.norm(pose.p_o - car.at(np.array([pose.t]))[0][0]) for pose in late]
     assert max(e) < 1.0
     assert window.wheel is not None

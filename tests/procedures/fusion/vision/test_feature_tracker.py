@@ -7,8 +7,13 @@ import numpy as np
 import pytest
 
 from procedures.error_codes import ErrorCode
-from procedures.fusion.vision.anchored_patches import AnchoredPatches, FittedPatches
-from procedures.fusion.vision.feature_tracker import FeatureTracker, FeatureTrackerSettings, LensModel
+from procedures.fusion.vision.feature_tracker import (
+    AnchoredPatches,
+    FeatureTracker,
+    FeatureTrackerSettings,
+    FittedPatches,
+    LensModel,
+)
 from procedures.optional_libraries import ExtraMissing
 from tests.procedures.fusion.rendered import FOCAL, HEIGHT, WIDTH, Scene, frames
 from tests.refusals import refused

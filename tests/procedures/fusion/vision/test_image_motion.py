@@ -11,10 +11,9 @@ from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
 from procedures.frames import rotation
-from procedures.fusion.vision.anchored_patches import AnchoredPatches, FittedPatches
-from procedures.fusion.vision.epipolar_rotations import EpipolarRotations
-from procedures.fusion.vision.frame_pairs import FramePairs
-from procedures.fusion.vision.two_view import sampson_distance, two_view
+from procedures.fusion.feature_tracks import FramePairs
+from procedures.fusion.vision.feature_tracker import AnchoredPatches, FittedPatches
+from procedures.fusion.vision.two_view import EpipolarRotations, sampson_distance, two_view
 from tests.procedures.fusion.rendered import texture
 
 TURN, WAY = np.array([0.02, -0.05, 0.1]), np.array([0.6, -0.3, 0.2])

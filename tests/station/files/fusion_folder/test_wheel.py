@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
-from procedures.fusion.fusion_records import GnssFixes
-from procedures.fusion.wheel_speeds import WheelSpeeds
+from procedures.fusion.fusion_records import GnssFixes, WheelSpeeds
 from station.errors import DataRefused
 from station.files.fusion_folder import read_fusion
 from station.files.fusion_folder.fusion_reading import files_of

@@ -9,8 +9,8 @@ import pytest
 
 from drivers.simulated.companions.truths import CameraTruth, camera_toml
 from procedures.arrays import FloatArray
+from procedures.fusion.feature_tracks import FeatureTracks
 from procedures.fusion.vision.feature_tracker import LensModel
-from procedures.fusion.vision.feature_tracks import FeatureTracks
 from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC
 from station.locate.tracks_from_images import follow_all
 from station.stream.camera import recorded_tracks

@@ -1,1 +1,0 @@
-"""IMU samples between moments: increments, preintegration, gaps."""

@@ -1,1 +1,0 @@
-"""The outer layer: odometry steps and GNSS fixes in one graph of four degrees of freedom."""
