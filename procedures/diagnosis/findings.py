@@ -36,7 +36,7 @@ def _finding(found: Inferred, cause: Cause, of: Coefficients, left_out: Sequence
     errors, share = _without(found.refit, effect, columns.where, left_out)
     name = cause.hypothesis.name
     return Finding(
-        name, effect.kind, names, value, std, columns.unit or effect.unit, _where(cause), cause.probability,
+        name, effect.kind, names, value, std, columns.unit or effect.unit, _where(cause, columns.where), cause.probability,
         _what_separates(found.refit, effect), shape=columns.shape, share=share,
         aliases=tuple(each for each in cause.shares if each != name), shares=cause.shares, joint=cause.joint,
         errors=errors, same_here=found.pool.same_as(of.candidate), times_expected=_times_expected(of),
@@ -79,13 +79,11 @@ def _is_same(one: Candidate, other: Candidate) -> bool:
     return one.effect.name == other.effect.name and one.columns.where == other.columns.where
 
 
-def _where(cause: Cause) -> Mapping[str, object]:
-    """Return where the likeliest name acts; of several positions that it may be, all."""
-    if not cause.places:
-        return {}
-    where = dict(cause.places[0][0])
-    several = list(dict.fromkeys(each["position"] for each, _ in cause.places if "position" in each))
-    return where | ({"position": several} if len(several) > 1 else {})
+def _where(cause: Cause, own: Mapping[str, object]) -> Mapping[str, object]:
+    """Return where the coefficients act; of several positions that it may be, all, that one first."""
+    places = [own, *(each for each, _ in cause.places)]
+    several = list(dict.fromkeys(each["position"] for each in places if "position" in each))
+    return dict(own) | ({"position": several} if len(several) > 1 else {})
 
 
 def _what_separates(now: Refit, effect: Effect) -> str:

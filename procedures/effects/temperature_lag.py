@@ -18,7 +18,7 @@ from procedures.effects.time_constant import search, with_nonlinear
 from procedures.units import DEG_H_PER_DEG_S
 
 SHORTEST_S = 20.0  # s, to begin with: shorter ones show in the temperature's rate
-FIRST_LAGGED_ORDERS = (1, 2)  # with which a search begins
+FIRST_LAGGED_ORDERS = (1, 2, 3)  # with which a search begins
 
 
 def lagging(

@@ -61,18 +61,16 @@ def stacked(board: Board, members: Sequence[Member]) -> FloatArray:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Held:
-    """Members held at their amplitudes: their columns are S (m, s) = U diag(d) V'.
+    """Members held at their amplitudes: with Q R = [S; I], the inverse of C is I - Q1 Q1', Q1 the upper part of Q.
 
-    ``stays`` (r,) is 1 / (1 + d^2), what stays of variances along ``U`` (m, r), ``left`` (r,) that of U'y.
-    ``inverse`` (s, s) is that of M, ``c`` (s,) is M^-1 S'y, ``squares`` is y' C^-1 y.
+    ``Q1`` is (m, s), ``Q2`` (s, s), ``inverse`` (s, s) that of M, ``c`` (s,) M^-1 S'y, ``squares`` y' C^-1 y.
 
     Large members that are nearly the same leave no digits of a difference of products. So what is beside them is
     projected out of the columns themselves.
     """
 
-    U: FloatArray
-    stays: FloatArray
-    left: FloatArray
+    Q1: FloatArray
+    Q2: FloatArray
     inverse: FloatArray
     c: FloatArray
     squares: float
@@ -82,22 +80,19 @@ class Held:
     def of(cls, board: Board, members: Sequence[Member]) -> "Held":
         """Hold members."""
         S = stacked(board, members)
-        U, d, Vt = np.linalg.svd(S, full_matrices=S.shape[1] > S.shape[0])
-        stays, along = 1 / (1 + d**2), U.T @ board.y
-        every = np.append(stays, np.ones(S.shape[1] - len(d)))
-        beyond = board.y - U @ along
-        yy, squares = float(board.y @ board.y), float(beyond @ beyond + along @ (stays * along))
-        gain = -0.5 * float(np.sum(np.log1p(d**2)))
-        gain += float(tail(board, np.array(squares)) - tail(board, np.array(yy)))
-        c = Vt[: len(d)].T @ (d * stays * along)
-        return cls(U, stays, stays * along, (Vt.T * every) @ Vt, c, squares, gain)
+        m, s = S.shape
+        Q, R = np.linalg.qr(np.vstack((S, np.eye(s))))
+        back, along = np.linalg.solve(R, np.eye(s)), Q[:m].T @ board.y
+        left = np.append(board.y - Q[:m] @ along, Q[m:] @ along)
+        yy, squares = float(board.y @ board.y), float(left @ left)
+        gain = float(tail(board, np.array(squares)) - tail(board, np.array(yy)))
+        gain -= float(np.sum(np.log(np.abs(np.diag(R)))))
+        return cls(Q[:m], Q[m:], back @ back.T, back @ along, squares, gain)
 
-    def beside(self, W: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return columns W (m, n) beyond the members, along them (r, n), and what is left of W'y (n,)."""
-        along = self.U.T @ W
-        beyond = W - self.U @ along
-        found: FloatArray = beyond.T @ y + along.T @ self.left
-        return beyond, along, found
+    def beside(self, W: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return what members leave of columns W (m, n), (m + s, n), whose square is W' C^-1 W, and take (s, n)."""
+        along = self.Q1.T @ W
+        return np.vstack((W - self.Q1 @ along, -self.Q2 @ along)), along
 
 
 def tail(board: Board, squares: FloatArray) -> FloatArray:
@@ -119,12 +114,12 @@ def ranked(board: Board, members: Sequence[Member], only: int | None = None) -> 
     if only is not None:
         columns = np.unique(np.concatenate([board.options[i].columns for i in every.tolist()]))
         W = W[:, columns]
-    beyond, along, left = held.beside(W, board.y)
-    whole = np.hstack((beyond.T, along.T * np.sqrt(held.stays)))  # W' C^-1 W is its square
+    beyond, along = held.beside(W)
+    rest, left = np.ascontiguousarray(beyond.T), beyond[: len(board.y)].T @ board.y
     number = np.zeros(board.W.shape[1], dtype=np.int64)
     number[columns] = np.arange(len(columns))
     for block in blocks:
-        of = whole[number[block.columns]]  # (b, k, m + r)
+        of = rest[number[block.columns]]  # (b, k, m + s)
         G, g = of @ np.swapaxes(of, 1, 2), left[number[block.columns]]
         values = gains_of(board, held.squares, G, g, block)
         most = np.argmax(values, axis=1)
@@ -137,8 +132,7 @@ def ranked(board: Board, members: Sequence[Member], only: int | None = None) -> 
         option = board.options[i]
         if option.taken is not None:
             own = number[option.columns]
-            by_members = (along[:, own] * np.sqrt(1 - held.stays)[:, None]).T
-            values = _gains_of_rows(board, held, option, by_members, left[own])
+            values = _gains_of_rows(board, held, option, along[:, own].T, left[own])
             most = int(np.argmax(values))
             gains[i] = option.log_share + log_mean(values)
             best[i], amplitude[i] = option.log_share + values[most], _amplitudes(board, option)[most]

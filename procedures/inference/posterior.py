@@ -207,8 +207,8 @@ def averaged(board: Board, rest: Sequence[Member], hypothesis: int, member: Memb
         ):
             continue
         W = board.W[:, option.columns]
-        beyond, inside, g = held.beside(W, board.y)
-        G = beyond.T @ beyond + inside.T @ (held.stays[:, None] * inside)
+        beyond, _ = held.beside(W)
+        G, g = beyond.T @ beyond, beyond[: len(W)].T @ board.y
         size, V = np.linalg.eigh(G)
         size, along = np.maximum(size, 0.0), V.T @ g
         of_prior = board.hypotheses[hypothesis]

@@ -115,7 +115,7 @@ def _alike(world: World, answer: Answer, causes: Sequence[Cause]) -> list[bool]:
         own = [t for t in cause.terms if len(t.H) == len(does)]
         found[i] = found[i] or (together and cause.probability >= 0.5)
         found[i] = found[i] or (bool(own) and likeness(answer.evidence, own, does) >= SAME)
-    return found
+    return [bool(each) for each in found]
 
 
 def _coefficients(world: World, causes: Sequence[Cause]) -> list[float]:

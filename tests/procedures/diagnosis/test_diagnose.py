@@ -13,7 +13,7 @@ from procedures.diagnosis.diagnose import diagnose
 from procedures.effects.term.effect_of_term import TermEffect
 from procedures.inference.result import Diagnosis, Finding
 from station.files.campaign_folder.campaign_reading import read_campaign
-from tests.benchmarks.diagnosing.designs import WARM, certified, plain, repeated, two_speeds, unit
+from tests.benchmarks.diagnosing.designs import WARM, certified, plain, repeated, two_sites, two_speeds, unit
 from tests.benchmarks.diagnosing.outside import outside
 from tests.paths import DATA
 
@@ -156,6 +156,16 @@ K2 = {"accelerometer.quadratic": {"x": 4e-5}}  # 27 sigma under the certificate
 def quadratic() -> Finding:
     findings = diagnose(certified(unit(7, effects=K2), 7)).findings
     return next(f for f in findings if "accelerometer.quadratic" in (f.effect, *f.aliases))
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_gravity_error_has_the_sign_of_the_campaign_that_is_named(seed: int) -> None:
+    size = 1.5e-4  # m/s^2, at the second site; at the first it is as much the other way round
+    found = diagnose(two_sites(unit(seed, effects={"site.gravity": {"value": size}}), seed))
+    gravity = next(each for each in found.findings if each.effect == "site.gravity")
+    expected = size if gravity.where["campaign"] == 2 else -size
+    assert abs(gravity.value[0] - expected) < 4 * gravity.std[0]
+    assert abs(gravity.value[0]) > 5 * gravity.std[0]
 
 
 def test_certified_quadratic_is_not_its_faces_though_they_look_alike() -> None:
