@@ -176,9 +176,9 @@ def verdict_sentence(document: Mapping[str, Any]) -> str:
                 f"An error term was detected, but the data cannot determine which: {_groups(possible)}.{besides}"
             )
         case _:
-            known = f" Found: {_named(sure)}" if sure else ""
+            known = f"{_named(sure)} " if sure else ""
             maybe = f" Possible: {_groups(possible)}." if possible else ""
-            return f"{_excess_said(document, chance)}.{known}{maybe} {TAKEN_FOR_SCATTER}"
+            return f"{known}{_excess_text(document, chance, is_after=bool(sure))}{maybe} {TAKEN_FOR_SCATTER}"
 
 
 def _named(findings: Sequence[Mapping[str, Any]]) -> str:
@@ -205,30 +205,35 @@ def reduction_said(finding: Mapping[str, Any]) -> str:
     return f"the error of {best['quantity']} held out falls from {before:.3g} to {after:.3g} {unit}"
 
 
-EXCESS_SAID: Mapping[str, str] = {  # of a verdict `partly` or `unexplained`
-    Because.NAMELESS: "an error is present that no known error term explains: {what} (probability {p})",
-    Because.MOTION: "the unit moves while it is assumed to be at rest: within a rest the mean output changes by "
-    "{mg} mg more than noise. Put it on a firm surface for each rest",
-    Because.STRUCTURE: "the samples keep a structure that is not noise: a table by the phase of {what} would "
-    "explain {percent} more of their variance",
+EXCESS_TEXT: Mapping[str, str] = {  # of a verdict `partly` or `unexplained`
+    Because.NAMELESS: "{what} (probability {p})",
+    Because.MOTION: "The unit moves while it is assumed to be at rest: within a rest the mean output changes by "
+    "{mg} mg more than noise. Put it on a firm surface for each rest.",
+    Because.STRUCTURE: "The samples keep a structure that is not noise: a table by the phase of {what} would "
+    "explain {percent} more of their variance.",
 }
 
 
-def _excess_said(document: Mapping[str, Any], chance: str) -> str:
-    """Return every reason for which more than noise is left, as it is."""
-    reasons, said = document.get("reasons", ()), list[str]()
-    if not reasons or any(each["code"] == Because.RESIDUAL for each in reasons):
-        said.append(f"residuals exceed noise ({chance})")
+def _excess_text(document: Mapping[str, Any], chance: str, *, is_after: bool) -> str:
+    """Return every reason for which more than noise is left, a sentence each; all without a name in one."""
+    reasons, texts = document.get("reasons", ()), dict[str, list[str]]()
     for each in reasons:
-        if text := EXCESS_SAID.get(each["code"]):
+        if text := EXCESS_TEXT.get(each["code"]):
             value = each.get("value", 0.0)
             of = {
                 "percent": share_text(max(value, 0.0)), "mg": significant(1e3 * value),
                 "p": probability_text(value),
             }  # fmt: skip
-            said.append(text.format(what=each.get("what", ""), **of))
-    text = "; ".join(dict.fromkeys(said))  # several findings of one name have one reason
-    return text[:1].upper() + text[1:]
+            texts.setdefault(each["code"], []).append(text.format(what=each.get("what", ""), **of))
+    found = list[str]()
+    if not reasons or any(each["code"] == Because.RESIDUAL for each in reasons):
+        found.append(
+            f"{'With that in the model, residuals still' if is_after else 'Residuals'} exceed noise ({chance})."
+        )
+    for code, several in texts.items():
+        once = list(dict.fromkeys(several))  # several findings of one name have one reason
+        found += [f"No known error term explains {both(once)}."] if code == Because.NAMELESS else once
+    return " ".join(found)
 
 
 def known_findings(document: Mapping[str, Any]) -> list[Mapping[str, Any]]:
@@ -296,7 +301,8 @@ def where_text(where: Mapping[str, Any]) -> str:
     said = []
     for name, value in where.items():
         joined = " or " if name == "position" else ", "  # one position of several, but all channels
-        text = joined.join(map(str, value)) if isinstance(value, list) else str(value)
+        parts = value if isinstance(value, list) else [value]
+        text = joined.join(f"{each:.6g}" if isinstance(each, float) else str(each) for each in parts)
         said.append(text if name == "file" else f"{name} {text}")
     return ", ".join(said)
 
