@@ -36,8 +36,8 @@ def _finding(found: Inferred, cause: Cause, of: Coefficients, left_out: Sequence
     errors, share = _without(found.refit, effect, columns.where, left_out)
     name = cause.hypothesis.name
     return Finding(
-        name, effect.kind, names, value, std, columns.unit or effect.unit, _where(cause, columns.where), cause.probability,
-        _what_separates(found.refit, effect), shape=columns.shape, share=share,
+        name, effect.kind, names, value, std, columns.unit or effect.unit, _where(cause, columns.where),
+        cause.probability, _what_separates(found.refit, effect), shape=columns.shape, share=share,
         aliases=tuple(each for each in cause.shares if each != name), shares=cause.shares, joint=cause.joint,
         errors=errors, same_here=found.pool.same_as(of.candidate), times_expected=_times_expected(of),
     )  # fmt: skip

@@ -19,6 +19,7 @@ from procedures.evidence.residual_rows import KINDS, Evidence
 from procedures.frames import AXES, TRIADS
 from procedures.inference import priors
 from procedures.inference.board import Board, Hypothesis, Option
+from procedures.inference.marginal import log_sum
 from procedures.inference.smooth_functions import Function, driver_in, functions, unrecorded, walk
 from procedures.statistics.least_squares import left_singular
 
@@ -220,8 +221,11 @@ def _named(name: str, ways: Sequence[Candidate]) -> Hypothesis:
 
 
 def _named_ways(evidence: Evidence, number: int, candidates: Sequence[Candidate]) -> list[Way]:
+    """Return the ways of a name; an order more of a polynomial is as likely as another coefficient."""
     finer = [*candidates, *_between(candidates)]
-    return [_way(evidence, number, each, -float(np.log(len(finer)))) for each in finer]
+    shares = np.log(priors.ODDS_ANOTHER) * np.array([max(each.columns.orders, default=1) - 1 for each in finer])
+    shares -= log_sum(shares)
+    return [_way(evidence, number, each, share) for each, share in zip(finer, shares.tolist(), strict=True)]
 
 
 def _way(evidence: Evidence, number: int, candidate: Candidate, log_share: float) -> Way:
