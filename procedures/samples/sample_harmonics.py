@@ -1,24 +1,23 @@
 """How many harmonics a periodic error has, and whether a table by its phase would explain more.
 
-The order is the one of largest marginal likelihood. A sample's error is ``H c + e``, e of variance v; of harmonic
-h a coefficient is N(0, (s h^-a)^2), and s and a are averaged over a grid (MacKay, Neural Computation 4, 1992):
-
-    ln L = -1/2 ln|A| + 1/2 b' A^-1 b,   A = I + D G D / v,   b = D g / v
-
-with D the prior standard deviations, G = H' H, g = H' y; 0 is the likelihood of noise alone. v is widened by how
-much more the scores of whole blocks scatter than those of white noise. A channel's own linear term, which an error
-that jumps where the channel wraps has, is one column more, kept where it is likelier.
+The order is the one of largest marginal likelihood (`procedures.inference.odds`). A sample's error is ``H c + e``,
+e of variance v; of harmonic h a coefficient is N(0, (s h^-a)^2), and s and a are averaged over a grid (MacKay,
+Neural Computation 4, 1992). v is widened by how much more the scores of whole blocks scatter than those of white
+noise. A channel's own linear term, which an error that jumps where the channel wraps has, is one column more, kept
+where it is likelier.
 
 A table is no model: it is the mean of the samples in bins of the phase. What it explains of the residual, on
 blocks held out, no number of harmonics has explained.
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
-from scipy.special import logsumexp
 
 from procedures.arrays import FloatArray, IntArray
+from procedures.inference import odds, priors
+from procedures.inference.marginal import log_mean
 from procedures.samples.sample_blocks import (
     LEFT_OUT,
     Columns,
@@ -26,40 +25,33 @@ from procedures.samples.sample_blocks import (
     SampleBlocks,
     Scores,
     determines,
+    fit_of_order,
     held_out_share,
     scores_of,
-    wald,
 )
 from procedures.samples.sample_phases import Phase
 
 ORDERS = (1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128)  # where a table is as good
 FEW = 32  # harmonics, that most errors have not: more are looked at where so many are likeliest
-DECISIVE = 3.0  # ln likelihood by which a linear term must be likelier: else the harmonics do as well
 SAMPLES_PER_COLUMN = 32  # of all samples, at least
-SIZES, DECAYS = 12, (0.0, 1.0)  # of the grid: amplitudes, and powers of the harmonic by which they fall
-LARGEST = 10.0  # amplitude, in standard deviations of a sample
+DECAYS = (0.0, 1.0)  # powers of the harmonic by which amplitudes fall
 BINS = 256  # of a table, at most
 SAMPLES_PER_BIN = 256  # at least: of fewer the mean is worth less than it costs
 MIN_TABLE_SHARE = 0.02  # of the residual's variance, held out, from which on a table says that structure is left
 
 
-def with_order(
-    blocks: SampleBlocks, phase: Phase, sensors: Sequence[int], trials: int
-) -> tuple[bool, dict[int, Fitted]]:
-    """Return whether the channel's linear term is likelier in, and each sensor's fit at its likeliest order.
-
-    ``trials`` were made to find the phase.
-    """
+def with_order(blocks: SampleBlocks, phase: Phase, sensors: Sequence[int]) -> tuple[bool, dict[int, Fitted]]:
+    """Return whether the channel's linear term is likelier in, and each sensor's fit at its likeliest order."""
     most = _most(blocks, phase)
     for order in (min(most, FEW), most):
         scores = scores_of(blocks, with_linear(phase, order))
         plain = Scores(scores.gram[:, 1:, 1:], scores.score[:, 1:], scores.squares)
         found = [
-            {i: likeliest(one, i, blocks.rates[:, :, 0].size, trials, linear) for i in sensors}
+            {i: likeliest(one, i, blocks.rates[:, :, 0].size, linear) for i in sensors}
             for linear, one in enumerate((plain, scores))
         ]
         without, with_it = (sum(gain for _, gain in each.values()) for each in found)
-        is_linear = with_it > without + DECISIVE
+        is_linear = bool(np.log(priors.ODDS_ANOTHER) + with_it > without)
         fits = {i: fit for i, (fit, _) in found[is_linear].items() if fit is not None}
         if max((fit.order for fit in fits.values()), default=0) < order:
             break
@@ -85,12 +77,12 @@ def _most(blocks: SampleBlocks, phase: Phase) -> int:
     return max(min(ORDERS[-1], different, len(at) // (2 * SAMPLES_PER_COLUMN)), 1)
 
 
-def likeliest(
-    scores: Scores, sensor: int, samples: int, trials: int, linear: int = 0
-) -> tuple[Fitted | None, float]:
-    """Return a sensor's fit at its likeliest order, and its ln likelihood over that of noise alone.
+def likeliest(scores: Scores, sensor: int, samples: int, linear: int = 0) -> tuple[Fitted | None, float]:
+    """Return a sensor's fit at its likeliest order, and the gain there.
 
-    ``scores`` are of ``samples`` samples, with ``linear`` columns before the two of each harmonic.
+    Its own gain is averaged over the orders, and over two models of the noise: how the blocks scatter, and white
+    noise as much wider. ``scores`` are of ``samples`` samples, with ``linear`` columns before the two of each
+    harmonic.
     """
     G, g, e2 = scores.gram, scores.score[:, :, sensor], scores.squares[:, sensor]
     whole, total = G.sum(axis=0), g.sum(axis=0)
@@ -106,29 +98,23 @@ def likeliest(
     white = max(float(e2.sum() - c @ total[:k]) / samples, np.finfo(float).tiny)
     wider = float(np.mean(np.sum(left**2, axis=0) / (white * np.diag(whole[:k, :k]))))
     variance = white * max(wider, 1.0)
-    gains = [_log_likelihood(whole[:k, :k], total[:k], variance, linear) for k in ends]
+    gains = np.array([_gain(whole[:k, :k] / variance, total[:k] / variance, linear) for k in ends])
     at = int(np.argmax(gains))
-    order, k, gain = orders[at], ends[at], gains[at]
-    share = held_out_share(G[:, :k, :k], g[:, :k], e2) if gain > 0 else None
+    order, k, most = orders[at], ends[at], float(gains[at])
+    share = held_out_share(G[:, :k, :k], g[:, :k], e2) if most > 0 else None
     if share is None:
         return None, 0.0
-    return wald(G[:, :k, :k], g[:, :k], order, share, trials, -gain), gain
+    fit = fit_of_order(G[:, :k, :k], g[:, :k], order, share)
+    return replace(fit, gain=float(log_mean(np.array([fit.gain, log_mean(gains)])))), most
 
 
-def _log_likelihood(G: FloatArray, g: FloatArray, variance: float, linear: int) -> float:
-    """Return ln likelihood over that of noise alone, averaged over the prior's grid."""
-    k, size = len(g), np.sqrt(np.maximum(np.diag(G), np.finfo(float).tiny))
-    harmonic = np.concatenate((np.ones(linear), np.repeat(np.arange(1, (k - linear) // 2 + 1), 2)))
-    found = list[float]()
-    for decay in DECAYS:
-        shape = harmonic**-decay
-        low = np.sqrt(variance) / float(np.max(size * shape))
-        values, vectors = np.linalg.eigh(shape[:, None] * G * shape / variance)
-        values, along = np.maximum(values, 0.0), (vectors.T @ (shape * g)) ** 2 / variance**2
-        for s in np.geomspace(low, max(LARGEST * np.sqrt(variance), 2 * low), SIZES):
-            wide = 1 + s**2 * values
-            found.append(float(np.sum(s**2 * along / wide - np.log(wide)) / 2))
-    return float(logsumexp(found) - np.log(len(found)))
+def _gain(G: FloatArray, g: FloatArray, linear: int) -> float:
+    """Return the gain of harmonics by their whitened G (k, k) and g (k,), averaged over how they fall."""
+    harmonic: FloatArray = np.concatenate(
+        (np.ones(linear), np.repeat(np.arange(1.0, (len(g) - linear) // 2 + 1), 2))
+    )
+    shapes: list[FloatArray] = [harmonic**-decay for decay in DECAYS]
+    return float(log_mean(np.array([odds.gain(shape[:, None] * G * shape, shape * g) for shape in shapes])))
 
 
 def left_by_phase(

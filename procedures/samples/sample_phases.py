@@ -32,14 +32,14 @@ TIME_LIKE = 1e-9  # of a channel's variance that a line in time leaves, below wh
 class Phase:
     """A candidate: ``turns`` (n,) of every recording; ``channel``, ``period`` in its unit.
 
-    ``trials`` is how many were looked at to find it; ``sensor`` the only one that it is of, -1 of any. ``wraps``
+    ``tried`` is how many were looked at to find it; ``sensor`` the only one that it is of, -1 of any. ``wraps``
     says that the channel itself falls by a period at each turn.
     """
 
     channel: str
     period: float
     turns: tuple[FloatArray, ...]
-    trials: int = 1
+    tried: int = 1
     sensor: int = -1
     wraps: bool = False
 
