@@ -89,10 +89,13 @@ class SampleFinding:
         """What it explains of the sensor that it explains most of."""
         return max(fit.share for fit in self.fitted.values())
 
-    @property
-    def log_odds(self) -> float:
-        """Ln of the odds that it acts on all of them."""
-        return sum(odds.log_odds(fit.gain, self.candidate.tried) for fit in self.fitted.values())
+    def predicts(self, samples: int) -> float:
+        """Return ln of how much likelier it makes ``samples`` of held-out blocks, its share of the prior counted.
+
+        Of several that act, this says which: blocks are too few for their scatter to tell large gains apart.
+        """
+        left = [np.log1p(-min(fit.share, 1 - np.finfo(float).eps)) for fit in self.fitted.values()]
+        return float(-0.5 * samples * np.sum(left) - np.log(self.candidate.tried))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -206,7 +209,7 @@ def _folded(found: SampleFinding, before: SampleBlocks, after: SampleBlocks) -> 
 
 
 def _best(blocks: SampleBlocks, is_usable: Sequence[bool], known: Sequence[Candidate]) -> SampleFinding | None:
-    """Return the likeliest of the candidates that act, likelier than not, on some sensors."""
+    """Return the best of the candidates that act, likelier than not, on some sensors."""
     found = list[SampleFinding]()
     candidates = [each for each in _candidates(blocks) if not any(_is_stated(each, one) for one in known)]
     alike = Counter(each.effect for each in candidates)
@@ -225,7 +228,7 @@ def _best(blocks: SampleBlocks, is_usable: Sequence[bool], known: Sequence[Candi
         }
         if fits:
             found.append(SampleFinding(candidate, fits))
-    return max(found, key=lambda each: each.log_odds, default=None)
+    return max(found, key=lambda each: each.predicts(blocks.rates[:, :, 0].size), default=None)
 
 
 def _is_stated(one: Candidate, known: Candidate) -> bool:
