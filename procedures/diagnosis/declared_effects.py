@@ -136,7 +136,7 @@ def _gain(evidence: Evidence, way: Candidate, now: Refit) -> tuple[float, Candid
     try:
         with raising_does_not_fit():
             c, C = way.fit(evidence, [each.term for each in now.added]).coefficients()
-            information: FloatArray = np.linalg.inv(C)
+            information = np.asarray(np.linalg.inv(C), dtype=np.float64)
             return gain(information, information @ c, evidence.noise_dof), way
     except DoesNotFit:
         return None

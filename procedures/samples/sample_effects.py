@@ -35,9 +35,16 @@ from procedures.samples.sample_blocks import (
     sample_blocks,
     scores_of,
 )
-from procedures.samples.sample_harmonics import left_by_phase, with_linear, with_order
 from procedures.samples.sample_lines import coherent_line, repeated_lines
-from procedures.samples.sample_phases import Phase, channel_phases, count_phases, is_rounded
+from procedures.samples.sample_phases import (
+    Phase,
+    channel_phases,
+    count_phases,
+    is_rounded,
+    left_by_phase,
+    with_linear,
+    with_order,
+)
 from procedures.samples.sample_rectification import by_variance, rectified, steady_channels
 from procedures.samples.sample_turns import periodic_in_turns
 from procedures.statistics.spectrum import lines_of
@@ -47,7 +54,7 @@ BESIDE_A_LINE = 0.005  # of its frequency
 TIME = "time"  # in the place of a channel: the phase of a line
 MIN_LINE_SHARE = 0.02  # of a line in time, below which it is only told with the noise
 ROUNDS = 5
-HARMONICS = 8  # by which a phase is found; how many it has, `sample_harmonics` finds
+HARMONICS = 8  # by which a phase is found; how many it has, `with_order` finds
 MAX_LAG = 64  # samples, either way
 MAX_NAMED = 3  # recordings
 FOLDS = 32  # parts of a turn, in which samples are shown

@@ -26,8 +26,7 @@ from procedures.inference import odds
 from procedures.inference.result import Finding, ResidualRms
 from procedures.samples.held_samples import HeldChannel, Scales, held_channels
 from procedures.samples.sample_blocks import AUXILIARY, LEFT_OUT, Fitted, Scores
-from procedures.samples.sample_harmonics import ORDERS, likeliest
-from procedures.samples.sample_phases import NATURAL, NEAR_NATURAL, WRAP_SHARE
+from procedures.samples.sample_phases import NATURAL, NEAR_NATURAL, ORDERS, WRAP_SHARE, likeliest
 from procedures.units import DEG_H_PER_DEG_S
 
 HARMONICS = (8, 32, 128)  # looked at: more where so many are likeliest
