@@ -8,12 +8,14 @@ import numpy as np
 
 from procedures.anomalies.disturbances import CHANNEL_LABELS, EFFECT, Disturbance, rough_scale
 from procedures.anomalies.disturbed_blocks import MIN_FINE, middle_half, rounding_of
-from procedures.arrays import FloatArray
+from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.campaign import Campaign, RestRecord
 from procedures.campaign.observations import channel
 from procedures.frames import TRIADS
-from procedures.inference.result import CERTAIN, Finding, probability_of
-from procedures.statistics.significance import log_f_sf
+from procedures.inference import odds
+from procedures.inference.marginal import log_mean
+from procedures.inference.priors import PRESENT
+from procedures.inference.result import CERTAIN, Finding
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,43 +59,52 @@ def resting_channels(campaigns: Sequence[Campaign]) -> Iterator[RestingChannel]:
 
 BLOCK_S, MIN_BLOCK = 10.0, 48  # s, samples
 MIN_BLOCKS, LEAST_SIDE = 20, 5
-MIN_TIMES = 1.5  # by which the noise must be larger, or less
+MIN_TIMES = 1.5  # by which the noise must be larger, or less: of a smaller change nothing depends
 TINY = 1e-12
-MIN_SIGMAS = 8.0  # of the difference of the means
+EDGES = 60  # of a change that does not last, tried for either end
 
 
 def changed_noise(campaigns: Sequence[Campaign]) -> Iterator[Finding]:
     """Yield a finding for each triad of a recording at rest whose noise changes for good."""
     for _, channels in groupby(resting_channels(campaigns), key=lambda one: (one.campaign, one.step, one.triad)):
-        found = list[tuple[float, RestingChannel, int, float, float, float]]()
+        found = list[tuple[RestingChannel, _Change]]()
         for one in channels:
             length = max(round(BLOCK_S / one.rest.series.period), MIN_BLOCK)
-            if (split := _split(one.samples, length)) is not None:
-                found.append((split[0], one, *split[1:]))
+            if (change := _change(one.samples, length)) is not None:
+                found.append((one, change))
         if found:
-            yield _changed_finding(max(found, key=lambda each: each[0]), [each[1].label for each in found])
+            yield _changed_finding(*max(found, key=lambda each: each[1].sigmas), [one.label for one, _ in found])
 
 
-def _changed_finding(
-    found: tuple[float, RestingChannel, int, float, float, float], names: Sequence[str]
-) -> Finding:
-    sigmas, one, at, before, after, log_p = found
+def _changed_finding(one: RestingChannel, found: "_Change", names: Sequence[str]) -> Finding:
     where: dict[str, object] = {
         "file": one.rest.name, "channel": list(names) if len(names) > 1 else names[0],
-        "from_s": float(one.rest.series.t[at]),
+        "from_s": float(one.rest.series.t[found.first]),
     }  # fmt: skip
-    value = np.array([after - before]) / one.per_unit
+    value = np.array([found.after - found.before]) / one.per_unit
     return Finding(
-        EFFECT, "procedure", ("value",), value, np.abs(value) / sigmas, one.unit, where, probability_of(log_p),
-        "the recording again, elsewhere and at another temperature", log_p,
-        f"noise of a sample, {after / before:.2g} times what it was",
+        EFFECT, "procedure", ("value",), value, np.abs(value) / found.sigmas, one.unit, where,
+        found.probability, "the recording again, elsewhere and at another temperature",
+        f"noise of a sample, {found.after / found.before:.2g} times what it was",
     ).or_else(f"{one.triad}.noise")  # fmt: skip
 
 
-def _split(x: FloatArray, length: int) -> tuple[float, int, float, float, float] | None:
-    """Return by how many sigmas noise differs, from which sample on, a sample's before and after, and ln p.
+@dataclass(frozen=True, slots=True)
+class _Change:
+    """A change for good at the sample ``first``: a sample's noise before and after, and how sure it is."""
 
-    p is of Student's t of the blocks, every place of a change counted.
+    first: int
+    before: float
+    after: float
+    sigmas: float
+    probability: float
+
+
+def _change(x: FloatArray, length: int) -> _Change | None:
+    """Return where the noise of x (n,) changes for good, if that is likely; ``length`` samples are a block.
+
+    The blocks' variances are known by how they scatter themselves. A change for good competes with one that goes
+    back again, of which every begin and end is as likely.
     """
     count = len(x) // length
     if count < MIN_BLOCKS:
@@ -103,16 +114,29 @@ def _split(x: FloatArray, length: int) -> tuple[float, int, float, float, float]
         return None
     v = np.log(variance)
     k = np.arange(LEAST_SIDE, count - LEAST_SIDE + 1)
-    sums = np.cumsum(v)
-    first, last = sums[k - 1] / k, (sums[-1] - sums[k - 1]) / (count - k)
-    within = np.maximum(np.sum(v**2) - k * first**2 - (count - k) * last**2, 0.0) / (count - 2)
-    sigmas = np.abs(last - first) / np.sqrt(np.maximum(within, TINY) * (1 / k + 1 / (count - k)))
+    step, sigmas = _mean_inside(v, k, np.full(len(k), count))
+    edges = np.unique(np.linspace(LEAST_SIDE, count - 1, EDGES).astype(int))
+    i, j = (edges[which] for which in np.triu_indices(len(edges), 1))
+    _, passing = _mean_inside(v, i, j)
+    gains = [log_mean(odds.gain_of_squares(each**2, 1, count - 2)) for each in (sigmas, passing)]
+    probability = odds.shares({"lasts": odds.log_odds(float(gains[0])), "passes": odds.log_odds(float(gains[1]))})
     best = int(np.argmax(sigmas))
-    if sigmas[best] < MIN_SIGMAS or abs(last[best] - first[best]) < 2 * np.log(MIN_TIMES):
+    if probability["lasts"] < PRESENT or abs(step[best]) < 2 * np.log(MIN_TIMES):
         return None
-    before, after = np.exp(first[best] / 2), np.exp(last[best] / 2)
-    log_p = min(log_f_sf(float(sigmas[best]) ** 2, 1, count - 2) + float(np.log(len(k))), 0.0)
-    return float(sigmas[best]), int(k[best]) * length, float(before), float(after), log_p
+    before = float(np.exp(np.mean(v[: k[best]]) / 2))
+    after = before * float(np.exp(step[best] / 2))
+    return _Change(int(k[best]) * length, before, after, float(sigmas[best]), probability["lasts"])
+
+
+def _mean_inside(v: FloatArray, first: IntArray, end: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Return by how much v (n,) differs from ``first`` to ``end`` (m,) from all other values, and in sigmas."""
+    sums = np.concatenate(([0.0], np.cumsum(v)))
+    inside, number = sums[end] - sums[first], end - first
+    of_others = len(v) - number
+    means = inside / number, (sums[-1] - inside) / of_others
+    left = np.maximum(np.sum(v**2) - number * means[0] ** 2 - of_others * means[1] ** 2, 0.0) / (len(v) - 2)
+    step: FloatArray = means[0] - means[1]
+    return step, np.abs(step) / np.sqrt(np.maximum(left, TINY) * (1 / number + 1 / of_others))
 
 
 MIN_ROWS, MIN_SHARE = 20, 0.005  # that stand at one end
@@ -138,7 +162,7 @@ def _clipped_finding(one: RestingChannel, value: float, rows: int, name: str) ->
         EFFECT, "procedure", ("value",), np.array([value]) / one.per_unit,
         np.array([float(one.samples.std())]) / one.per_unit, one.unit,
         {"file": one.rest.name, "channel": one.label}, CERTAIN,
-        "the recording again with a wider range", None,
+        "the recording again with a wider range",
         f"clipped: {share:.2g} % of the rows stand at its {name} value",
     )  # fmt: skip
 
@@ -161,7 +185,7 @@ def frozen_stretches(campaigns: Sequence[Campaign]) -> Iterator[Disturbance]:
             continue
         told.append((first, end))
         cut = end if end < len(one.samples) else first
-        yield Disturbance(one.campaign, one.step, first, cut, _frozen_finding(one, first, end))
+        yield Disturbance(one.campaign, one.step, first, cut, np.inf, _frozen_finding(one, first, end))
 
 
 def _longest_run(x: FloatArray) -> tuple[int, int]:
@@ -183,5 +207,5 @@ def _frozen_finding(one: RestingChannel, first: int, end: int) -> Finding:
     return Finding(
         EFFECT, "procedure", ("value",), np.array([x[first]]) / one.per_unit,
         np.array([float(others.std())]) / one.per_unit, one.unit, where, CERTAIN, "the recording again",
-        None, "frozen at one value",
+        "frozen at one value",
     )  # fmt: skip

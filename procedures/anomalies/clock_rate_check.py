@@ -25,14 +25,12 @@ from procedures.campaign.campaign import (
     is_known,
 )
 from procedures.counts.reference_time import ClockRate
-from procedures.effects import EFFECTS
-from procedures.inference.result import EffectTest, Finding, probability_of
-from procedures.statistics.significance import log_f_sf
+from procedures.inference import odds
+from procedures.inference.result import EffectTest, Finding
 from procedures.units import PPM_PER_ONE
 
 EFFECT = "clock.rate"
 MAX_PERIOD_ERROR = 1e-3  # relative, as the warning of a campaign folder
-MAX_LOG_P = np.log(0.05)
 
 Record = TypeVar("Record", DwellRecord, TurnRecord, MoveRecord, RestRecord, SequenceRecord)
 
@@ -43,11 +41,11 @@ def find_clock(campaigns: Sequence[Campaign]) -> tuple[tuple[Finding, ...], tupl
     if not rates:
         return tuple(_off_period(campaigns)), ()
     mean = _mean(rates)
-    adjusted = min(_log_p(mean) + float(np.log(len(EFFECTS))), 0.0)  # Holm: one of all that are tried
-    test = EffectTest(EFFECT, (mean.ppm / mean.std) ** 2, _log_p(mean), adjusted)
-    if adjusted >= MAX_LOG_P or abs(mean.ppm) > MAX_CLOCK_PPM:
+    log_odds = _log_odds(mean.ppm / mean.std, mean.dof)
+    test = EffectTest(EFFECT, log_odds)
+    if log_odds < 0 or abs(mean.ppm) > MAX_CLOCK_PPM:
         return (), (test,)
-    return (_finding(mean.ppm, mean.std, adjusted, "utc_s"),), (test,)
+    return (_finding(mean.ppm, mean.std, log_odds, "utc_s"),), (test,)
 
 
 def with_true_clock(campaigns: Sequence[Campaign], ppm: float) -> tuple[Campaign, ...]:
@@ -70,9 +68,9 @@ def is_timed(campaigns: Sequence[Campaign]) -> bool:
     return any((rate := clock_rate(campaign)) is not None and is_known(rate) for campaign in campaigns)
 
 
-def _log_p(rate: ClockRate) -> float:
-    """Return ln p of a clock that is right."""
-    return log_f_sf((rate.ppm / rate.std) ** 2, 1, rate.dof)
+def _log_odds(sigmas: float, dof: float) -> float:
+    """Return ln of the odds of a clock that is off by so many ``sigmas``, which are known to ``dof``."""
+    return odds.log_odds(float(odds.gain_of_squares(np.array(sigmas**2), 1, dof)))
 
 
 def _mean(rates: Sequence[ClockRate]) -> ClockRate:
@@ -93,10 +91,9 @@ def _off_period(campaigns: Sequence[Campaign]) -> Iterator[Finding]:
         return
     scatter = float(np.std(off, ddof=1)) if len(off) > 1 else 0.0
     std = max(scatter, *(_period_std(series.t) / nominal for series, nominal in each))
-    log_p = log_f_sf((middle / std) ** 2, 1, len(off) - 1 if len(off) > 1 else np.inf)
-    adjusted = max(min(log_p + float(np.log(len(EFFECTS))), 0.0), float(np.log(np.finfo(float).tiny)))
-    if adjusted < MAX_LOG_P:
-        found = _finding(PPM_PER_ONE * middle, PPM_PER_ONE * std, adjusted, "t_s")
+    log_odds = _log_odds(middle / std, len(off) - 1 if len(off) > 1 else np.inf)
+    if log_odds > 0:
+        found = _finding(PPM_PER_ONE * middle, PPM_PER_ONE * std, log_odds, "t_s")
         yield found.or_else("imu.sample_period_s")
 
 
@@ -108,7 +105,7 @@ def _period_std(t: FloatArray) -> float:
     return float(np.hypot(np.std(left), rounding)) / float(np.sqrt(rows @ rows))
 
 
-def _finding(ppm: float, std: float, log_p: float, channel: str) -> Finding:
+def _finding(ppm: float, std: float, log_odds: float, channel: str) -> Finding:
     told = (
         "either the device's clock or sample_period_s is wrong: record a reference time beside the rows (utc_s)"
         if channel == "t_s"
@@ -116,7 +113,7 @@ def _finding(ppm: float, std: float, log_p: float, channel: str) -> Finding:
     )
     return Finding(
         EFFECT, "procedure", ("value",), np.array([ppm]), np.array([std]), "ppm", {"channel": channel},
-        probability_of(log_p), told, log_p,
+        odds.probability(log_odds), told,
     )  # fmt: skip
 
 

@@ -1,7 +1,7 @@
 """``disturbance.dwell``: a knock or a vibration inside a step at rest.
 
 Looked for in the local liveliness of every channel (`procedures.anomalies.disturbed_blocks`), since a mean over a
-whole dwell hides it, with every block of every channel and step counted in the level of the test. The disturbed
+whole dwell hides it; every block of every channel and step has its share of the prior. The disturbed
 stretch is cut out: the step becomes segments that share a rate, as after a gap.
 """
 
@@ -24,12 +24,11 @@ from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord
 from procedures.campaign.observations import channel
 from procedures.counts.sample_records import CountSeries, Series, series_rows
 from procedures.frames import TRIADS, face_normal, face_of
-from procedures.inference.result import EffectTest, Finding, probability_of
+from procedures.inference import odds
+from procedures.inference.result import EffectTest, Finding
 from procedures.units import DEG_H_PER_DEG_S
 
 EFFECT = "disturbance.dwell"
-# Of all blocks of a diagnosis; blocks overlap and their variances are not quite chi-square
-MAX_LOG_P = np.log(0.003)
 MAX_JOINED_GAP_S = 5.0  # stretches nearer than this are one
 # Between a stretch and the begin or end of its segment: as short a rest is but two blocks to be judged by
 MIN_REST_S = 2.0
@@ -44,26 +43,27 @@ Record = TypeVar("Record", DwellRecord, RestRecord)
 class Disturbance:
     """A stretch of a step to be cut, ``first`` to ``end`` (samples), with its finding; empty if it is left in.
 
-    ``step`` is the number among the campaign's dwells, then its rests.
+    ``step`` is the number among the campaign's dwells, then its rests; ``log_odds`` are those of the finding.
     """
 
     campaign: int
     step: int
     first: int
     end: int
+    log_odds: float
     finding: Finding
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _DisturbedBlock:
-    """A block that is livelier than its channel: its step, samples, channel and ln p, adjusted."""
+    """A block that is livelier than its channel: its step, samples, channel and ln of its odds."""
 
     step: int
     first: int
     end: int
     triad: str
     axis: int
-    log_p: float
+    log_odds: float
 
 
 def find_disturbances(
@@ -75,16 +75,15 @@ def find_disturbances(
     """
     channels = [_judged(campaign, are_soaks) for campaign in campaigns]
     judged = [blocks for each in channels for *_, blocks in each]
-    if not (blocks := sum(len(each.log_p) for each in judged)):
+    if not (blocks := sum(len(each.gain) for each in judged)):
         return (), ()
-    counted = float(np.log(blocks))
     found = [
         each
         for number, (campaign, here) in enumerate(zip(campaigns, channels, strict=True))
-        for each in _disturbances(number, campaign, list(_lively(here, counted)))
+        for each in _disturbances(number, campaign, list(_lively(here, blocks)))
     ]
-    raw = min(float(each.log_p.min(initial=0.0)) for each in judged)
-    return tuple(found), (EffectTest(EFFECT, -2 * raw, raw, min(raw + counted, 0.0)),)
+    most = max(float(each.gain.max(initial=0.0)) for each in judged)
+    return tuple(found), (EffectTest(EFFECT, odds.log_odds(most, blocks)),)
 
 
 def without_disturbances(campaigns: Sequence[Campaign], found: Sequence[Disturbance]) -> tuple[Campaign, ...]:
@@ -149,13 +148,15 @@ def _trace(series: Series, triad: str, axis: int) -> ChannelSamples:
 
 
 def _lively(
-    channels: Sequence[tuple[str, int, list[int], JudgedBlocks]], counted: float
+    channels: Sequence[tuple[str, int, list[int], JudgedBlocks]], judged: int
 ) -> Iterator[_DisturbedBlock]:
-    """Return the blocks below the level, ``counted`` being the logarithm of how many were judged."""
+    """Return the blocks that are disturbed, likelier than not, of so many that were ``judged``."""
     for triad, axis, steps, blocks in channels:
-        for i in np.flatnonzero(blocks.log_p + counted < MAX_LOG_P):
-            first, end, log_p = int(blocks.first[i]), int(blocks.end[i]), float(blocks.log_p[i])
-            yield _DisturbedBlock(steps[blocks.trace[i]], first, end, triad, axis, log_p + counted)
+        for i in np.flatnonzero(blocks.gain > -odds.log_odds(0.0, judged)):
+            log_odds = odds.log_odds(float(blocks.gain[i]), judged)
+            yield _DisturbedBlock(
+                steps[blocks.trace[i]], int(blocks.first[i]), int(blocks.end[i]), triad, axis, log_odds
+            )
 
 
 def _disturbances(number: int, campaign: Campaign, lively: Sequence[_DisturbedBlock]) -> Iterator[Disturbance]:
@@ -196,7 +197,7 @@ def _measured(
     series, triad = record.series, min(each.triad for each in lively)
     near = round(LOOKED_AT_S / series.period)
     begin, last = max(stretch.start - near, 0), stretch.stop + near
-    worst = min((each for each in lively if each.triad == triad), key=lambda each: each.log_p)
+    worst = max((each for each in lively if each.triad == triad), key=lambda each: each.log_odds)
     k = rough_scale(campaign, triad)
     samples = np.asarray(channel(series, triad), dtype=np.float64)[begin:last]
     is_running = campaign.counts and not is_white([_trace(series, triad, axis) for axis in range(3)])
@@ -213,12 +214,12 @@ def _measured(
     where |= {"from_s": float(t[first] - series.period), "to_s": float(t[end - 1])}
     finding = Finding(
         EFFECT, "procedure", ("x", "y", "z"), sine.amplitude, sine.std,
-        "g" if triad == "accelerometer" else "deg/h", where, probability_of(worst.log_p),
-        "the same position again, with nobody near the surface plate", worst.log_p,
+        "g" if triad == "accelerometer" else "deg/h", where, odds.probability(worst.log_odds),
+        "the same position again, with nobody near the surface plate",
         f"{sine.hertz:.3g} Hz" if sine.hertz else "",
     )  # fmt: skip
     is_state = end - first > MAX_CUT_SHARE * len(series)
-    return Disturbance(number, step, first, first if is_state else end, finding)
+    return Disturbance(number, step, first, first if is_state else end, worst.log_odds, finding)
 
 
 def _to_ends_of_segments(first: int, end: int, series: Series) -> tuple[int, int]:

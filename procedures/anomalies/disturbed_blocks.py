@@ -1,8 +1,8 @@
 """Blocks of one channel that are livelier than the channel's own quiet: where a dwell was disturbed.
 
 Of a channel whose remainder is not white, as of counts with little noise, a block is judged by the strip its
-counts need (`procedures.anomalies.disturbed_blocks`); of any other by its variance, chi-square with the degrees
-of freedom that the scatter of all blocks' variances shows. Noise and variance are those of the channel's quieter
+counts need (`procedures.anomalies.disturbed_blocks`); of any other by its variance, that of as many numbers as
+the scatter of all blocks' variances shows. Noise and variance are those of the channel's quieter
 dwells, so that a knock does not hide itself.
 """
 
@@ -15,14 +15,16 @@ from numpy.lib.stride_tricks import sliding_window_view
 from procedures.arrays import FloatArray, IntArray
 from procedures.counts.count_noise import MIN_WHITE_NOISE, WHITE_LAG_SAMPLES, lag_sums
 from procedures.counts.count_rate import MIN_DWELL_SAMPLES, estimate_counts
-from procedures.statistics.significance import log_chi2_sf
+from procedures.inference import odds, priors
+from procedures.inference.marginal import log_mean
 
 GOLDEN_RATIO = (np.sqrt(5) - 1) / 2
 SLOPE_ITERATIONS = 20  # the bracket shrinks to 1e-4 of a count
 BEND_ITERATIONS = 14
 # Counts per half block either side of least squares, which is never further off
 SLOPE_REACH, BEND_REACH = 2.0, 1.0
-MIN_KUIPER_STATISTIC = 0.9  # of Kuiper's statistic, below which its leading term is no probability
+# Kuiper's range v of a walk has the tail 2 (4 v^2 - 1) exp(-2 v^2): as of four numbers whose squares' sum is 4 v^2
+NUMBERS_OF_RANGE = 4.0
 
 
 def strip_width(count: FloatArray) -> FloatArray:
@@ -42,14 +44,10 @@ def bent_strip_width(count: FloatArray) -> FloatArray:
     return _least(lambda q: strip_width(level - q[:, None] * bend), start, BEND_REACH, BEND_ITERATIONS)
 
 
-def log_p_of_width(width: FloatArray, noise: float, samples: int) -> FloatArray:
-    """Return an upper bound (m,) of ln P of strips at least as wide as ``width`` (m,) [counts].
-
-    ``noise`` is in counts per sqrt(sample).
-    """
-    v = np.maximum((width - 1) / (noise * np.sqrt(samples)), MIN_KUIPER_STATISTIC)
-    found: FloatArray = np.minimum(np.log(2 * (4 * v**2 - 1)) - 2 * v**2, 0.0)
-    return found
+def gain_of_width(width: FloatArray, noise: float, samples: int) -> FloatArray:
+    """Return the gain (m,) of a disturbance by strips' ``width`` (m,) [counts]; noise in counts / sqrt(sample)."""
+    v = np.maximum((width - 1) / (noise * np.sqrt(samples)), 0.0)
+    return odds.gain_of_squares(4 * v**2, NUMBERS_OF_RANGE)
 
 
 def _height(level: FloatArray) -> FloatArray:
@@ -87,7 +85,6 @@ MIN_FINE = 100.0  # times the variance of rounding, from which on quartiles are 
 OF_THE_MIDDLE = 0.37  # of the samples: quartiles tell a variance as well as so many do
 POWER_SIGMAS, LEAST_SURE = 2.0, 0.5  # by which the power of the tail may be less than it is found
 TAIL = 5.0  # times as many blocks, from which on the tail is taken
-BENT_STRIP_LOG_P = np.log(1e-3)  # ln p of a straight strip below which a bent one is tried
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,12 +98,12 @@ class ChannelSamples:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class JudgedBlocks:
-    """Blocks of one length: the trace, the first sample and the end of each, and ln P of its liveliness (m,)."""
+    """Blocks of one length: the trace, the first sample and the end of each, and its gain (m,)."""
 
     trace: IntArray
     first: IntArray
     end: IntArray
-    log_p: FloatArray
+    gain: FloatArray
 
 
 def judge_blocks(traces: Sequence[ChannelSamples], counts: bool, *, is_soak: bool = False) -> list[JudgedBlocks]:
@@ -161,11 +158,11 @@ def _by_strip(traces: Sequence[ChannelSamples]) -> list[JudgedBlocks]:
     noise = _noise(traces, [(at, width) for at, *_, width in widths])
     for at, first, end, nodes, width in widths:
         samples = int(end[0] - first[0]) if len(first) else 1
-        log_p = log_p_of_width(width, noise, samples)
-        again = log_p < BENT_STRIP_LOG_P
+        gain = gain_of_width(width, noise, samples)
+        again = gain > 0
         if again.any():
-            log_p[again] = log_p_of_width(bent_strip_width(nodes[again]), noise, samples)
-        found.append(JudgedBlocks(at, first, end, log_p))
+            gain[again] = gain_of_width(bent_strip_width(nodes[again]), noise, samples)
+        found.append(JudgedBlocks(at, first, end, gain))
     return found
 
 
@@ -192,28 +189,27 @@ def _by_variance(traces: Sequence[ChannelSamples], counts: bool, is_soak: bool =
         at, first, end, samples = _windows(traces, seconds, 0)
         if not len(samples):
             continue
-        log_p, ratio = _log_p_of(samples.var(axis=1, ddof=1), samples.shape[1], at, len(traces), rounding)
+        gain, ratio = _gain_of(samples.var(axis=1, ddof=1), samples.shape[1], at, len(traces), rounding)
         if is_soak:
-            log_p = np.maximum(log_p, _log_p_of_tail(ratio, OUTERMOST))
+            gain = np.minimum(gain, _gain_of_tail(ratio, OUTERMOST))
             middle = middle_half(samples)
             if float(np.median(middle)) > MIN_FINE * step:
                 as_good_as = max(int(OF_THE_MIDDLE * samples.shape[1]), 2)
-                other, of_middle = _log_p_of(middle, as_good_as, at, len(traces), step)
-                other = np.maximum(other, _log_p_of_tail(of_middle, FIFTH))
-                log_p = np.minimum(np.minimum(log_p, other) + np.log(2), 0.0)
-        found.append(JudgedBlocks(at, first, end, log_p))
+                other, of_middle = _gain_of(middle, as_good_as, at, len(traces), step)
+                gain = log_mean(np.stack((gain, np.minimum(other, _gain_of_tail(of_middle, FIFTH))), axis=-1))
+        found.append(JudgedBlocks(at, first, end, gain))
     return found
 
 
-def _log_p_of(
+def _gain_of(
     variance: FloatArray, samples: int, at: IntArray, traces: int, rounding: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return ln P of the variances (m,) of blocks of so many samples, and each over its trace's quiet (m,)."""
+    """Return the gain by the variances (m,) of blocks of so many samples, and each over its trace's quiet (m,)."""
     quiet = _quiet_variance(variance, at, traces) + rounding
     ratio = variance / quiet[at] if np.all(quiet > 0) else np.ones(len(at))
     dof = _degrees(ratio, samples - 1)
     ratio = ratio / _at_most(dof, len(at) / traces)
-    return np.array([log_chi2_sf(dof * r, dof) if r > 1 else 0.0 for r in ratio]), ratio
+    return odds.gain_of_squares(dof * ratio, dof), ratio
 
 
 def middle_half(samples: FloatArray) -> FloatArray:
@@ -234,19 +230,20 @@ def _at_most(dof: float, blocks: float) -> float:
     return float((1 + QUIET_VARIANCE_SIGMAS * np.sqrt(2 * np.pi / (dof * blocks))) / (1 - 2 / (9 * dof)) ** 3)
 
 
-def _log_p_of_tail(ratio: FloatArray, outermost: float) -> FloatArray:
-    """Return ln P of variances (m,) by the power law of their tail, up to the ``outermost`` part of them.
+def _gain_of_tail(ratio: FloatArray, outermost: float) -> FloatArray:
+    """Return the gain by variances (m,) beside the power law of their tail, up to the ``outermost`` part of them.
 
-    Noise with tails, as of bursts, has blocks livelier than chi-square knows of: its largest are no knocks.
+    Noise with tails, as of bursts, has blocks livelier than chi-square knows of: its largest are no knocks. A
+    knock is as likely of any size, in its logarithm.
     """
     outer = min(max(outermost, MIN_OUTERMOST / len(ratio)), 0.4)
     inner = min(TAIL * outer, 0.5)
     first, last = np.maximum(np.percentile(ratio, (100 * (1 - inner), 100 * (1 - outer))), 1e-12)
     sure = 1 - POWER_SIGMAS / np.sqrt(len(ratio) * inner / 2)  # of overlapping blocks
     power = max(sure, LEAST_SURE) * np.log(inner / outer) / max(float(np.log(last / first)), 1e-12)
-    beyond = np.log(np.maximum(ratio, last) / last)
-    log_p: FloatArray = np.where(ratio > last, np.log(outer) - power * beyond, 0.0)
-    return log_p
+    of_noise = np.log(outer * power) - power * np.log(np.maximum(ratio, last) / last)
+    gain: FloatArray = np.where(ratio > last, -np.log(2 * np.log(priors.SPAN)) - of_noise, 0.0)
+    return gain
 
 
 def rounding_of(values: Sequence[FloatArray]) -> float:

@@ -23,14 +23,15 @@ from procedures.campaign.observations import channel
 from procedures.counts.sample_records import Series
 from procedures.evidence.rate_points import STD_PER_MAD
 from procedures.frames import AXES, TRIADS
+from procedures.inference import odds
+from procedures.inference.marginal import log_mean
+from procedures.inference.priors import PRESENT
 from procedures.inference.result import EffectTest, Finding
 
 BESIDE_S = 10.0  # either side of a stretch, against which it is held
 MIN_BESIDE = 100  # samples
 APART = 10  # the part of a stretch that is left between it and what it is held against
 MIN_LIVELINESS = 1.5  # rms over that beside it, from which on a channel shows a disturbance
-STEP_SIGMAS = 5.0  # by which the levels before and after must differ for a step
-MIN_STEP = 0.3  # of the rms in between, that they must differ by as well
 LOUD = 8.0  # sigma of a sample that is far off by itself
 MAX_ROWS = 5  # far off, of a stretch that is wrong rows and no knock
 ONE_NUMBER = 1e-3  # of how far it is off, within which it is one: less the line that goes on beneath it
@@ -41,15 +42,14 @@ TINY = 1e-300
 class Deviation:
     """A channel's samples (n,) in a stretch less their surroundings, over ``sigma`` of these [output].
 
-    ``step`` is by how much the level after it is off that before it [sigma of a sample], ``step_sigmas`` the same
-    over its own sigma; 0 at the end of a recording.
+    ``jump`` is the gain of a level that changes for good somewhere in the stretch, over one line throughout; none
+    at the end of a recording.
     """
 
     channel: str
     samples: FloatArray
     sigma: float
-    step: float
-    step_sigmas: float
+    jump: float
 
     @property
     def is_lively(self) -> bool:
@@ -58,9 +58,13 @@ class Deviation:
 
     @property
     def is_step(self) -> bool:
-        """Say whether it does not come back: a jump, which is no knock."""
-        excess = np.sqrt(max(_rms(self.samples) ** 2 - 1, 0.0))
-        return bool(self.step_sigmas > STEP_SIGMAS and self.step > MIN_STEP * excess)
+        """Say whether it does not come back: a jump is likelier than a knock.
+
+        A knock is more scatter of the samples.
+        """
+        knock = float(odds.gain_of_squares(np.array(np.sum(self.samples**2)), len(self.samples)))
+        found = odds.shares({"jump": odds.log_odds(self.jump), "knock": odds.log_odds(knock)})
+        return found["jump"] >= PRESENT
 
 
 def wrong_rows(found: Sequence[Deviation]) -> IntArray:
@@ -108,9 +112,19 @@ def _deviation(name: str, before: FloatArray, inside: FloatArray, after: FloatAr
     sigma = STD_PER_MAD * float(np.median(np.abs(off))) or float(off.std()) or TINY  # a coarse, a dead channel
     if len(before) == 0 or len(after) == 0:
         line = (last if len(after) else first) + slope * t
-        return Deviation(name, (inside - line) / sigma, sigma, 0.0, 0.0)
-    line, step = (first + last) / 2 + slope * t, abs(float(last - first)) / sigma
-    return Deviation(name, (inside - line) / sigma, sigma, step, step / float(np.linalg.norm(R[1] - R[0])))
+        return Deviation(name, (inside - line) / sigma, sigma, -np.inf)
+    every, begin = np.concatenate([t_beside[: len(before)], t, t_beside[len(before) :]]), len(before)
+    jump = _gain_of_jump(every, np.concatenate([before, inside, after]) / sigma, slice(begin, begin + len(t) + 1))
+    return Deviation(name, (inside - (first + last) / 2 - slope * t) / sigma, sigma, jump)
+
+
+def _gain_of_jump(t: FloatArray, y: FloatArray, at: slice) -> float:
+    """Return the gain of a jump of y (n,) [sigma] beside a line over t (n,) [sample], at any of some places."""
+    Q, _ = np.linalg.qr(np.stack((np.ones_like(t), t), axis=1))
+    later = np.cumsum((y - Q @ (Q.T @ y))[::-1])[::-1][at]
+    taken = np.sum(np.cumsum(Q[::-1], axis=0)[::-1][at] ** 2, axis=1)
+    number = np.arange(len(t), 0, -1)[at]
+    return float(log_mean(odds.gain_of_squares(later**2 / np.maximum(number - taken, TINY), 1)))
 
 
 MAX_KNOCK_S = 30.0  # that is cut as one
@@ -174,7 +188,7 @@ def _states(soaks: Sequence[Campaign], found: Sequence[Disturbance]) -> Iterator
         stays = [each for each in here if not _is_step(rest, each) and not (is_cut and _is_short(rest, each))]
         if not stays:
             continue
-        each = min(stays, key=_log_p)
+        each = max(stays, key=lambda one: one.log_odds)
         lively = [one for one in deviations_in(rest.series, each) if one.is_lively]
         triad = "accelerometer" if each.finding.unit == "g" else "gyroscope"
         others: dict[str, object] = {"others": len(stays) - 1} if len(stays) > 1 else {}
@@ -191,10 +205,6 @@ def _by_soak(
             yield campaign, rest, [each for each in found if (each.campaign, each.step) == (number, step)]
 
 
-def _log_p(found: Disturbance) -> float:
-    return 0.0 if found.finding.log_p is None else found.finding.log_p
-
-
 def _is_short(rest: RestRecord, found: Disturbance) -> bool:
     return 0 < found.end - found.first <= MAX_KNOCK_S / rest.series.period
 
@@ -206,7 +216,7 @@ def _is_step(rest: RestRecord, found: Disturbance) -> bool:
 def _named(soaks: Sequence[Campaign], kept: Sequence[Disturbance]) -> Iterator[Finding]:
     """Yield a finding for each of a soak's disturbances, of many the surest for all."""
     for campaign, rest, here in _by_soak(soaks, kept):
-        here.sort(key=_log_p)
+        here.sort(key=lambda one: -one.log_odds)
         others: dict[str, object] = {"others": len(here) - 1} if len(here) > MAX_NAMED else {}
         for each in here[: 1 if others else MAX_NAMED]:
             finding = _told(campaign, rest, each)

@@ -7,7 +7,8 @@ A gyro at rest puts out, for up and North as unit vectors u, n in IMU axes,
 with bias b, its drift d, and in G its g-sensitivity and the Earth rate's vertical part; ``H = K w cos(latitude)``
 plus what follows the heading alike, as a magnetic field does. All have broad normal priors about what the turns
 say of K. Between the two positions of a face n changes sign, so labellings are compared by the likelihood of all
-gyros' dwells together (a normal one, the coefficients integrated out), improved one dwell or two at a time.
+gyros' dwells together (a normal one, the coefficients integrated out), improved one dwell or two at a time. That
+the biases jumped in one dwell instead is the same with more scatter in that dwell, of any size.
 """
 
 from collections.abc import Sequence
@@ -22,6 +23,8 @@ from procedures.campaign.observations import channel
 from procedures.counts.sample_records import CountSeries
 from procedures.earth.geodesy import earth_rate_n
 from procedures.frames import ATTITUDES, face_normal, face_of, nominal_C_lb
+from procedures.inference import priors
+from procedures.inference.marginal import log_mean
 from procedures.units import DEG_H_PER_DEG_S, S_PER_H
 
 MIN_DWELLS = 5  # dwells
@@ -30,6 +33,7 @@ BIAS_STD, G_SENSITIVITY_STD = 1.0, 0.01
 DRIFT_STD = 10.0 / DEG_H_PER_DEG_S  # 1 sigma, deg/s per hour
 NORTH_STD = 0.5  # 1 sigma of H about K w cos(latitude), of that: magnetic sensitivity, and K guessed from dwells
 BIAS_SCATTER_STDS = np.array([0.1, 0.4, 1.5, 6.0, 25.0, 100.0]) / DEG_H_PER_DEG_S  # deg/s, 1 sigma, dwell to dwell
+JUMP_STDS = priors.grid(BIAS_SCATTER_STDS[0], BIAS_SCATTER_STDS[-1])  # deg/s, 1 sigma, of one dwell
 
 _NOMINAL_C_BL = [nominal_C_lb(position).T for position in range(1, len(ATTITUDES) + 1)]
 
@@ -72,10 +76,11 @@ class HeadingLikelihood:
             return None
         return cls(C_sb, rows, rate / size, (std / size) ** 2, hours - hours.mean(), K / size * north)
 
-    def costs(self, labellings: IntArray) -> FloatArray:
+    def costs(self, labellings: IntArray, jump: FloatArray | float = 0.0) -> FloatArray:
         """Return minus the log likelihood (m,) of labellings (m, dwells), up to a constant.
 
-        The scatter of the biases from dwell to dwell is whatever makes a labelling likeliest.
+        The scatter of the biases from dwell to dwell is whatever makes a labelling likeliest; ``jump`` (n,) is
+        that of single dwells beside it [deg/s].
         """
         A = _design(self.C_sb, labellings[:, self.rows])
         A = np.concatenate((A, np.broadcast_to(self.hours[:, None], (*A.shape[:2], 1))), axis=2)
@@ -83,7 +88,7 @@ class HeadingLikelihood:
         for q in range(3):
             north = NORTH_STD * np.linalg.norm(self.H[q])
             prior = np.array([BIAS_STD, *[G_SENSITIVITY_STD] * 3, *[north] * 3, DRIFT_STD])
-            own = self.variance[:, q] + BIAS_SCATTER_STDS[:, None] ** 2
+            own = self.variance[:, q] + BIAS_SCATTER_STDS[:, None] ** 2 + np.square(jump)
             covariance = ((A * prior**2) @ A.swapaxes(1, 2))[:, None] + own[:, :, None] * np.eye(len(self.rows))
             left = (self.rate[:, q] - A[:, :, 4:7] @ self.H[q])[:, None, :, None]
             root = np.linalg.cholesky(covariance)
@@ -111,6 +116,14 @@ class HeadingLikelihood:
         margins = np.zeros(len(start))
         margins[self.rows] = costs[1 : 1 + len(self.rows)] - costs[0]
         return positions.tolist(), margins
+
+    def gain_of_jump(self, named: Sequence[int], positions: Sequence[int], i: int) -> float:
+        """Return the gain of a jump in dwell ``i``, ``named`` right, the others in ``positions``, over no jump."""
+        labels = np.array(positions)
+        labels[i] = named[i]
+        stds = np.outer(JUMP_STDS, self.rows == i)
+        freed = np.array([-self.costs(labels[None], std)[0] for std in stds])
+        return float(log_mean(freed) + self.costs(labels[None])[0])
 
 
 def _other(position: IntArray) -> IntArray:

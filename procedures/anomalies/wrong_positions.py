@@ -3,7 +3,7 @@
 The accelerometers show the face. An affine fit of raw outputs to nominal up vectors is drawn through four dwells
 at a time (random sample consensus, Fischler and Bolles 1981); the one that most dwells agree with decides, and
 every dwell that contradicts it is moved to the face that fits it. Tilts, seatings and K2 are hundreds of times
-below its threshold. The gyroscopes show which of its face's two positions it was
+smaller. The gyroscopes show which of its face's two positions it was, or that their bias jumped in that dwell
 (`procedures.anomalies.dwell_headings`).
 """
 
@@ -21,18 +21,16 @@ from procedures.counts.dwell_means import estimate_rates
 from procedures.counts.sample_records import CountSeries
 from procedures.earth.gyrocompass import first_position
 from procedures.frames import AXES, FACES, POSITIONS, face_normal, face_of
-from procedures.inference.priors import LIKELY
-from procedures.inference.result import CERTAIN, EffectTest, Finding, probability_of
+from procedures.inference import odds
+from procedures.inference.priors import ESTABLISHED, NEGLIGIBLE, PRESENT
+from procedures.inference.result import CERTAIN, EffectTest, Finding
 
-EFFECT = "placement.label"
+EFFECT, JUMP = "placement.label", "gyroscope.jump"
 SEED, DRAWS = 20181218, 400  # of the sample consensus: always the same
 MAX_RESIDUAL_G = 0.2  # g, as in `procedures.bench.position_checks`: far above any tilt, far below a wrong face
 MIN_AGREEING_SHARE = 0.5  # of the dwells that must agree
 MIN_DWELLS = 5  # dwells: four are fitted by anything
-MIN_LOG_LIKELIHOOD_RATIO = (
-    15.0  # of a log likelihood ratio: far beyond what is left open by noise alone that is not quite normal
-)
-FACE_LOG_P = -300.0  # of a face: 1 g off is 25 times what tilts, bias and scale could be together
+SCATTER_G = 0.04  # g, 1 sigma of what tilts, bias and scale could be together: a wrong face is 25 times as far off
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,16 +45,18 @@ class _Dwells:
 
 @dataclass(frozen=True, slots=True)
 class Mislabelled:
-    """A dwell (by number) that truly stood in ``position``; ``log_p`` of the label as recorded, Bonferroni in.
+    """A dwell (by number) that truly stood in ``position``, and ln of the odds that its label is wrong.
 
-    ``is_heading_known`` says whether anything told the position from its face's other one.
+    ``is_heading_known`` says whether the position is told from its face's other one, ``jump`` how probable it is
+    that the label is right and a bias jumped.
     """
 
     campaign: int
     dwell: int
     position: int
-    log_p: float
+    log_odds: float
     is_heading_known: bool
+    jump: float = 0.0
 
 
 def label_findings(
@@ -65,8 +65,9 @@ def label_findings(
     """Return the findings of dwells that are `find_wrong_labels`, and the test made of the worst."""
     if not any(campaign.dwells for campaign in campaigns):
         return (), ()
-    worst = min((each.log_p for each in found), default=0.0)
-    return tuple(_finding(campaigns, each) for each in found), (EffectTest(EFFECT, -2 * worst, worst, worst),)
+    dwells = sum(len(campaign.dwells) for campaign in campaigns)
+    worst = max((each.log_odds for each in found), default=_log_odds(0.0, dwells))
+    return tuple(_finding(campaigns, each) for each in found), (EffectTest(EFFECT, worst),)
 
 
 def with_true_labels(campaigns: Sequence[Campaign], found: Sequence[Mislabelled]) -> tuple[Campaign, ...]:
@@ -88,20 +89,26 @@ def find_wrong_labels(campaigns: Sequence[Campaign]) -> list[Mislabelled]:
             continue
         dwells = _rates(campaign)
         if (faces := _faces(campaign, dwells)) is not None:
-            found += _headings(number, campaign, dwells, faces)
+            found += _headings(number, campaign, dwells, *faces)
     return found
 
 
 def _finding(campaigns: Sequence[Campaign], each: Mislabelled) -> Finding:
     record = campaigns[each.campaign].dwells[each.dwell]
     where = {"position": record.position, "file": record.name}
-    sure = probability_of(each.log_p)
-    sure = sure if each.is_heading_known else min(sure, LIKELY)  # a face's two positions are neighbours
-    std = 0.0 if each.is_heading_known else 1.0
+    std = 0.0 if each.is_heading_known else 1.0  # a face's two positions are neighbours
+    label = odds.probability(each.log_odds)
+    shares = {EFFECT: label, JUMP: each.jump} if each.jump >= NEGLIGIBLE else {}
     return Finding(
         EFFECT, "procedure", ("actual",), np.array([float(each.position)]), np.array([std]), "position", where,
-        sure, "the dwell again, in the position it was asked for", each.log_p,
+        label, "the dwell again, in the position it was asked for", shares=shares,
+        aliases=tuple(name for name in shares if name != EFFECT), joint=sum(shares.values()) if shares else None,
     )  # fmt: skip
+
+
+def _log_odds(gain: float, dwells: int) -> float:
+    """Return ln of the odds of another position of one of some dwells."""
+    return odds.log_odds(gain, (len(POSITIONS) - 1) * dwells)
 
 
 def _rates(campaign: Campaign) -> _Dwells:
@@ -126,12 +133,15 @@ def _up(campaign: Campaign, faces: Sequence[str]) -> FloatArray:
     return np.stack([campaign.fixture.C_sb @ face_normal(face) for face in faces])
 
 
-def _faces(campaign: Campaign, dwells: _Dwells) -> list[str] | None:
-    """Return the face on which every dwell stood, the recorded one where nothing else fits; None if undecided."""
-    named = [face_of(d.position) for d in dwells.records]
+def _faces(campaign: Campaign, dwells: _Dwells) -> tuple[list[str], FloatArray] | None:
+    """Return the face on which every dwell stood, the recorded one where nothing else fits; None if undecided.
+
+    With them come the gains (n,) over the faces as recorded.
+    """
+    named, gains = [face_of(d.position) for d in dwells.records], np.zeros(len(dwells.records))
     seen = np.flatnonzero(np.all(np.isfinite(dwells.accel), axis=1))
     if len(seen) < MIN_DWELLS:
-        return named
+        return named, gains
     design = np.hstack((_up(campaign, [named[i] for i in seen]), np.ones((len(seen), 1))))
     rate = dwells.accel[seen]
     agrees = _consensus(design, rate)
@@ -145,7 +155,8 @@ def _faces(campaign: Campaign, dwells: _Dwells) -> list[str] | None:
     for row, i in enumerate(seen):
         if not agrees[row] and off[row].min() < MAX_RESIDUAL_G:
             found[i] = FACES[int(np.argmin(off[row]))]
-    return found
+            gains[i] = (off[row, FACES.index(named[i])] ** 2 - off[row].min() ** 2) / (2 * SCATTER_G**2)
+    return found, gains
 
 
 def _consensus(design: FloatArray, rate: FloatArray) -> BoolArray | None:
@@ -172,20 +183,27 @@ def _consensus(design: FloatArray, rate: FloatArray) -> BoolArray | None:
     return best if best.sum() >= MIN_DWELLS and best.mean() > MIN_AGREEING_SHARE else None
 
 
-def _headings(number: int, campaign: Campaign, dwells: _Dwells, faces: Sequence[str]) -> Iterator[Mislabelled]:
-    """Yield every dwell that is not where it says."""
+def _headings(
+    number: int, campaign: Campaign, dwells: _Dwells, faces: Sequence[str], gains: FloatArray
+) -> Iterator[Mislabelled]:
+    """Yield every dwell that is not where it says; ``gains`` (n,) are those of another face."""
     named = [d.position for d in dwells.records]
     moved = [i for i, position in enumerate(named) if face_of(position) != faces[i]]
     start = [_nearest(dwells, faces, moved, i) if i in moved else named[i] for i in range(len(named))]
     compass = HeadingLikelihood.of(campaign, dwells.gyro, dwells.gyro_std, start)
     positions, margins = (start, np.zeros(len(start))) if compass is None else compass.best(start)
-    tried = float(np.log(len(POSITIONS) * len(start)))
     for i, position in enumerate(positions):
-        is_sure = bool(margins[i] > MIN_LOG_LIKELIHOOD_RATIO + tried)
         if i in moved:
-            yield Mislabelled(number, i, position if is_sure else start[i], FACE_LOG_P + tried, is_sure)
-        elif position != named[i] and is_sure:
-            yield Mislabelled(number, i, position, tried - float(margins[i]), True)
+            is_sure = odds.probability(float(margins[i])) >= ESTABLISHED
+            of_face = _log_odds(float(gains[i]), len(start))
+            yield Mislabelled(number, i, position if is_sure else start[i], of_face, is_sure)
+        elif position != named[i] and compass is not None:
+            jump = odds.log_odds(compass.gain_of_jump(named, positions, i), len(start))
+            label = _log_odds(float(margins[i]), len(start))
+            shares = odds.shares({EFFECT: label, JUMP: jump})
+            if shares[EFFECT] >= PRESENT:
+                over = label - float(np.logaddexp(0.0, jump))
+                yield Mislabelled(number, i, position, over, True, shares[JUMP])
 
 
 def _nearest(dwells: _Dwells, faces: Sequence[str], moved: Sequence[int], i: int) -> int:

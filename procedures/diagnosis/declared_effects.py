@@ -19,11 +19,12 @@ from procedures.effects.effect import REFERENCE_C
 from procedures.effects.term.effect_of_term import TermEffect
 from procedures.errors import DoesNotFit
 from procedures.evidence.candidates import Candidate, Candidates, raising_does_not_fit
-from procedures.evidence.linear_model import fit_linear, significance
+from procedures.evidence.linear_model import fit_linear
 from procedures.evidence.refit import Refit
 from procedures.evidence.residual_rows import KINDS, Evidence
 from procedures.frames import TRIADS
 from procedures.inference.base_model import BenchModel
+from procedures.inference.odds import gain
 from procedures.inference.result import DeclaredEffect, TableSensor
 from procedures.statistics.least_squares import left_singular
 
@@ -118,23 +119,25 @@ def _declared(bench: BenchModel, now: Refit, term: TermEffect) -> Refit | str:
         return "nothing in this campaign excites it enough"
     if (one := next((each for each in now.added if are_one(evidence, ways[0], each)), None)) is not None:
         return f"in this campaign it is indistinguishable from {one.effect.name}"
-    if not (told := [found for way in ways if (found := _log_p(evidence, way, now)) is not None]):
+    if not (told := [found for way in ways if (found := _gain(evidence, way, now)) is not None]):
         return "the model's own parameters absorb it in this campaign"
-    way = min(told, key=lambda each: each[0])[1]
+    way = max(told, key=lambda each: each[0])[1]
     try:
         return bench.refit([*now.added, way])
     except DoesNotFit as error:
         return str(error)
 
 
-def _log_p(evidence: Evidence, way: Candidate, now: Refit) -> tuple[float, Candidate] | None:
-    """Return ln p of a way in which an effect may act, beside those in the model; None where these take it."""
+def _gain(evidence: Evidence, way: Candidate, now: Refit) -> tuple[float, Candidate] | None:
+    """Return the gain of a way in which an effect may act, beside those in the model; None where these take it."""
     white = evidence.A / evidence.sigma[:, None]
     if not _beside(np.linalg.qr(white)[0], way.term.H / evidence.sigma[:, None]).shape[1]:
         return None
     try:
         with raising_does_not_fit():
-            return significance(evidence, way.fit(evidence, [each.term for each in now.added])).log_p, way
+            c, C = way.fit(evidence, [each.term for each in now.added]).coefficients()
+            information = np.asarray(np.linalg.inv(C), dtype=np.float64)
+            return gain(information, information @ c, evidence.noise_dof), way
     except DoesNotFit:
         return None
 

@@ -23,8 +23,7 @@ from procedures.campaign.dead_channels import without_dead
 from procedures.diagnosis.caches import let_go_at_the_end
 from procedures.diagnosis.declared_effects import declare, declared_effects
 from procedures.diagnosis.findings import findings_of
-from procedures.diagnosis.rate_tables import RateTables
-from procedures.diagnosis.soaks_alone import SoaksAlone
+from procedures.diagnosis.rate_tables import RateTables, SoaksAlone
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
 from procedures.effects.term.effect_of_term import TermEffect

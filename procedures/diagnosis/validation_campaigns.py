@@ -17,7 +17,7 @@ from procedures.calibration.reduced_steps import reduce_steps
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.dead_channels import without_dead
 from procedures.diagnosis.caches import let_go_at_the_end
-from procedures.diagnosis.soaks_alone import SoaksAlone
+from procedures.diagnosis.rate_tables import SoaksAlone
 from procedures.errors import DoesNotFit, NotObservable
 from procedures.evidence.candidates import Candidate
 from procedures.evidence.linear_model import fit_linear

@@ -2,5 +2,5 @@
 
 `hypotheses` makes columns of named effects, `smooth_functions` of what no catalogue holds, `priors` states every
 chosen number; `board` lays them beside the evidence, `marginal` weighs them, `search` keeps the likely models,
-`posterior` says what these say together, and `infer` runs it all, linearised again where the best model stands.
+`posterior` says what these say together, and `infer` runs it all. `odds` is the rule for what is no row.
 """

@@ -90,17 +90,27 @@ class Held:
         return cls(Q[:m], Q[m:], back @ back.T, back @ along, squares, gain)
 
     def beside(self, W: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return what members leave of columns W (m, n), (m + s, n), whose square is W' C^-1 W, and take (s, n)."""
+        """Return what members leave of columns W (m, n) and what they take, (m + s, n) and (s, n).
+
+        The first one's square is W' C^-1 W.
+        """
         along = self.Q1.T @ W
         return np.vstack((W - self.Q1 @ along, -self.Q2 @ along)), along
 
 
 def tail(board: Board, squares: FloatArray) -> FloatArray:
     """Return ln of the density, shaped like ``squares``: the sum of squares of y, whitened, that is left."""
-    nu = board.evidence.noise_dof
+    return log_density(squares, len(board.y), board.evidence.noise_dof)
+
+
+def log_density(squares: FloatArray, rows: float, nu: float) -> FloatArray:
+    """Return ln of the density (m,) of whitened ``rows`` by their sum of ``squares`` (m,) [sigma^2].
+
+    The noise is known to ``nu`` degrees of freedom.
+    """
     if not np.isfinite(nu):
         return -0.5 * squares
-    found: FloatArray = -0.5 * (nu + len(board.y)) * np.log1p(np.maximum(squares, 0.0) / nu)
+    found: FloatArray = -0.5 * (nu + rows) * np.log1p(np.maximum(squares, 0.0) / nu)
     return found
 
 
@@ -153,12 +163,35 @@ def gains_of(board: Board, squares: float, G: FloatArray, g: FloatArray, block: 
     else:
         size, V = np.linalg.eigh(G)
         size, along = np.maximum(size, 0.0), np.einsum("bij,bi->bj", V, g)
-    s2 = block.amplitudes[:, :, None] ** 2
-    spread = 1 + s2 * size[:, None, :]
-    explained = np.sum(s2 * along[:, None, :] ** 2 / spread, axis=2)
-    found = -0.5 * np.sum(np.log(spread), axis=2)
-    found += tail(board, squares - explained) - tail(board, np.array(squares))
+    found = gains_along(size, along, block.amplitudes, np.array(squares), len(board.y), board.evidence.noise_dof)
     gains: FloatArray = found + _log_positive(G, g, block.amplitudes) if block.is_loss else found
+    return gains
+
+
+def gains_along(
+    size: FloatArray,
+    along: FloatArray,
+    amplitudes: FloatArray,
+    squares: FloatArray,
+    rows: float,
+    nu: float,
+    times: FloatArray | float = 1.0,
+) -> FloatArray:
+    """Return the gain (b, m) at ``amplitudes`` (b, m) [1] by the eigenvalues l and the V'g of some columns.
+
+    Parameters
+    ----------
+    size, along : (b, k), each eigenvalue ``times`` times, with ``along`` squared the sum over all of them
+    squares : (b,), the sum of squares of the whitened data [sigma^2]
+    rows, nu : how many these are, and to how many degrees of freedom their noise is known
+    times : (k,)
+    """
+    s2 = amplitudes[..., None] ** 2
+    spread = 1 + s2 * size[..., None, :]
+    explained = np.sum(s2 * along[..., None, :] ** 2 / spread, axis=-1)
+    found = -0.5 * np.sum(times * np.log(spread), axis=-1)
+    whole = squares[..., None]
+    gains: FloatArray = found + log_density(whole - explained, rows, nu) - log_density(whole, rows, nu)
     return gains
 
 
@@ -174,14 +207,13 @@ def _gains_of_rows(board: Board, held: Held, option: Option, by_members: FloatAr
     """
     assert option.taken is not None
     X, sigma, _ = np.linalg.svd(np.hstack((option.taken, by_members)), full_matrices=False)
-    size, along = np.maximum(1 - sigma**2, 0.0), X.T @ g
-    rest, number = max(float(g @ g - along @ along), 0.0), len(g) - len(size)
-    s2 = _amplitudes(board, option)[:, None] ** 2
-    spread = 1 + s2 * size
-    explained = np.sum(s2 * along**2 / spread, axis=1) + (s2 * rest / (1 + s2))[:, 0]
-    volume = np.sum(np.log(spread), axis=1) + number * np.log1p(s2[:, 0])
-    gains: FloatArray = -0.5 * volume + tail(board, held.squares - explained) - tail(board, np.array(held.squares))
-    return gains
+    along = X.T @ g
+    rest = max(float(g @ g - along @ along), 0.0)
+    return gains_along(
+        np.append(np.maximum(1 - sigma**2, 0.0), 1.0), np.append(along, np.sqrt(rest)), _amplitudes(board, option),
+        np.array(held.squares), len(board.y), board.evidence.noise_dof,
+        np.append(np.ones(len(sigma)), len(g) - len(sigma)),
+    )  # fmt: skip
 
 
 def _log_positive(G: FloatArray, g: FloatArray, amplitudes: FloatArray) -> FloatArray:

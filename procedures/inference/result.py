@@ -6,8 +6,6 @@ from enum import StrEnum
 from math import log
 from typing import Literal
 
-import numpy as np
-
 from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import CampaignFits
 from procedures.calibration.solution_values import Solution
@@ -46,26 +44,16 @@ class Reason:
     value: float | None = None
 
 
-def probability_of(log_p: float) -> float:
-    """Return the posterior probability of an effect by ln p of its test, corrected for all that was tried.
-
-    The Bayes factor for the null hypothesis is at least -e p ln p (Sellke, Bayarri and Berger 2001, The American
-    Statistician 55:62, for p < 1/e); a correction for all trials is a prior probability of one half of each.
-    """
-    return 1 / (1 - np.exp(1 + log_p) * log_p) if log_p < -1 else 0.5
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Finding:
     """An effect found: its coefficients by key with 1 sigma, in ``unit``, and how sure its name is.
 
     ``probability`` is that of the name, ``shares`` those of all names that the cause may have, its own included;
     ``joint`` is the probability that one of them acts. ``aliases`` are the other names; ``separate_by`` is the
-    measurement that separates them. ``log_p`` is adjusted for all that was tried, None where no p was computed.
-    ``errors`` are those held out of what the effect acts on, without and with it. ``share`` (0 to 1) is by how
-    much of their squares it reduces them. ``same_here`` are effects whose columns are this one's in a recording at
-    one attitude that calibrates nothing: the finding is of the output there, whatever its name. ``times_expected``
-    is the largest coefficient over the size that its catalogue expects.
+    measurement that separates them. ``errors`` are those held out of what the effect acts on, without and with it.
+    ``share`` (0 to 1) is by how much of their squares it reduces them. ``same_here`` are effects whose columns are
+    this one's in a recording at one attitude that calibrates nothing: the finding is of the output there, whatever
+    its name. ``times_expected`` is the largest coefficient over the size that its catalogue expects.
     """
 
     effect: str
@@ -77,7 +65,6 @@ class Finding:
     where: Mapping[str, object]
     probability: float
     separate_by: str
-    log_p: float | None = None
     shape: str = ""
     share: float | None = None
     aliases: tuple[str, ...] = ()
@@ -101,12 +88,10 @@ class Finding:
 
 @dataclass(frozen=True, slots=True)
 class EffectTest:
-    """An effect that was tested: statistic (chi-square over its coefficients), ln p, and ln p adjusted by Holm."""
+    """An effect that was looked for before the inference, and ln of the odds of where it is likeliest."""
 
     effect: str
-    statistic: float
-    log_p: float
-    log_p_adjusted: float
+    log_odds: float
 
 
 @dataclass(frozen=True, slots=True)

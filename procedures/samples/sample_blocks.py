@@ -3,26 +3,27 @@
 What acts sample by sample vanishes in means over 100 s. So every channel is cut into blocks of some thousand
 samples; what is slower than a block is taken off the channel and off every column alike. Columns are judged by
 their scores ``H_b' e_b`` of every block b: under noise of whatever correlation within a block, and whatever
-variance, they scatter about nought, and Hotelling's T^2 of them is F distributed. A share is that of the variance
-within blocks, on groups of blocks left out in turn.
+variance, they scatter about zero, and how much is known to as many degrees of freedom as there are blocks. So
+their sum is Student t, and `procedures.inference.odds` says how much likelier the columns make it. A share is that
+of the variance within blocks, on groups of blocks left out in turn.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.inference import odds
+from procedures.inference.marginal import log_mean
 from procedures.samples.held_samples import HeldChannel, Record, Scales, held_channels
-from procedures.statistics.significance import log_f_sf
 
 BLOCKS = 96  # of all recordings
 MIN_BLOCK, MAX_BLOCK = 128, 16384  # samples
 LEFT_OUT = 8  # groups of blocks
 MIN_BLOCKS_PER_COLUMN = 4
 MAX_CONDITION = 1e8
-ENOUGH_SHARE = 0.985  # of the share of the best order: the least order that has it is taken
 COUNTED_STD = 0.7  # counts: a channel that scatters less is its own rounding
 AUXILIARY = "aux_"
 
@@ -66,15 +67,16 @@ class Scores:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fitted:
-    """Coefficients (k,) of the first columns for a sensor, covariance (k, k), ln p, and the share held out.
+    """Coefficients (k,) of the first columns for a sensor, covariance (k, k), and the share held out.
 
-    ``order`` is how many groups of columns there are.
+    ``order`` is how many groups of columns there are; ``gain`` is ln of the marginal likelihood over that of noise
+    alone, averaged over the orders.
     """
 
     order: int
     value: FloatArray
     covariance: FloatArray
-    log_p: float
+    gain: float
     share: float
 
 
@@ -148,25 +150,24 @@ def scores_of(blocks: SampleBlocks, columns: Columns) -> Scores:
     return Scores(np.array(gram), np.array(score), np.einsum("bms,bms->bs", blocks.rates, blocks.rates))
 
 
-def fit_scores(scores: Scores, sensor: int, group: int = 2, trials: int = 1) -> Fitted | None:
-    """Fit a sensor by as many groups of ``group`` columns as it takes to foretell blocks left out.
+def fit_scores(scores: Scores, sensor: int, group: int = 2) -> Fitted | None:
+    """Fit a sensor by the likeliest number of groups of ``group`` columns.
 
-    ``trials`` more are counted in p, besides the orders. None where blocks are too few or columns do not move.
+    None where blocks are too few or columns do not move.
     """
-    tried = list[tuple[float, FloatArray, FloatArray]]()
     most = min(scores.gram.shape[1], len(scores.gram) // MIN_BLOCKS_PER_COLUMN) // group
+    fits = list[Fitted]()
     for order in range(1, most + 1):
         k = order * group
         G, g, e2 = scores.gram[:, :k, :k], scores.score[:, :k, sensor], scores.squares[:, sensor]
         share = held_out_share(G, g, e2) if determines(G.sum(axis=0)) else None
         if share is None:
             break
-        tried.append((share, G, g))
-    if not tried:
+        fits.append(fit_of_order(G, g, order, share))
+    if not fits:
         return None
-    enough = max(share for share, _, _ in tried) * ENOUGH_SHARE
-    order, (share, G, g) = next((i, one) for i, one in enumerate(tried, 1) if one[0] >= enough or enough <= 0)
-    return wald(G, g, order, share, trials * max(most, 1))
+    best = max(fits, key=lambda fit: fit.gain)
+    return replace(best, gain=float(log_mean(np.array([fit.gain for fit in fits]))))
 
 
 def determines(gram: FloatArray) -> bool:
@@ -202,25 +203,23 @@ def held_out_share(G: FloatArray, g: FloatArray, e2: FloatArray) -> float | None
     return 1 - left / float(e2.sum())
 
 
-def wald(G: FloatArray, g: FloatArray, order: int, share: float, trials: int, log_p_of_all: float = 0.0) -> Fitted:
-    """Return the coefficients (k,) with their covariance by how the blocks' scores scatter, and ln p.
+def fit_of_order(G: FloatArray, g: FloatArray, order: int, share: float) -> Fitted:
+    """Return the coefficients (k,) with their covariance by how the blocks' scores scatter, and their gain.
 
-    p is that of Hotelling's T^2 of as many columns as there are blocks for. ``log_p_of_all`` bounds that of all of
-    them: under noise a likelihood is R times that of noise with a probability of at most 1 / R.
+    The gain is that of as many columns as there are blocks for.
 
     Parameters
     ----------
-    G, g : (b, k, k), (b, k), each block's Gram matrix and scores
-    order, share, trials, log_p_of_all : what is known of the fit, and the number of others that were tried
+    G, g : (b, k, k), (b, k), each block's Gram matrix and scores, in any unit
+    order, share : what is known of the fit
     """
     whole, total, blocks = G.sum(axis=0), g.sum(axis=0), len(G)
     c, k = np.linalg.solve(whole, total), min(g.shape[1], blocks // MIN_BLOCKS_PER_COLUMN)
     u = g - G @ c
     inverse = np.linalg.inv(whole)
     first = u if k == g.shape[1] else g[:, :k] - G[:, :k, :k] @ np.linalg.solve(whole[:k, :k], total[:k])
-    meat = first.T @ first * blocks / (blocks - k)
-    T2 = float(total[:k] @ np.linalg.pinv(meat, hermitian=True) @ total[:k])
-    log_p = log_f_sf(max(T2, 0.0) / k * (blocks - k) / (blocks - 1), k, blocks - k)
-    log_p = min(log_p, log_p_of_all) + np.log(2 if log_p_of_all else 1) + np.log(trials)  # of two looks
+    of_noise = np.linalg.pinv(first.T @ first * blocks / (blocks - k), hermitian=True)
+    along = whole[:k, :k] @ of_noise
+    found = odds.gain(along @ whole[:k, :k], along @ total[:k], blocks - k)
     covariance = inverse @ (u.T @ u * blocks / (blocks - k)) @ inverse
-    return Fitted(order, c, covariance, min(float(log_p), 0.0), share)
+    return Fitted(order, c, covariance, found, share)

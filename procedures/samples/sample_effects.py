@@ -1,9 +1,11 @@
 """What acts sample by sample: periodic errors, lines, channels that act at once or lagged, rectified vibration.
 
 They have no columns at the nodes of a step, since they vanish in its mean. The likeliest is taken off, and the
-rest looked at again, until nothing is left. p counts every candidate, order, lag and sensor.
+rest looked at again, until nothing is likelier than not. Every candidate, lag and sensor has its share of the
+prior.
 """
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -13,6 +15,7 @@ from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.effects.effect import INSTRUMENT, Kind
 from procedures.frames import AXES, TRIADS
+from procedures.inference import odds
 from procedures.inference.result import (
     Because,
     Diagnosis,
@@ -20,7 +23,6 @@ from procedures.inference.result import (
     FoldedResidual,
     Reason,
     ResidualRms,
-    probability_of,
     verdict_of,
 )
 from procedures.samples.held_samples import Scales, records_at_rest
@@ -33,22 +35,26 @@ from procedures.samples.sample_blocks import (
     sample_blocks,
     scores_of,
 )
-from procedures.samples.sample_harmonics import left_by_phase, with_linear, with_order
 from procedures.samples.sample_lines import coherent_line, repeated_lines
-from procedures.samples.sample_phases import Phase, channel_phases, count_phases, is_rounded
+from procedures.samples.sample_phases import (
+    Phase,
+    channel_phases,
+    count_phases,
+    is_rounded,
+    left_by_phase,
+    with_linear,
+    with_order,
+)
 from procedures.samples.sample_rectification import by_variance, rectified, steady_channels
 from procedures.samples.sample_turns import periodic_in_turns
 from procedures.statistics.spectrum import lines_of
 from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
 
-MAX_LOG_P = np.log(1e-3)
-MIN_SHARE = 1e-5  # of a sensor's variance, held out
 BESIDE_A_LINE = 0.005  # of its frequency
 TIME = "time"  # in the place of a channel: the phase of a line
 MIN_LINE_SHARE = 0.02  # of a line in time, below which it is only told with the noise
-NEARLY_AS_MUCH = 0.95  # of the largest share
 ROUNDS = 5
-HARMONICS = 8  # by which a phase is found; how many it has, `sample_harmonics` finds
+HARMONICS = 8  # by which a phase is found; how many it has, `with_order` finds
 MAX_LAG = 64  # samples, either way
 MAX_NAMED = 3  # recordings
 FOLDS = 32  # parts of a turn, in which samples are shown
@@ -57,13 +63,16 @@ SEPARATE = "the channel changed on purpose, at another speed, while the unit res
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Candidate:
-    """Something that may act: name of the effect, columns (m, k) in groups of ``group``, what it is about."""
+    """Something that may act: name of the effect, columns (m, k) in groups of ``group``, what it is about.
+
+    ``tried`` is how many that are as likely were looked at.
+    """
 
     effect: str
     about: str
     columns: Columns
     group: int
-    trials: int
+    tried: int
     sensor: int = -1
     phase: Phase | None = None
     lag: int = 0
@@ -87,10 +96,13 @@ class SampleFinding:
         """What it explains of the sensor that it explains most of."""
         return max(fit.share for fit in self.fitted.values())
 
-    @property
-    def size(self) -> int:
-        """The number of its coefficients for a sensor."""
-        return max(len(fit.value) for fit in self.fitted.values())
+    def predicts(self, samples: int) -> float:
+        """Return ln of how much likelier it makes ``samples`` of held-out blocks, its share of the prior counted.
+
+        Of several that act, this says which: blocks are too few for their scatter to tell large gains apart.
+        """
+        left = [np.log1p(-min(fit.share, 1 - np.finfo(float).eps)) for fit in self.fitted.values()]
+        return float(-0.5 * samples * np.sum(left) - np.log(self.candidate.tried))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -144,12 +156,12 @@ def sample_effects(campaigns: Sequence[Campaign], scales: Scales) -> SampleEffec
     has_phase = any(one.candidate.phase is not None for one in found)
     if not has_phase and (line := coherent_line(blocks, is_usable)) is not None:
         about, has_phase = f"{line.hertz:.6g} Hz", True
-        candidate = replace(_periodic("disturbance.line", line.phase), about=about)
+        candidate = replace(_periodic("disturbance.line", line.phase), about=about, tried=line.tried)
         found.append(SampleFinding(candidate, line.fitted))
         before.append(blocks)
         blocks = _without(blocks, found[-1])
     findings = [each for one in found for each in _findings(whole, one)]
-    of_vibration = list(rectified(whole, is_usable, recordings(whole), MAX_LOG_P))
+    of_vibration = list(rectified(whole, is_usable, recordings(whole)))
     findings += of_vibration
     if not has_phase:  # else it may be the same, by its power
         findings += repeated_lines(whole, is_usable, recordings(whole))
@@ -164,8 +176,7 @@ def _with_order(blocks: SampleBlocks, found: SampleFinding) -> SampleFinding:
     candidate, phase = found.candidate, found.candidate.phase
     if phase is None or candidate.is_line:
         return found
-    trials = len(found.fitted) * candidate.trials
-    is_linear, fits = with_order(blocks, phase, list(found.fitted), trials)
+    is_linear, fits = with_order(blocks, phase, list(found.fitted))
     better = {i: fit for i, fit in fits.items() if fit.share >= found.fitted[i].share}
     if len(better) < len(found.fitted):
         return found
@@ -205,26 +216,26 @@ def _folded(found: SampleFinding, before: SampleBlocks, after: SampleBlocks) -> 
 
 
 def _best(blocks: SampleBlocks, is_usable: Sequence[bool], known: Sequence[Candidate]) -> SampleFinding | None:
-    """Return the candidate that explains most of any sensor on blocks left out, of those that are no noise."""
+    """Return the best of the candidates that act, likelier than not, on some sensors."""
     found = list[SampleFinding]()
     candidates = [each for each in _candidates(blocks) if not any(_is_stated(each, one) for one in known)]
-    number = sum(is_usable) * max(len(candidates), 1)
+    alike = Counter(each.effect for each in candidates)
     for candidate in candidates:
+        sensors = sum(is_usable) if candidate.sensor < 0 else 1
+        candidate = replace(candidate, tried=candidate.tried * alike[candidate.effect] * sensors)
         scores = scores_of(blocks, candidate.columns)
         of_sensors = range(len(blocks.sensors)) if candidate.sensor < 0 else (candidate.sensor,)
         fits = {
             sensor: fit
             for sensor in of_sensors
             if is_usable[sensor]
-            and (fit := fit_scores(scores, sensor, candidate.group, number * candidate.trials)) is not None
-            and fit.log_p < MAX_LOG_P
-            and fit.share > (MIN_LINE_SHARE if candidate.is_line else MIN_SHARE)
+            and (fit := fit_scores(scores, sensor, candidate.group)) is not None
+            and odds.log_odds(fit.gain, candidate.tried) > 0
+            and fit.share > (MIN_LINE_SHARE if candidate.is_line else 0.0)
         }
         if fits:
             found.append(SampleFinding(candidate, fits))
-    # of several that explain as much, as a period and its double, the one with the least coefficients
-    enough = NEARLY_AS_MUCH * max((each.share for each in found), default=0.0)
-    return min((each for each in found if each.share >= enough), key=lambda each: each.size, default=None)
+    return max(found, key=lambda each: each.predicts(blocks.rates[:, :, 0].size), default=None)
 
 
 def _is_stated(one: Candidate, known: Candidate) -> bool:
@@ -248,7 +259,7 @@ def _candidates(blocks: SampleBlocks) -> Iterator[Candidate]:
 
 def _periodic(effect: str, phase: Phase) -> Candidate:
     about = f"{phase.channel} mod {phase.period:.6g}"
-    return Candidate(effect, about, _harmonics(phase, HARMONICS), 2, phase.trials, phase.sensor, phase)
+    return Candidate(effect, about, _harmonics(phase, HARMONICS), 2, phase.tried, phase.sensor, phase)
 
 
 def _harmonics(phase: Phase, order: int) -> Columns:
@@ -323,7 +334,7 @@ def _finding(blocks: SampleBlocks, candidate: Candidate, triad: str, fits: dict[
             names += [f"{prefix}.{part}{1 + i // 2}" for i, part in enumerate(("cos", "sin") * fit.order)]
         value.append(fit.value * factor)
         std.append(np.sqrt(np.diag(fit.covariance)) * factor)
-    log_p = min(fit.log_p for fit in fits.values())
+    probability = odds.probability(odds.log_odds(max(fit.gain for fit in fits.values()), candidate.tried))
     effect = candidate.effect
     owner = effect.split(".")[0]
     kind: Kind = "instrument" if owner in INSTRUMENT else "procedure"
@@ -340,8 +351,8 @@ def _finding(blocks: SampleBlocks, candidate: Candidate, triad: str, fits: dict[
             aliases = ("auxiliary.periodic",)
             separate = f"{', '.join(turning)} at another speed"
     one = Finding(
-        effect, kind, tuple(names), np.concatenate(value), np.concatenate(std), unit, where, probability_of(log_p),
-        separate, float(log_p), _shape(blocks, candidate, fits), max(f.share for f in fits.values()),
+        effect, kind, tuple(names), np.concatenate(value), np.concatenate(std), unit, where, probability,
+        separate, _shape(blocks, candidate, fits), max(f.share for f in fits.values()),
     )  # fmt: skip
     return one.or_else(*aliases) if aliases else one
 

@@ -3,10 +3,11 @@
 Such a line has no phase to fit, but a power. So recordings are cut into pieces, first as long as a recording, then
 ever shorter ones, in which a wandering line still stands; the periodograms of all pieces, each over its own
 background, are summed, of one sensor or of a triad's together. Under noise of any colour and variance a sum of B
-over its neighbours' is F distributed with 2 B degrees of freedom. A resonance that noise drives stands out as
+over its neighbours' is that of 2 B squares, which a line makes larger. A resonance that noise drives stands out as
 well. But its power in a piece is exponentially distributed, that of a line, rho times the noise, by the noncentral
-chi-square of 2 degrees of freedom. In shorter pieces the likelihood of this must be `MIN_ODDS` that of the other;
-in whole recordings, which resolve most resonances, at least not as much less.
+chi-square of 2 degrees of freedom. Both share what is there: before the data a resonance is
+`RESONANCES` times as likely in shorter pieces, in whole recordings, which resolve most resonances, as many times
+less.
 """
 
 from collections.abc import Iterator, Sequence
@@ -20,12 +21,12 @@ from scipy.special import ive
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.frames import AXES, TRIADS
-from procedures.inference.result import Finding, probability_of
+from procedures.inference import odds
+from procedures.inference.priors import PRESENT
+from procedures.inference.result import Finding
 from procedures.samples.sample_blocks import Fitted, SampleBlocks, Scores, fit_scores, scores_of
 from procedures.samples.sample_phases import Phase
-from procedures.statistics.significance import log_chi2_sf, log_f_sf
 from procedures.statistics.spectrum import (
-    MAX_LOG_P,
     MEDIAN_OF_EXPONENTIAL,
     MIN_PERIODS,
     WINDOW_BINS,
@@ -39,7 +40,7 @@ MIN_PIECE, SHORTER, MIN_PIECES = 512, 4, 6  # samples; times, from one length to
 WHOLE = 0.98  # of a part, so that parts of nearly one length give a piece each
 NEAR = 12  # neighbours on either side that tell what noise has
 NEIGHBOURS_DOF = 10.0  # of their median, for each piece: 18 values that hang together under Hann's window
-MIN_ODDS = 20.0
+RESONANCES = 20.0  # as likely as a line at a peak of short pieces, which do not resolve them
 MIN_SHARE = 1e-3  # of a sensor's variance
 SEPARATE = "another sample rate, and another bench"
 
@@ -61,13 +62,14 @@ class _Pieces:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Line:
-    """A line at a bin of pieces of ``length`` samples of some sensors, and ln p, all that was tried counted."""
+    """A line at a bin of pieces of ``length`` samples of some sensors: ln odds over noise, and probability."""
 
     sensors: tuple[int, ...]
     length: int
     pieces: int
     at: int
-    log_p: float
+    log_odds: float
+    probability: float
 
 
 def repeated_lines(blocks: SampleBlocks, is_usable: Sequence[bool], names: list[str]) -> Iterator[Finding]:
@@ -80,11 +82,13 @@ def repeated_lines(blocks: SampleBlocks, is_usable: Sequence[bool], names: list[
         found = list[tuple[_Line, dict[int, _Pieces]]]()
         for length in lengths:
             pieces = {s: _pieces(blocks, s, length) for s in sensors}
-            least = -np.log(MIN_ODDS) if length > 0.9 * np.median(parts) else np.log(MIN_ODDS)
-            lines = (_line(pieces, group, length, len(groups) * len(lengths), least) for group in sorted(groups))
-            found += [(line, pieces) for line in lines if line is not None and line.log_p < MAX_LOG_P]
+            resonances = 1 / RESONANCES if length > 0.9 * np.median(parts) else RESONANCES
+            lines = [
+                _line(pieces, group, length, len(groups) * len(lengths), resonances) for group in sorted(groups)
+            ]
+            found += [(line, pieces) for line in lines if line.probability >= PRESENT]
         if found:
-            yield from _findings(blocks, triad, *min(found, key=lambda each: each[0].log_p), names)
+            yield from _findings(blocks, triad, *max(found, key=lambda each: each[0].log_odds), names)
 
 
 def _lengths(parts: IntArray) -> list[int]:
@@ -97,21 +101,23 @@ def _lengths(parts: IntArray) -> list[int]:
 
 
 def _line(
-    pieces: dict[int, _Pieces], sensors: tuple[int, ...], length: int, tries: int, least: float
-) -> _Line | None:
-    """Return the strongest line of some sensors together; None where a resonance may be it, by ``least`` odds."""
+    pieces: dict[int, _Pieces], sensors: tuple[int, ...], length: int, tried: int, resonances: float
+) -> _Line:
+    """Return the strongest line of some sensors together; a resonance is ``resonances`` times as likely."""
     ratio = np.concatenate([pieces[s].power / pieces[s].background for s in sensors])
     begin = int(MIN_PERIODS)
     total = ratio.sum(axis=0)
     over = total / _neighbours(total)
     over[:begin], over[-WINDOW_BINS:] = 0.0, 0.0
     at, count = int(np.argmax(over)), len(ratio)
-    log_p = log_f_sf(float(over[at]), 2 * count, NEIGHBOURS_DOF * count) + np.log((len(over) - begin) * tries)
+    gain = float(odds.gain_of_squares(2 * count * over[at], 2 * count, NEIGHBOURS_DOF * count))
+    of_line = odds.log_odds(gain, (len(over) - begin) * tried)
     noise = total[at] / over[at] / count
-    odds = sum(_odds_of_line(pieces[s].power[:, at] / pieces[s].background[:, at] / noise) for s in sensors)
-    if odds < least:
-        return None
-    return _Line(sensors, length, count // len(sensors), at, min(float(log_p), 0.0))
+    over_resonance = sum(
+        _over_resonance(pieces[s].power[:, at] / pieces[s].background[:, at] / noise) for s in sensors
+    )
+    found = odds.shares({EFFECT: of_line, "resonance": of_line + np.log(resonances) - over_resonance})
+    return _Line(sensors, length, count // len(sensors), at, of_line, found[EFFECT])
 
 
 def _pieces(blocks: SampleBlocks, sensor: int, length: int) -> _Pieces:
@@ -135,8 +141,8 @@ def _neighbours(total: FloatArray) -> FloatArray:
     return np.maximum(found, np.finfo(float).tiny)
 
 
-def _odds_of_line(power: FloatArray) -> float:
-    """Return ln odds of one amplitude over a resonance by powers (b,), of which noise has 1."""
+def _over_resonance(power: FloatArray) -> float:
+    """Return ln of how much likelier one amplitude is than a resonance, by powers (b,) of which noise has 1."""
     rho = float(power.mean()) - 1
     if rho <= 0:
         return 0.0
@@ -161,28 +167,29 @@ def _findings(
     stretches = f"{line.at / seconds:.4g} +- {0.5 / seconds:.2g} Hz in {line.pieces} stretches of {seconds:.4g} s"
     yield Finding(
         EFFECT, "procedure", tuple(triad[0] + AXES[blocks.sensors[s].axis] for s in told), factor * amplitude,
-        factor * std, unit, {"file": names}, probability_of(line.log_p),
-        SEPARATE, line.log_p, f"{stretches}; it may be any multiple of {1 / blocks.period:.5g} Hz away",
+        factor * std, unit, {"file": names}, line.probability,
+        SEPARATE, f"{stretches}; it may be any multiple of {1 / blocks.period:.5g} Hz away",
         share=min(max(shares.values()), 1.0),
     )  # fmt: skip
 
 
-MAX_COHERENT_LOG_P = np.log(1e-3)
-MAX_LOG_P_OF_BLOCKS = np.log(1e-4)  # of this frequency alone, by what the blocks say of it
 MAX_SPAN = 2**22  # samples from the first to the last
 PARTS_OF_A_SAMPLE = 16  # to which recordings must stand on one grid, to be transformed together
 PADDING = 2  # times as many frequencies as samples
 SPREAD, ABOUT = 1.5, 24.0  # over a recording's length: left out about a line, and the noise about it, either way
 PERIODS_OF_A_BLOCK = 3.0  # that a block holds of a line at the least: of a slower one its own line takes much
-OVERSAMPLED = 1.5  # by which finer frequencies find more than independent ones
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CoherentLine:
-    """A line as a phase of time, and what it does to each sensor that it is of, by number."""
+    """A line as a phase of time, and what it does to each sensor that it is of, by number.
+
+    ``tried`` is how many frequencies and groups of sensors were looked at.
+    """
 
     phase: Phase
     hertz: float
+    tried: int
     fitted: dict[int, Fitted]
 
 
@@ -196,32 +203,33 @@ def coherent_line(blocks: SampleBlocks, is_usable: Sequence[bool]) -> CoherentLi
     if spectra is None or not groups:
         return None
     power, span = spectra
-    tried = np.log(len(groups) * OVERSAMPLED * span / 2)
+    tried = len(groups) * span // 2
     found = [
         (*_stands_out(blocks, np.sum([power[i] for i in group], axis=0), len(group)), group) for group in groups
     ]
-    log_p, at, group = min(found, key=lambda each: each[0])
-    if log_p + tried > MAX_COHERENT_LOG_P:
+    gain, at, group = max(found, key=lambda each: each[0])
+    if odds.log_odds(gain, tried) < 0:
         return None
     hertz = _refined(blocks, group, at / (2 * (len(power[group[0]]) - 1) * blocks.period), span)
     phase = Phase("time", 1 / hertz, tuple(hertz * channels[0].series.t for channels in blocks.channels))
     scores = scores_of(blocks, lambda number, part: phase.columns(number, part, 1))
     fits = {i: fit for i in group if (fit := fit_scores(scores, i)) is not None and fit.share > 0}
-    held = min((fit.log_p for fit in fits.values()), default=0.0)
-    if held + np.log(len(group)) > MAX_LOG_P_OF_BLOCKS or not _is_of_one_phase(blocks, scores, list(fits)):
+    # the blocks must show it as well, at this frequency: one loud block has lines of its own
+    by_blocks = max((fit.gain for fit in fits.values()), default=-np.inf)
+    if odds.log_odds(by_blocks, len(group)) < 0 or not _is_of_one_phase(blocks, scores, list(fits)):
         return None
-    return CoherentLine(phase, hertz, {i: replace(fit, log_p=float(log_p + tried)) for i, fit in fits.items()})
+    return CoherentLine(phase, hertz, tried, {i: replace(fit, gain=gain) for i, fit in fits.items()})
 
 
 def _is_of_one_phase(blocks: SampleBlocks, scores: Scores, sensors: Sequence[int]) -> bool:
-    """Say whether recordings by themselves, each with a phase of its own, explain no more than noise would."""
+    """Say whether one phase is likelier than another one in each recording."""
     numbers = np.array([which for which, _ in blocks.blocks])
     for sensor in sensors:
         variance = float(scores.squares[:, sensor].sum()) / blocks.rates[:, :, 0].size
         parts = [numbers == which for which in np.unique(numbers)]
         own = [_explained(scores, sensor, here) for here in parts]
         more = (sum(own) - _explained(scores, sensor, np.ones(len(numbers), dtype=bool))) / variance
-        if log_chi2_sf(more, 2 * (len(parts) - 1)) < MAX_COHERENT_LOG_P:
+        if odds.gain_of_squares(np.array(more), 2 * (len(parts) - 1)) > 0:
             return False
     return True
 
@@ -264,7 +272,7 @@ def _spectra(blocks: SampleBlocks, sensors: Sequence[int]) -> tuple[dict[int, Fl
 
 
 def _stands_out(blocks: SampleBlocks, power: FloatArray, sensors: int) -> tuple[float, int]:
-    """Return ln p of the frequency that stands out most of ``power`` (m,), and its number."""
+    """Return the gain of the frequency that stands out most of ``power`` (m,), and its number."""
     per_hertz = 2 * (len(power) - 1) * blocks.period
     longest = max(len(channels[0].rate) for channels in blocks.channels) * blocks.period
     about, spread = (max(int(per_hertz * size / longest), 2) for size in (ABOUT, SPREAD))
@@ -281,7 +289,8 @@ def _stands_out(blocks: SampleBlocks, power: FloatArray, sensors: int) -> tuple[
     recorded = sum(len(channels[0].rate) for channels in blocks.channels) * blocks.period
     independent = len(near) / per_hertz * recorded
     ratio = float(power[at] / np.median(near)) * median / sensors
-    return log_f_sf(ratio, 2 * sensors, max(sensors * independent, 2.0)), at
+    squares = np.array(2 * sensors * ratio)
+    return float(odds.gain_of_squares(squares, 2 * sensors, max(sensors * independent, 2.0))), at
 
 
 def _refined(blocks: SampleBlocks, sensors: Sequence[int], hertz: float, span: int) -> float:

@@ -16,7 +16,8 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.frames import AXES
-from procedures.inference.result import Finding, FoldedResidual, probability_of
+from procedures.inference import odds
+from procedures.inference.result import Finding, FoldedResidual
 from procedures.samples.sample_blocks import LEFT_OUT, SampleBlocks, Scores, detrended, fit_scores
 from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
 
@@ -30,9 +31,7 @@ Shaken = tuple[int, Sequence[int]]
 SEPARATE = "a shaker, or the noisy neighbour switched on and off while the unit rests"
 
 
-def rectified(
-    blocks: SampleBlocks, is_usable: Sequence[bool], names: list[str], max_log_p: float
-) -> Iterator[Finding]:
+def rectified(blocks: SampleBlocks, is_usable: Sequence[bool], names: list[str]) -> Iterator[Finding]:
     """Yield a finding of each triad with sensors whose means follow the variance."""
     shaken = _of_triad(blocks, is_usable, "accelerometer")
     pairs = {
@@ -40,37 +39,31 @@ def rectified(
         "gyroscope": [(sensor, shaken) for sensor in _of_triad(blocks, is_usable, "gyroscope") if shaken],
     }
     for triad in pairs:
-        yield from _rectified(blocks, triad, pairs[triad], names, max_log_p)
+        yield from _rectified(blocks, triad, pairs[triad], names)
 
 
 def _of_triad(blocks: SampleBlocks, is_usable: Sequence[bool], triad: str) -> list[int]:
     return [i for i, each in enumerate(blocks.sensors) if each.triad == triad and is_usable[i]]
 
 
-def _rectified(
-    blocks: SampleBlocks,
-    triad: str,
-    sensors: Sequence[Shaken],
-    names: list[str],
-    max_log_p: float,
-) -> Iterator[Finding]:
+def _rectified(blocks: SampleBlocks, triad: str, sensors: Sequence[Shaken], names: list[str]) -> Iterator[Finding]:
     stretch = max(round(STRETCH_S / blocks.period), MIN_STRETCH)
     factor, unit = (DEG_H_PER_DEG_S, "deg/h/g^2") if triad == "gyroscope" else (1.0, "g/g^2")
     fits = {}
     for sensor, shaken in sensors:
         scores = _scores(blocks, sensor, shaken, stretch)
-        fit = fit_scores(scores, 0, 1, len(sensors)) if len(scores.gram) >= LEFT_OUT else None
-        if fit is not None and fit.log_p < max_log_p and fit.share > 0:
+        fit = fit_scores(scores, 0, 1) if len(scores.gram) >= LEFT_OUT else None
+        if fit is not None and odds.log_odds(fit.gain, len(sensors)) > 0 and fit.share > 0:
             fits[sensor] = fit
     if not fits:
         return
-    log_p, value = min(fit.log_p for fit in fits.values()), np.concatenate([fit.value for fit in fits.values()])
+    value = np.concatenate([fit.value for fit in fits.values()])
+    probability = odds.probability(odds.log_odds(max(fit.gain for fit in fits.values()), len(sensors)))
     is_too_large = float(np.max(np.abs(factor * value))) > MOST[triad]  # knocks shake and move at once
     found = Finding(
         EFFECT.format(triad), "instrument", tuple(AXES[blocks.sensors[s].axis] for s in fits), factor * value,
         factor * np.array([np.sqrt(fit.covariance[0, 0]) for fit in fits.values()]), unit,
-        {"file": names}, probability_of(log_p), SEPARATE, log_p,
-        share=max(fit.share for fit in fits.values()),
+        {"file": names}, probability, SEPARATE, share=max(fit.share for fit in fits.values()),
     )  # fmt: skip
     yield found.or_else("disturbance.dwell") if is_too_large else found
 

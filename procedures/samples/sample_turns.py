@@ -22,19 +22,17 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, TurnRecord
 from procedures.frames import AXES, face_normal, face_of
-from procedures.inference.result import Finding, ResidualRms, probability_of
+from procedures.inference import odds
+from procedures.inference.result import Finding, ResidualRms
 from procedures.samples.held_samples import HeldChannel, Scales, held_channels
 from procedures.samples.sample_blocks import AUXILIARY, LEFT_OUT, Fitted, Scores
-from procedures.samples.sample_harmonics import ORDERS, likeliest
-from procedures.samples.sample_phases import NATURAL, NEAR_NATURAL, WRAP_SHARE
+from procedures.samples.sample_phases import NATURAL, NEAR_NATURAL, ORDERS, WRAP_SHARE, likeliest
 from procedures.units import DEG_H_PER_DEG_S
 
 HARMONICS = (8, 32, 128)  # looked at: more where so many are likeliest
 RESOLVED = 0.25  # turns of the highest harmonic in a sample, at most
 BLOCKS, MIN_BLOCK = 96, 64  # of all turns; samples
 MIN_WRAPS = 4  # of a channel, in all
-MAX_LOG_P = np.log(1e-3)
-MIN_SHARE = 1e-5  # of a sensor's variance, held out
 ALONG = 1e-3  # of the turns' rms, by which an angle that turns along leaves a straight line of psi
 ONCE = 0.1  # turns of psi: a harmonic so near to one is not told from the Earth's rate
 SEPARATE = "turns at another speed: a bearing that wobbles does so in proportion to it"
@@ -86,18 +84,20 @@ def periodic_in_turns(
     along = [angle for angle in angles if angle.ratio]
     best = list[tuple[Angle, dict[int, Fitted]]]()
     for angle in angles:
-        tried = {i: _fitted(turns, angle, along, i, 3 * len(angles)) for i in range(3)}
-        found = {
-            i: fit
-            for i, fit in tried.items()
-            if fit is not None and fit.log_p < MAX_LOG_P and fit.share > MIN_SHARE
-        }
+        tried = {i: _fitted(turns, angle, along, i) for i in range(3)}
+        found = {i: fit for i, fit in tried.items() if fit is not None and _log_odds(fit, angles) > 0}
         if found:
             best.append((angle, found))
     if not best:
         return (), ()
-    angle, fits = max(best, key=lambda each: max(fit.share for fit in each[1].values()))
-    return (_finding(turns, angle, fits),), (_rms(turns, angle, along, fits),)
+    angle, fits = max(best, key=lambda each: sum(_log_odds(fit, angles) for fit in each[1].values()))
+    probability = odds.probability(max(_log_odds(fit, angles) for fit in fits.values()))
+    return (_finding(turns, angle, fits, probability),), (_rms(turns, angle, along, fits),)
+
+
+def _log_odds(fit: Fitted, angles: Sequence[Angle]) -> float:
+    """Return ln of the odds of one of three sensors and some angles."""
+    return odds.log_odds(fit.gain, 3 * len(angles))
 
 
 def _turning(campaign: Campaign, turn: TurnRecord, scales: Scales) -> Iterator[Turning]:
@@ -180,9 +180,7 @@ def _parts(
             yield from np.array_split(means, min(blocks, len(means)))
 
 
-def _fitted(
-    turns: Sequence[Turning], angle: Angle, along: Sequence[Angle], sensor: int, trials: int
-) -> Fitted | None:
+def _fitted(turns: Sequence[Turning], angle: Angle, along: Sequence[Angle], sensor: int) -> Fitted | None:
     """Return a sensor's fit at the likeliest number of harmonics."""
     fit: Fitted | None = None
     for most in HARMONICS:
@@ -194,13 +192,13 @@ def _fitted(
         gram = np.array([part[:, 1:].T @ part[:, 1:] for part in parts])
         score = np.array([part[:, 1:].T @ part[:, :1] for part in parts])
         scores = Scores(gram, score, np.array([part[:, :1].T @ part[:, 0] for part in parts]))
-        fit, _ = likeliest(scores, 0, sum(len(part) for part in parts), trials)
+        fit, _ = likeliest(scores, 0, sum(len(part) for part in parts))
         if fit is None or fit.order < max(order for order in ORDERS if order <= len(harmonics)):
             break
     return fit
 
 
-def _finding(turns: Sequence[Turning], angle: Angle, fits: dict[int, Fitted]) -> Finding:
+def _finding(turns: Sequence[Turning], angle: Angle, fits: dict[int, Fitted], probability: float) -> Finding:
     names = [
         f"g{AXES[sensor]}.{part}{h}"
         for sensor, fit in fits.items()
@@ -209,13 +207,12 @@ def _finding(turns: Sequence[Turning], angle: Angle, fits: dict[int, Fitted]) ->
     ]
     value = np.concatenate([fit.value for fit in fits.values()]) * DEG_H_PER_DEG_S
     std = np.concatenate([np.sqrt(np.diag(fit.covariance)) for fit in fits.values()]) * DEG_H_PER_DEG_S
-    log_p = min(fit.log_p for fit in fits.values())
     used = angle.harmonics(HARMONICS[-1])[: max(fit.order for fit in fits.values())]
     shape = f"period {angle.period:.6g} of {angle.name} while it turns, harmonics {', '.join(map(str, used))}"
     where: dict[str, object] = {"file": [turn.record.name for turn in turns][:3], "channel": angle.name}
     return Finding(
-        "auxiliary.periodic", "procedure", tuple(names), value, std, "deg/h", where, probability_of(log_p),
-        SEPARATE, float(log_p), shape, max(fit.share for fit in fits.values()),
+        "auxiliary.periodic", "procedure", tuple(names), value, std, "deg/h", where, probability,
+        SEPARATE, shape, max(fit.share for fit in fits.values()),
     )  # fmt: skip
 
 

@@ -54,8 +54,8 @@ RESULTS: dict[str, ResultFormat] = {
             "`probability` of the name, `confidence` (`established` from 0.99, `likely` from 0.9, `possible`), "
             "`joint_probability` that one of the names in `shares` acts, `aliases` (the other names), "
             "`separate_by`, `times_expected` (largest coefficient over its expected size), `error` held out "
-            "without and with it, `share` of its square, `same_here`; of one that was tested before the "
-            "inference `log10_p`; of a user-defined term `term`, `sha256`, `definition`; of a proposed one "
+            "without and with it, `share` of its square, `same_here`; "
+            "of a user-defined term `term`, `sha256`, `definition`; of a proposed one "
             "`latex`, `readings`, `held_out_sigmas`",
             "unnamed": "causes that no known error term explains: `what` each looks like, `note`, `probability`, "
             "`joint_probability`, `shares`",
@@ -76,7 +76,7 @@ RESULTS: dict[str, ResultFormat] = {
             "moves": "of an unsolved sequence: `turned_deg` x, y, z, `angle_deg`, `tilted_deg`, `apart_deg`",
             "noise": "the channels of noise/1",
             "widened": "parameters whose expanded uncertainty the residual widens: `expanded_without`, `expanded`",
-            "tests": "of labels, knocks and the clock: statistic, p and p corrected for the number of tests",
+            "tests": "of labels, knocks and the clock: `effect`, `probability` where it is likeliest",
             "left": "where the residual is largest: `by`, `what`, `size`, `log10_p`",
             "next_measurement": "the measurement that would separate the alternatives",
             "not_observable": NOT_SOLVED,

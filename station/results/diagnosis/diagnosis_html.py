@@ -12,7 +12,6 @@ from station.results.diagnosis.diagnosis_text import (
     cause_rows,
     coefficient_rows,
     error_rows,
-    finding_chance,
     moved_rows,
     proposed_said,
     readings_said,
@@ -127,7 +126,6 @@ def _finding(finding: Mapping[str, Any]) -> dict[str, Any]:
         "sure": confidence_said(finding),
         "aliases": alternatives_said(finding),
         "equation": equation_of(finding),
-        "chance": finding_chance(finding),
         "rows": coefficient_rows(finding),
         "notes": [
             *(note for note in notes(finding) if not note.startswith("shape: ")),

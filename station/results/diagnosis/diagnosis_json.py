@@ -11,6 +11,7 @@ from procedures.calibration.solution_values import Solution
 from procedures.effects.effect import REFERENCE_C
 from procedures.evidence.residual_patterns import LeftPattern
 from procedures.frames import TRIADS
+from procedures.inference.odds import probability
 from procedures.inference.result import (
     DeclaredEffect,
     Diagnosis,
@@ -102,7 +103,8 @@ def diagnosis_document(
     return {
         "format": FORMAT,
         "verdict": diagnosis.verdict,
-        **_p_value("p_value", diagnosis.log_p),
+        "p_value": max(exp(min(float(diagnosis.log_p), 0.0)), sys.float_info.min),
+        "log10_p": float(diagnosis.log_p) / log(10),
         "reasons": [reason_document(each) for each in diagnosis.reasons],
         "findings": findings,
         "error": errors,
@@ -134,7 +136,7 @@ def _far_above(errors: Sequence[ResidualRms]) -> list[str]:
 
 
 def finding_document(finding: Finding) -> dict[str, Any]:
-    """Return a finding; ``log10_p`` is corrected for all trials. A number that was not computed is absent."""
+    """Return a finding; a number that was not computed is absent."""
     value, std = np.atleast_1d(finding.value), np.atleast_1d(finding.std)
     known = np.isfinite(value) & np.isfinite(std)
     return {
@@ -155,7 +157,6 @@ def finding_document(finding: Finding) -> dict[str, Any]:
         "aliases": list(finding.aliases),
         "separate_by": finding.separate_by,
         **({"error": [error_document(each, LEFT_OUT) for each in finding.errors]} if finding.errors else {}),
-        **({} if finding.log_p is None else {"log10_p": float(finding.log_p) / log(10)}),
         **({} if finding.times_expected is None else {"times_expected": float(finding.times_expected)}),
         **({"same_here": list(finding.same_here)} if finding.same_here else {}),
         **({"shape": finding.shape} if finding.shape else {}),
@@ -240,20 +241,8 @@ def plain(value: object) -> Any:
 
 
 def test_document(test: EffectTest) -> dict[str, Any]:
-    """Return a test that was made before the inference, with its p before and after the correction."""
-    return {
-        "effect": test.effect,
-        "statistic": float(test.statistic),
-        **_p_value("p_value", test.log_p),
-        **_p_value("p_adjusted", test.log_p_adjusted),
-    }
-
-
-def _p_value(name: str, log_p: float) -> dict[str, float]:
-    """Return p, never zero, and where it is too small for a number its logarithm."""
-    p = max(exp(min(float(log_p), 0.0)), sys.float_info.min)
-    short = {"p_value": "log10_p", "p_adjusted": "log10_p_adjusted"}[name]
-    return {name: p, short: float(log_p) / log(10)}
+    """Return what was looked for before the inference, with its probability where it is likeliest."""
+    return {"effect": test.effect, "probability": probability(test.log_odds)}
 
 
 def error_document(error: ResidualRms, method: str) -> dict[str, Any]:

@@ -16,7 +16,6 @@ from station.results.diagnosis.diagnosis_wording import (
     not_separable_said,
     notes,
     other_terms,
-    p_text,
     probability_text,
     reduction_said,
     shown_unit,
@@ -196,8 +195,6 @@ def _finding(number: int, finding: Mapping[str, Any]) -> list[str]:
     where = where_text(finding["where"])
     lines = [f"{number}. {finding['effect']} ({finding['kind']}){f', {where}' if where else ''}"]
     lines += _fold(confidence_said(finding), "   ")
-    if chance := finding_chance(finding):
-        lines += _fold(chance, "   ")
     for note in notes(finding):
         lines += _fold(note, "   ")
     for name, value, sigmas in coefficient_rows(finding):
@@ -209,11 +206,6 @@ def _finding(number: int, finding: Mapping[str, Any]) -> list[str]:
         lines += _fold(f"it may also be: {alternatives_said(finding)}", "   ")
         lines += _fold(f"to separate them: {finding['separate_by']}", "   ")
     return lines
-
-
-def finding_chance(finding: Mapping[str, Any]) -> str:
-    """Say how often noise alone would look as much like a finding; nothing of one whose p was not computed."""
-    return f"{p_text(finding['log10_p'])}, corrected for all trials" if "log10_p" in finding else ""
 
 
 def cause_rows(document: Mapping[str, Any]) -> list[tuple[str, str, str]]:

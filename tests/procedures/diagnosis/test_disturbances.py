@@ -8,6 +8,7 @@ from procedures.anomalies.disturbances import find_disturbances, rough_scale, wi
 from procedures.anomalies.disturbed_blocks import ChannelSamples, bent_strip_width, judge_blocks, strip_width
 from procedures.calibration.joint_calibration import solve
 from procedures.campaign.campaign import Campaign
+from procedures.inference.odds import log_odds
 from tests.procedures.diagnosis.planted import lively, planted
 
 
@@ -101,7 +102,7 @@ def test_rough_scales_are_the_units_to_a_percent_in_output_per_g_and_per_deg_h()
 
 
 PERIOD, SAMPLES = 0.02, 5000
-KNOCKED = np.log(1e-9)  # 8000 blocks are judged
+JUDGED = 8000  # blocks
 
 
 def channel(seed: int, run_up: float = 0.0, jump: float = 0.0) -> ChannelSamples:
@@ -112,13 +113,14 @@ def channel(seed: int, run_up: float = 0.0, jump: float = 0.0) -> ChannelSamples
     return ChannelSamples(np.diff(np.floor(total), prepend=0.0), np.zeros(1, np.int64), PERIOD)
 
 
-def least(channels: list[ChannelSamples]) -> float:
-    return min(float(blocks.log_p[blocks.trace == 0].min()) for blocks in judge_blocks(channels, True))
+def most(channels: list[ChannelSamples]) -> float:
+    gain = max(float(blocks.gain[blocks.trace == 0].max()) for blocks in judge_blocks(channels, True))
+    return log_odds(gain, JUDGED)
 
 
 @pytest.mark.parametrize("seed", [0])
 def test_a_rate_that_runs_up_is_told_from_a_jump(seed: int) -> None:
     quiet = [channel(10 * seed + k) for k in range(1, 4)]
-    assert least([channel(seed), *quiet]) > KNOCKED
-    assert least([channel(seed, run_up=1.0), *quiet]) > KNOCKED  # 3 counts off a line in ten seconds
-    assert least([channel(seed, jump=6.0), *quiet]) < KNOCKED
+    assert most([channel(seed), *quiet]) < 0
+    assert most([channel(seed, run_up=1.0), *quiet]) < 0  # 3 counts off a line in ten seconds
+    assert most([channel(seed, jump=6.0), *quiet]) > 0

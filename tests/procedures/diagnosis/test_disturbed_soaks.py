@@ -195,7 +195,8 @@ def test_a_wrong_row_is_as_large_as_its_scale_factor_says(triad: str, unit: str,
 def test_a_knock_is_cut_and_what_lasts_longer_is_a_state_that_stays(seconds: float, is_cut: bool) -> None:
     found = without_knocks([campaign(shaken(seconds, 30.0))])
     (finding,) = found.findings
-    assert (finding.effect, finding.confidence, finding.unit) == ("disturbance.dwell", "established", "g")
+    assert (finding.effect, finding.unit) == ("disturbance.dwell", "g")
+    assert finding.probability > 0.9  # a thirteenth of the soak: noise in bursts is the other explanation
     assert "others" not in finding.where
     assert (kept(found)[0][0] < SMALL_N - 9 * seconds) == is_cut
     assert (kept(found)[0][0] == SMALL_N) == (not is_cut)

@@ -34,7 +34,8 @@ def test_a_weak_line_of_another_phase_in_every_recording_is_found_with_its_ampli
         waves = [0.2 * np.sin(2 * np.pi * (hertz * turns + rng.random())) for _ in range(12)]
         rates = [rng.normal(size=(N, 3)) + wave * [1.0, 1.0, 0.0] for wave in waves]
         (finding,) = found(held(*rates))
-        assert (finding.effect, finding.confidence) == ("disturbance.line", "established")
+        assert finding.effect == "disturbance.line"
+        assert finding.probability > 0.9  # twelve powers rule out a narrow resonance no better
         assert float(finding.shape.split()[0]) == pytest.approx(hertz, abs=0.01)
         assert finding.shape.endswith("in 12 stretches of 98 s; it may be any multiple of 10 Hz away")
         sizes = dict(zip(finding.coefficients, zip(finding.value, finding.std, strict=True), strict=True))

@@ -66,7 +66,7 @@ def test_without_gyroscopes_the_face_is_told_and_the_heading_left_open() -> None
     campaign = replace(campaign, dwells=without)
     findings, _ = label_findings([campaign], find_wrong_labels([campaign]))
     assert [dict(each.where) for each in findings] == [{"position": 3, "file": "dwell_03"}]
-    assert findings[0].confidence == "likely"
+    assert findings[0].confidence == "established"  # that the label is wrong; the sigma is that of the heading
     assert abs(findings[0].value[0] - 9) <= findings[0].std[0] == 1
 
 
