@@ -17,7 +17,7 @@ from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import CampaignFits
 from procedures.calibration.solution_values import FitQuality, Solution
 from procedures.campaign.campaign import Campaign
-from procedures.effects.effect import Excitation, ExcitationStep
+from procedures.effects.excitation import Excitation, ExcitationStep
 from procedures.evidence.candidates import Candidate, raising_does_not_fit
 from procedures.evidence.linear_model import LinearFit
 from procedures.evidence.rate_points import RatePoints, noise_of, read_points

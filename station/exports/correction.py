@@ -19,15 +19,15 @@ import numpy as np
 from numpy.polynomial import Polynomial
 
 from procedures.arrays import FloatArray
-from procedures.effects.effect import REFERENCE_C
+from procedures.effects.excitation import REFERENCE_C
 from procedures.units import RAD_PER_DEG, RAD_S_PER_DEG_H, S_PER_MIN, STANDARD_GRAVITY
 from station.calibrated.applied_calibration import CalibrationModel
-from station.calibrated.applied_effects import POLYNOMIALS
+from station.calibrated.applied_effects import AppliedEffect
 from station.calibrated.correction_inputs import WARMTH
 from station.calibrated.rates_and_forces import NOMINAL_SCALE_DIGITS, mean_scale
 from station.calibrated.remaining_uncertainty import size_of
 from station.errors import DataRefused
-from station.exports.exported_calibration import CarriedEffect, carried_effects, read_stored, stated_size
+from station.exports.exported_calibration import carried_effects, read_stored, stated_size
 from station.files.calibration_document import FORMAT
 
 ORDER = 3
@@ -59,14 +59,16 @@ class ThermalOffset:
         return _table([Polynomial(row)(shift) for row in self.cubic])
 
 
-def is_thermal(effect: CarriedEffect) -> bool:
+def is_thermal(effect: AppliedEffect) -> bool:
     """Say whether an effect is one of the offset that goes with the temperature, or lags behind it."""
-    known = POLYNOMIALS.get(effect.name)
-    return known is not None and known.part == "bias" and known.signal in {WARMTH, ""}
+    return all(
+        slot is not None and slot.array == "bias" and (slot.signal == WARMTH or isinstance(slot.signal, float))
+        for slot in effect.slots
+    )
 
 
 def thermal_offset(
-    effects: Sequence[CarriedEffect], triad: str, gain: FloatArray, si: float, limits: tuple[float, float]
+    effects: Sequence[AppliedEffect], triad: str, gain: FloatArray, si: float, limits: tuple[float, float]
 ) -> ThermalOffset | None:
     """Return a triad's offset by temperature, None where it has none.
 
@@ -77,13 +79,15 @@ def thermal_offset(
     low, high = limits
     if not own or not low < high:
         return None
-    most = max(one.coefficients.shape[1] for one in own)
+    most = max(_orders(one)[-1] for one in own)
     whole = np.zeros((3, max(most, ORDER) + 1))
     behind = np.zeros(3)
     warmth = (low + high) / 2 - REFERENCE_C + (high - low) / 2 * np.cos(np.pi * (np.arange(NODES) + 0.5) / NODES)
     for one in own:
-        whole[:, 1 : one.coefficients.shape[1] + 1] += one.coefficients
-        slopes = [np.abs(Polynomial([0.0, *row]).deriv()(warmth)).max() for row in one.coefficients]
+        polynomials = np.zeros_like(whole)
+        polynomials[:, _orders(one)] = one.coefficients
+        whole += polynomials
+        slopes = [np.abs(Polynomial(row).deriv()(warmth)).max() for row in polynomials]
         behind += np.array(slopes) * sum(one.lags) / S_PER_MIN
     cubic, refit = whole[:, : ORDER + 1], np.zeros(3)
     if most > ORDER:
@@ -96,6 +100,10 @@ def thermal_offset(
     return ThermalOffset(
         cubic * scale[:, None], low, high, float((refit * abs(scale)).max()), float((behind * abs(scale)).max())
     )
+
+
+def _orders(effect: AppliedEffect) -> list[int]:
+    return [slot.at + 1 for slot in effect.slots if slot is not None]
 
 
 def _table(cubics: Sequence[Polynomial]) -> FloatArray:

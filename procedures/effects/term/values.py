@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.effects.effect import REFERENCE_C, Excitation
-from procedures.effects.temperature_history import sensor_temperature
-from procedures.effects.term.functions import FUNCTIONS, OPERATORS, over_time
-from procedures.effects.term.grammar import Call, Name, Node, Number, Operation, names
-from procedures.effects.term.inputs import input_of
+from procedures.effects.excitation import REFERENCE_C, Excitation
+from procedures.effects.temperature_history import direction_or_play, sensor_temperature
+from procedures.effects.term.functions import ALL_FUNCTIONS, OPERATORS, over_time
+from procedures.effects.term.grammar import Call, Name, Node, Number, Operation, calls, names
+from procedures.effects.term.inputs import known_input
 from procedures.effects.term.units import parse_unit
 
 APART = 1e-3  # of two time constants: closer, their difference would lose digits
@@ -18,12 +18,7 @@ APART = 1e-3  # of two time constants: closer, their difference would lose digit
 
 def has_operator(node: Node) -> bool:
     """Say whether a node looks back in time."""
-    match node:
-        case Call():
-            return node.name in OPERATORS or any(map(has_operator, node.arguments))
-        case Operation():
-            return has_operator(node.left) or has_operator(node.right)
-    return False
+    return any(each.name in OPERATORS for each in calls(node))
 
 
 def fixed(node: Node, parameters: Mapping[str, float]) -> float:
@@ -62,7 +57,7 @@ class Values:
             return np.full((1, 1), np.pi)
         if name in self.parameters:
             return np.full((1, 1), self.parameters[name])
-        found = input_of(name, self.triad)
+        found = known_input(name, self.triad)
         assert found is not None
         return found.in_bases(self.seen, self.triad)
 
@@ -81,7 +76,9 @@ class Values:
         return found
 
     def _function(self, node: Call) -> FloatArray:
-        return FUNCTIONS[node.name].value(*map(self.of, node.arguments))
+        if node.name == "backlash":
+            return direction_or_play(self.seen, fixed(node.arguments[1], self.parameters))[:, None]
+        return ALL_FUNCTIONS[node.name].value(*map(self.of, node.arguments))
 
     def _operator(self, node: Call) -> FloatArray:
         what, time = node.arguments
