@@ -1,4 +1,8 @@
-"""The catalogue of effects: a file for each family of physical causes, a line for each. Its order decides ties."""
+"""The catalogue of effects: a file for each family of physical causes, a line for each. Its order decides ties.
+
+An `Excitation` (what the sensors went through) goes into an `Effect`, `Columns` (what it may have added) come out.
+Where an effect has a `Law` (`term.law`), its equation, all of its users are made from that.
+"""
 
 from collections.abc import Mapping
 

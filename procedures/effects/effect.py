@@ -129,6 +129,17 @@ def effect_of(
     return Effect(name=name, unit=unit, plausible=plausible, laws=tuple(own.values()), **{**made, **about})
 
 
+def twins(name: str, *laws: Law, **about: Any) -> tuple[Effect, Effect]:
+    """Return the effect of the accelerometers and that of the gyroscopes; where they differ, a pair is given."""
+    accelerometer, gyroscope = (
+        effect_of(f"{triad}.{name}", *laws, **{
+            key: value[i] if isinstance(value, tuple) else value for key, value in about.items()
+        })
+        for i, triad in enumerate(INSTRUMENT)
+    )  # fmt: skip
+    return accelerometer, gyroscope
+
+
 def with_slope(effect: Effect, seen: Excitation, way: Columns, c: FloatArray) -> Columns:
     """Return a way whose last columns are slopes by logarithms of what is not linear, at coefficients ``c`` (k,).
 

@@ -6,14 +6,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.frames import AXES, rotation, skew
+from procedures.frames import rotation, skew
 
 TAU = "tau_s"  # name of the coefficient that is a time constant [s]
 PLAY = "play_k"  # name of the coefficient that is half the width of a play [K]
 KNEE = "knee_deg_s"  # name of the coefficient that is the rate from which on an effect acts [deg/s]
 UNITS_OF_NONLINEAR = {TAU: "s", PLAY: "K", KNEE: "deg/s"}
 REFERENCE_C = 25.0  # degC: temperature effects vanish there, and bias and scale factor hold there
-MATRIX = tuple(q + p for q in AXES for p in AXES)  # xy: sensor x, input y
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -25,11 +24,8 @@ class Excitation:
     differs from the rest before. ``t`` [s] is device time, ``rest_s`` [s] the time since the step began,
     ``temperature`` [degC], ``temperature_rate`` [K/min], ``auxiliary`` channels: (n,). What is not known is nan.
     ``step`` (n,) numbers the steps of `steps`; ``C_sb`` (n, 3, 3) takes the cube's axes to the IMU's; ``E_accel``,
-    ``E_gyro`` (n, 3, 3) are the triads' misalignments as they stand, unit where not solved. Of samples,
-    ``sensor_temperature`` holds by time constant [s] the temperatures (n,) [degC] that a sensor has come to, and
-    ``direction`` (n,) is 1 where it was seen to grow warmer, -1 where it cooled; ``branch`` holds by half width
-    [K] of a play where between both (n,) a hysteresis was. ``C_sn`` (n, 3, 3) takes
-    East-North-Up to the IMU's axes, nan where the attitude is not known; None where none is.
+    ``E_gyro`` (n, 3, 3) are the triads' misalignments as they stand, unit where not solved. ``C_sn`` (n, 3, 3)
+    takes East-North-Up to the IMU's axes, nan where the attitude is not known; None where none is.
     ``vibration`` (n, 3) [g^2] is the variance of the accelerometers' samples in a dwell or rest, 0 in other
     steps; None where it is not known.
     """
@@ -50,9 +46,6 @@ class Excitation:
     E_accel: FloatArray
     E_gyro: FloatArray
     steps: tuple["ExcitationStep", ...]
-    sensor_temperature: Mapping[float, FloatArray] = field(default_factory=dict)
-    direction: FloatArray | None = None
-    branch: Mapping[float, FloatArray] = field(default_factory=dict)
     C_sn: FloatArray | None = None
     vibration: FloatArray | None = None
 
@@ -142,11 +135,6 @@ def per_axis(value: FloatArray) -> FloatArray:
     columns = np.zeros((len(value), 3, 3))
     columns[:, range(3), range(3)] = value[:, None] if value.ndim == 1 else value
     return columns
-
-
-def matrix_columns(vector: FloatArray) -> FloatArray:
-    """Return columns (n, 3, 9), in the vector's unit, of a 3 x 3 matrix, row by sensor, times a vector (n, 3)."""
-    return (np.eye(3)[None, :, :, None] * vector[:, None, None, :]).reshape(len(vector), 3, 9)
 
 
 def rotation_columns(excitation: Excitation, rotation: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -1,11 +1,10 @@
 """What a sensor's own input does beyond the scale factor: powers, asymmetry, products, lost counts."""
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 
-from procedures.effects.effect import effect_of
+from procedures.effects.effect import effect_of, twins
 from procedures.effects.excitation import KNEE, Columns, Excitation
 from procedures.effects.term.law import Law, Parameter
 
@@ -33,25 +32,20 @@ CUBIC = effect_of(
     separate_by="free positions between the faces, near 45 deg",
 )
 ASYMMETRY = Law(terms=("0.5 * abs(u)",))
-ABOUT_ASYMMETRY: dict[str, Any] = {
-    "unit": "ppm", "plausible": 100.0, "meaning": "Asymmetry of a scale factor",
-    "about": "c = (k+ - k-) / k. On a cube's faces abs(u) = u^2: of the accelerometers it is one with K2 there. "
+ACCELEROMETER_ASYMMETRY, GYROSCOPE_ASYMMETRY = twins(
+    "scale_asymmetry",
+    ASYMMETRY,
+    unit="ppm",
+    plausible=100.0,
+    meaning="Asymmetry of a scale factor",
+    about="c = (k+ - k-) / k. On a cube's faces abs(u) = u^2: of the accelerometers it is one with K2 there. "
     "Turns + and - at equal speeds leave that of the gyroscopes alone; at different speeds it is one with an "
     "even nonlinearity. Plausible: 100 ppm, as of an analogue servo loop whose digitiser has two references.",
-}  # fmt: skip
-ACCELEROMETER_ASYMMETRY = effect_of(
-    "accelerometer.scale_asymmetry",
-    ASYMMETRY,
-    **ABOUT_ASYMMETRY,
-    source="IEEE Std 1293, scale-factor asymmetry",
-    separate_by="free positions between the faces, near 45 deg",
-)
-GYROSCOPE_ASYMMETRY = effect_of(
-    "gyroscope.scale_asymmetry",
-    ASYMMETRY,
-    **ABOUT_ASYMMETRY,
-    source="IEEE Std 952, scale-factor asymmetry",
-    separate_by="turns at two speeds in each direction, or a rate table",
+    source=("IEEE Std 1293, scale-factor asymmetry", "IEEE Std 952, scale-factor asymmetry"),
+    separate_by=(
+        "free positions between the faces, near 45 deg",
+        "turns at two speeds in each direction, or a rate table",
+    ),
 )
 CROSS_PRODUCT = effect_of(
     "accelerometer.cross_product",

@@ -1,11 +1,10 @@
 """What settles or drifts in time: biases and scale factors since power-on, accelerometers after a flip."""
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 
-from procedures.effects.effect import effect_of
+from procedures.effects.effect import effect_of, twins
 from procedures.effects.excitation import TAU, Columns, Excitation
 from procedures.effects.temperature_history import since_begun
 from procedures.effects.term.law import Law, Parameter
@@ -33,63 +32,49 @@ def _at_rest(seen: Excitation) -> Iterator[Columns]:
             yield Columns((), shape=shape, nonlinear={TAU: tau})
 
 
-DRIFT: dict[str, Any] = {
-    "driver": "time", "not_corrected": NOT_CORRECTED, "meaning": "Drift of a bias in time",
-    "about": "The bias refers to t = 0 of the device's time. Where temperature only rises, drift and temperature "
+ACCELEROMETER_DRIFT, GYROSCOPE_DRIFT = twins(
+    "bias_drift",
+    Law(terms=("t",)),
+    unit=("g/h", "deg/h/h"),
+    plausible=(1e-4, 0.5),
+    meaning="Drift of a bias in time",
+    about="The bias refers to t = 0 of the device's time. Where temperature only rises, drift and temperature "
     "are one. Plausible, of a unit just switched on: 100 ug/h of the accelerometers, 0.5 deg/h/h of the "
     "gyroscopes.",
-    "separate_by": "a second campaign in another order, or a heating run up and down again",
-}  # fmt: skip
-ACCELEROMETER_DRIFT = effect_of(
-    "accelerometer.bias_drift",
-    Law(terms=("t",)),
-    unit="g/h",
-    plausible=1e-4,
-    source="IEEE Std 1293, bias trend",
-    **DRIFT,
-)
-GYROSCOPE_DRIFT = effect_of(
-    "gyroscope.bias_drift",
-    Law(terms=("t",)),
-    unit="deg/h/h",
-    plausible=0.5,
-    source="IEEE Std 952, drift rate ramp",
-    **DRIFT,
+    source=("IEEE Std 1293, bias trend", "IEEE Std 952, drift rate ramp"),
+    separate_by="a second campaign in another order, or a heating run up and down again",
+    driver="time",
+    not_corrected=NOT_CORRECTED,
 )
 
 BIAS = Law(terms=(f"exp(-t_on / {TAU})",), parameters=FITTED)
-ABOUT_BIAS: dict[str, Any] = {
-    "starts": _since_power_on, "driver": "time", "not_corrected": NOT_CORRECTED,
-    "meaning": "Bias that settles since power-on",
-    "about": "Electronics, servo loop and source come to their temperature by their own heat after power-on, and "
-    "a bias with them: the warm-up time of a data sheet. A thermometer of the case need not see it. t_on is the "
+ACCELEROMETER_BIAS, GYROSCOPE_BIAS = twins(
+    "bias_settling",
+    BIAS,
+    unit=("g", "deg/h"),
+    plausible=(2e-4, 1.0),
+    starts=_since_power_on,
+    meaning="Bias that settles since power-on",
+    about="Electronics, servo loop and source come to their temperature by their own heat after power-on, and a "
+    "bias with them: the warm-up time of a data sheet. A thermometer of the case need not see it. t_on is the "
     "time since the first sample. One time constant for the triad, fitted; of one far longer than what was "
     "recorded it is a drift. c is what is left of it when a recording begins, since when the power was on nobody "
     "records. Plausible: 200 ug and 1 deg/h, as of units that are ten times as stable when warm.",
-    "separate_by": "the campaign once more, in another order, when the unit has been on for an hour",
-}  # fmt: skip
-ACCELEROMETER_BIAS = effect_of(
-    "accelerometer.bias_settling",
-    BIAS,
-    unit="g",
-    plausible=2e-4,
-    source="IEEE Std 1293, warm-up time and bias stability",
-    **ABOUT_BIAS,
-)
-GYROSCOPE_BIAS = effect_of(
-    "gyroscope.bias_settling",
-    BIAS,
-    unit="deg/h",
-    plausible=1.0,
-    source="IEEE Std 952, warm-up time and turn-on bias",
-    **ABOUT_BIAS,
+    source=("IEEE Std 1293, warm-up time and bias stability", "IEEE Std 952, warm-up time and turn-on bias"),
+    separate_by="the campaign once more, in another order, when the unit has been on for an hour",
+    driver="time",
+    not_corrected=NOT_CORRECTED,
 )
 
 SCALE = Law(terms=(f"exp(-t_on / {TAU}) * out_changing",), parameters=FITTED)
-ABOUT_SCALE: dict[str, Any] = {
-    "unit": "ppm", "plausible": 300.0, "starts": _since_power_on, "driver": "time", "not_corrected": NOT_CORRECTED,
-    "meaning": "Scale factor that settles since power-on",
-    "about": "The wavelength of a FOG's source settles after power-on as its own junction and its cooler do, and "
+ACCELEROMETER_SCALE, GYROSCOPE_SCALE = twins(
+    "scale_settling",
+    SCALE,
+    unit="ppm",
+    plausible=300.0,
+    starts=_since_power_on,
+    meaning="Scale factor that settles since power-on",
+    about="The wavelength of a FOG's source settles after power-on as its own junction and its cooler do, and "
     "the Sagnac phase goes with 1 / wavelength; an accelerometer's torquer magnet and pendulum come to their "
     "temperature by their own heat. No thermometer of the case needs to see either. t_on is the time since the "
     "first sample. One time constant for the triad, fitted; of one far longer than what was recorded it is a "
@@ -97,26 +82,20 @@ ABOUT_SCALE: dict[str, Any] = {
     "power was on nobody records. It shows where the input of a sensor changes: where it stands, a bias does the "
     "same, and out_changing is zero. Plausible: 300 ppm, a source of 400 ppm/K without a cooler that warms by a "
     "kelvin.",
-    "separate_by": "the campaign once more, in another order, when the unit has been on for an hour",
-}  # fmt: skip
-ACCELEROMETER_SCALE = effect_of(
-    "accelerometer.scale_settling",
-    SCALE,
-    source="IEEE Std 1293, warm-up time and scale factor stability; torquer magnet and pendulum warm up",
-    **ABOUT_SCALE,
-)
-GYROSCOPE_SCALE = effect_of(
-    "gyroscope.scale_settling",
-    SCALE,
-    source="IEEE Std 952, warm-up time and scale factor stability; the source's wavelength after power-on",
-    **ABOUT_SCALE,
+    source=(
+        "IEEE Std 1293, warm-up time and scale factor stability; torquer magnet and pendulum warm up",
+        "IEEE Std 952, warm-up time and scale factor stability; the source's wavelength after power-on",
+    ),
+    separate_by="the campaign once more, in another order, when the unit has been on for an hour",
+    driver="time",
+    not_corrected=NOT_CORRECTED,
 )
 
 FADING = f"exp(-t_rest / {TAU})"
 RELAXATION = effect_of(
     "accelerometer.relaxation",
     Law(terms=(FADING,), parameters=FITTED),
-    Law(terms=(f"{FADING} * f_change",), parameters=FITTED, shape=BY_CHANGE, unit="g/g"),
+    Law(terms=(f"{FADING} * (f - f_before)",), parameters=FITTED, shape=BY_CHANGE, unit="g/g"),
     Law(terms=(f"{FADING} * f",), parameters=FITTED, shape=BY_FORCE, unit="g/g"),
     unit="g",
     plausible=1e-4,

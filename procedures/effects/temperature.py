@@ -6,11 +6,10 @@ the first at 30 K from the reference.
 """
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 
-from procedures.effects.effect import effect_of
+from procedures.effects.effect import twins
 from procedures.effects.excitation import PLAY, TAU, Columns, Excitation
 from procedures.effects.temperature_history import ranged_k, recorded_s
 from procedures.effects.term.law import Law, Parameter
@@ -49,156 +48,125 @@ def _plays(seen: Excitation) -> Iterator[Columns]:
 
 
 LAGGED = {TAU: Parameter("s")}
-BIAS: dict[str, Any] = {
-    "starts": _orders, "driver": "temperature", "meaning": "Temperature coefficients of a bias",
-    "about": "The order is found from the data, for each sensor. Plausible: 100 ug/K of the accelerometers; 0.3 "
+ACCELEROMETER_BIAS, GYROSCOPE_BIAS = twins(
+    "bias_temperature",
+    Law(terms=("T**n",)),
+    unit=("g/K", "deg/h/K"),
+    plausible=(1e-4, 0.3),
+    starts=_orders,
+    meaning="Temperature coefficients of a bias",
+    about="The order is found from the data, for each sensor. Plausible: 100 ug/K of the accelerometers; 0.3 "
     "deg/h/K of the gyroscopes, of a tactical FOG without compensation; a navigation one has a tenth of it.",
-    "separate_by": "a heating run up and down again, or a second campaign in another order",
-}  # fmt: skip
-ACCELEROMETER_BIAS = effect_of(
-    "accelerometer.bias_temperature",
-    Law(terms=("T**n",)),
-    unit="g/K",
-    plausible=1e-4,
-    source="IEEE Std 1293, temperature sensitivity of bias",
-    **BIAS,
-)
-GYROSCOPE_BIAS = effect_of(
-    "gyroscope.bias_temperature",
-    Law(terms=("T**n",)),
-    unit="deg/h/K",
-    plausible=0.3,
-    source="IEEE Std 952, temperature sensitivity of bias",
-    **BIAS,
+    source=("IEEE Std 1293, temperature sensitivity of bias", "IEEE Std 952, temperature sensitivity of bias"),
+    separate_by="a heating run up and down again, or a second campaign in another order",
+    driver="temperature",
 )
 
-SCALE: dict[str, Any] = {
-    "unit": "ppm/K", "plausible": 100.0, "starts": _orders, "driver": "temperature", "multiplies_output": True,
-    "meaning": "Temperature coefficients of a scale factor",
-    "about": "It multiplies the whole output, bias included; the order is found from the data, for each sensor. "
+ACCELEROMETER_SCALE, GYROSCOPE_SCALE = twins(
+    "scale_temperature",
+    Law(terms=("T**n * out",)),
+    unit="ppm/K",
+    plausible=100.0,
+    starts=_orders,
+    meaning="Temperature coefficients of a scale factor",
+    about="It multiplies the whole output, bias included; the order is found from the data, for each sensor. "
     "Plausible: 100 ppm/K, of a servo magnet without compensation as of a FOG: its source's mean wavelength goes "
     "by some 400 ppm/K where nothing holds it, the coil's length and index by 10 ppm/K.",
-}  # fmt: skip
-ACCELEROMETER_SCALE = effect_of(
-    "accelerometer.scale_temperature",
-    Law(terms=("T**n * out",)),
-    source="IEEE Std 1293, temperature sensitivity of scale factor",
-    separate_by="the faces up and down again at a second temperature, in another order",
-    same_at_rest="accelerometer.bias_temperature",
-    **SCALE,
-)
-GYROSCOPE_SCALE = effect_of(
-    "gyroscope.scale_temperature",
-    Law(terms=("T**n * out",)),
-    source="IEEE Std 952, temperature sensitivity of scale factor",
-    separate_by="the same turns again at a second temperature, or a rate table in a chamber",
-    same_at_rest="gyroscope.bias_temperature",
-    **SCALE,
+    source=(
+        "IEEE Std 1293, temperature sensitivity of scale factor",
+        "IEEE Std 952, temperature sensitivity of scale factor",
+    ),
+    separate_by=(
+        "the faces up and down again at a second temperature, in another order",
+        "the same turns again at a second temperature, or a rate table in a chamber",
+    ),
+    driver="temperature",
+    multiplies_output=True,
+    same_at_rest=("accelerometer.bias_temperature", "gyroscope.bias_temperature"),
 )
 
-RATE: dict[str, Any] = {
-    "driver": "temperature", "meaning": "Bias while temperature changes",
-    "about": "Of a FOG's coil it is the Shupe effect. With one single exponential T and dT/dt are one. "
-    "Plausible: 3 deg/h/(K/min), of a coil wound quadrupolar and not potted; 20 ug/(K/min), of a proof mass' "
-    "suspension between plates of two temperatures.",
-    "separate_by": "a heating run with ramps of different steepness, up and down, to the same temperature",
-}  # fmt: skip
-GYROSCOPE_RATE = effect_of(
-    "gyroscope.temperature_rate",
+ACCELEROMETER_RATE, GYROSCOPE_RATE = twins(
+    "temperature_rate",
     Law(terms=("T_rate",)),
-    unit="deg/h/(K/min)",
-    plausible=3.0,
-    source="D. M. Shupe, Thermally induced nonreciprocity, Appl. Opt. 19 (1980) 654",
-    **RATE,
-)
-ACCELEROMETER_RATE = effect_of(
-    "accelerometer.temperature_rate",
-    Law(terms=("T_rate",)),
-    unit="g/(K/min)",
-    plausible=2e-5,
-    source="IEEE Std 1293, temperature-rate sensitivity of bias",
-    **RATE,
+    unit=("g/(K/min)", "deg/h/(K/min)"),
+    plausible=(2e-5, 3.0),
+    meaning="Bias while temperature changes",
+    about="Of a FOG's coil it is the Shupe effect. With one single exponential T and dT/dt are one. Plausible: 3 "
+    "deg/h/(K/min), of a coil wound quadrupolar and not potted; 20 ug/(K/min), of a proof mass' suspension "
+    "between plates of two temperatures.",
+    source=(
+        "IEEE Std 1293, temperature-rate sensitivity of bias",
+        "D. M. Shupe, Thermally induced nonreciprocity, Appl. Opt. 19 (1980) 654",
+    ),
+    separate_by="a heating run with ramps of different steepness, up and down, to the same temperature",
+    driver="temperature",
 )
 
-BIAS_LAG: dict[str, Any] = {
-    "starts": _lags, "driver": "temperature", "meaning": "Bias that goes with a temperature that nobody records",
-    "about": "The sensor follows the thermometer by tau dT_s/dt = T - T_s, or a part of it does: beside a "
+ACCELEROMETER_BIAS_LAG, GYROSCOPE_BIAS_LAG = twins(
+    "temperature_lag",
+    Law(terms=(f"lag(T, {TAU})**n",), parameters=LAGGED),
+    unit=("g/K", "deg/h/K"),
+    plausible=(1e-4, 0.3),
+    starts=_lags,
+    meaning="Bias that goes with a temperature that nobody records",
+    about="The sensor follows the thermometer by tau dT_s/dt = T - T_s, or a part of it does: beside a "
     "temperature coefficient it is what the coil, the proof mass or a gradient lags behind. One time constant "
     "for the triad, fitted. A short one is a temperature coefficient with one of the rate, T_s = T - tau dT/dt. "
     "Plausible: as a bias' temperature coefficient.",
-    "separate_by": "a heating run with ramps and long plateaus, up and down",
-}  # fmt: skip
-ACCELEROMETER_BIAS_LAG = effect_of(
-    "accelerometer.temperature_lag",
-    Law(terms=(f"lag(T, {TAU})**n",), parameters=LAGGED),
-    unit="g/K",
-    plausible=1e-4,
-    source="IEEE Std 1293, temperature sensitivity of bias; heat conduction, first order",
-    **BIAS_LAG,
-)
-GYROSCOPE_BIAS_LAG = effect_of(
-    "gyroscope.temperature_lag",
-    Law(terms=(f"lag(T, {TAU})**n",), parameters=LAGGED),
-    unit="deg/h/K",
-    plausible=0.3,
-    source="IEEE Std 952, temperature sensitivity of bias; heat conduction, first order",
-    **BIAS_LAG,
+    source=(
+        "IEEE Std 1293, temperature sensitivity of bias; heat conduction, first order",
+        "IEEE Std 952, temperature sensitivity of bias; heat conduction, first order",
+    ),
+    separate_by="a heating run with ramps and long plateaus, up and down",
+    driver="temperature",
 )
 
-SCALE_LAG: dict[str, Any] = {
-    "unit": "ppm/K", "plausible": 100.0, "starts": _lags, "driver": "temperature", "multiplies_output": True,
-    "meaning": "Scale factor that goes with a temperature that nobody records",
-    "about": "tau dT_s/dt = T - T_s: a servo's magnet and a coil follow the thermometer, or a part of them does, "
-    "by heat conduction. One time constant for the triad, fitted. It shows where an input stands while "
-    "temperature moves: faces up and down, turns, or a rate table whose points have a time. Plausible: as a "
-    "scale factor's temperature coefficient.",
-}  # fmt: skip
-ACCELEROMETER_SCALE_LAG = effect_of(
-    "accelerometer.scale_temperature_lag",
+ACCELEROMETER_SCALE_LAG, GYROSCOPE_SCALE_LAG = twins(
+    "scale_temperature_lag",
     Law(terms=(f"lag(T, {TAU})**n * out",), parameters=LAGGED),
-    source="IEEE Std 1293, temperature sensitivity of scale factor; heat conduction, first order",
-    separate_by="faces up and down in turn while it warms and cools, and again at rest in temperature",
-    same_at_rest="accelerometer.temperature_lag",
-    **SCALE_LAG,
-)
-GYROSCOPE_SCALE_LAG = effect_of(
-    "gyroscope.scale_temperature_lag",
-    Law(terms=(f"lag(T, {TAU})**n * out",), parameters=LAGGED),
-    source="IEEE Std 952, temperature sensitivity of scale factor; heat conduction, first order",
-    separate_by="turns or a rate table while it warms and cools, and again at rest in temperature",
-    same_at_rest="gyroscope.temperature_lag",
-    **SCALE_LAG,
+    unit="ppm/K",
+    plausible=100.0,
+    starts=_lags,
+    meaning="Scale factor that goes with a temperature that nobody records",
+    about="tau dT_s/dt = T - T_s: a servo's magnet and a coil follow the thermometer, or a part of them does, by "
+    "heat conduction. One time constant for the triad, fitted. It shows where an input stands while temperature "
+    "moves: faces up and down, turns, or a rate table whose points have a time. Plausible: as a scale factor's "
+    "temperature coefficient.",
+    source=(
+        "IEEE Std 1293, temperature sensitivity of scale factor; heat conduction, first order",
+        "IEEE Std 952, temperature sensitivity of scale factor; heat conduction, first order",
+    ),
+    separate_by=(
+        "faces up and down in turn while it warms and cools, and again at rest in temperature",
+        "turns or a rate table while it warms and cools, and again at rest in temperature",
+    ),
+    driver="temperature",
+    multiplies_output=True,
+    same_at_rest=("accelerometer.temperature_lag", "gyroscope.temperature_lag"),
 )
 
 DIRECTION = Law(terms=("warming",))
 BRANCH = Law(
     terms=(f"backlash(T, {PLAY})",), shape=WITH_PLAY, parameters={PLAY: Parameter("K", 0.05, 50.0)}
 )  # fmt: skip
-HYSTERESIS: dict[str, Any] = {
-    "starts": _plays, "driver": "temperature", "meaning": "Hysteresis of a bias between warming and cooling",
-    "about": "What mounting, adhesive and winding keep of the way they came. Either the direction turns at once "
+ACCELEROMETER_HYSTERESIS, GYROSCOPE_HYSTERESIS = twins(
+    "temperature_hysteresis",
+    DIRECTION,
+    BRANCH,
+    unit=("g", "deg/h"),
+    plausible=(1e-4, 0.5),
+    starts=_plays,
+    meaning="Hysteresis of a bias between warming and cooling",
+    about="What mounting, adhesive and winding keep of the way they came. Either the direction turns at once "
     "where temperature has come back by half a kelvin, from the turning point on; or with a play, whose half "
     "width w is fitted: backlash(T, w) = (T - P) / w, where P follows T as soon as T is farther away than w "
     "(Krasnosel'skii and Pokrovskii 1989), so that it goes from one branch to the other in proportion while "
     "temperature comes back by 2 w. Of steady ramps it is the temperature's rate. Plausible: 100 ug and 0.5 "
     "deg/h, half of what opens between the two branches.",
-    "separate_by": "a heating run up and down with ramps of different steepness and long plateaus",
-}  # fmt: skip
-ACCELEROMETER_HYSTERESIS = effect_of(
-    "accelerometer.temperature_hysteresis",
-    DIRECTION,
-    BRANCH,
-    unit="g",
-    plausible=1e-4,
-    source="IEEE Std 1293, hysteresis of bias over temperature; Krasnosel'skii and Pokrovskii 1989, play",
-    **HYSTERESIS,
-)
-GYROSCOPE_HYSTERESIS = effect_of(
-    "gyroscope.temperature_hysteresis",
-    DIRECTION,
-    BRANCH,
-    unit="deg/h",
-    plausible=0.5,
-    source="IEEE Std 952, hysteresis of bias over temperature; Krasnosel'skii and Pokrovskii 1989, play",
-    **HYSTERESIS,
+    source=(
+        "IEEE Std 1293, hysteresis of bias over temperature; Krasnosel'skii and Pokrovskii 1989, play",
+        "IEEE Std 952, hysteresis of bias over temperature; Krasnosel'skii and Pokrovskii 1989, play",
+    ),
+    separate_by="a heating run up and down with ramps of different steepness and long plateaus",
+    driver="temperature",
 )

@@ -41,8 +41,6 @@ def sensor_temperature(seen: Excitation, tau_s: float, lags: int = 1) -> FloatAr
     Of several lags the next follows what the one before has come to, all from one equilibrium. nan where a
     campaign's temperature is not known, or there is no time constant above nought.
     """
-    if lags == 1 and tau_s in seen.sensor_temperature:
-        return seen.sensor_temperature[tau_s]
     return followed(seen, tau_s, lags)
 
 
@@ -67,8 +65,6 @@ def warming(seen: Excitation) -> FloatArray:
 
     A temperature that never moved by `REVERSAL_K` has no direction: 0.
     """
-    if seen.direction is not None:
-        return seen.direction
     found = np.full(len(seen.t), np.nan)
     for order in known_histories(seen):
         found[order] = _direction(seen.temperature[order])
@@ -104,8 +100,6 @@ def direction_or_play(seen: Excitation, half_width_k: float | None) -> FloatArra
     """
     if half_width_k is None:
         return warming(seen)
-    if half_width_k in seen.branch:
-        return seen.branch[half_width_k]
     if not half_width_k > 0:
         return np.full(len(seen.t), np.nan)
     return (seen.temperature - played(seen, half_width_k)) / half_width_k

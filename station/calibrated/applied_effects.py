@@ -15,10 +15,11 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.effects import CATALOGUE
 from procedures.effects.effect import OF_CAMPAIGN, Effect
-from procedures.effects.term.functions import ALL_FUNCTIONS
+from procedures.effects.term.dimensions import COEFFICIENT
 from procedures.effects.term.grammar import Call, Name, Node, Number, Operation, calls, names, parse
 from procedures.effects.term.inputs import AUXILIARY
 from procedures.effects.term.law import MAX_ORDER, Law
+from procedures.effects.term.values import evaluated
 from procedures.frames import AXES
 from station.calibrated.correction_inputs import DIRECTION, RATE, WARMTH, Backlash, Signal, Surroundings, Triad
 from station.calibrated.plain_terms import plain_term
@@ -292,36 +293,23 @@ class SampleInputs:
         )
 
     def _times(self, term: Node, c: FloatArray, triad: str) -> FloatArray:
-        value = self._value(term, c, triad)
-        whole = value if is_inside(term) else value * c
-        return np.broadcast_to(whole, (len(self.known["T"]), len(AXES)))
+        def value(name: str) -> FloatArray:
+            return c if name == COEFFICIENT else self._named(name, triad)
 
-    def _value(self, node: Node, c: FloatArray, triad: str) -> FloatArray:
-        """Return a node's value, which broadcasts to (n, 3)."""
-        match node:
-            case Number():
-                return np.array([[node.value]])
-            case Name(name="c"):
-                return c
-            case Name(name="out"):
-                return self.out[triad]
-            case Name():
-                return self._name(VECTORS[triad] if node.name == "u" else node.name)
-            case Operation():
-                left, right = self._value(node.left, c, triad), self._value(node.right, c, triad)
-                operation = {"+": np.add, "-": np.subtract, "*": np.multiply, "/": np.divide, "**": np.power}
-                found: FloatArray = operation[node.sign](left, right)
-                return found
-        if (signal := _signal(node)) is not None:
-            return self.followed[signal]
-        arguments = (self._value(each, c, triad) for each in node.arguments)
-        found = ALL_FUNCTIONS[node.name].value(*arguments)
-        return found
+        def followed(call: Call) -> FloatArray | None:
+            signal = _signal(call)
+            return None if signal is None else self.followed[signal]
 
-    def _name(self, name: str) -> FloatArray:
+        found = evaluated(term, value, followed)
+        return np.broadcast_to(found if is_inside(term) else found * c, (len(self.known["T"]), len(AXES)))
+
+    def _named(self, name: str, triad: str) -> FloatArray:
+        if name == "out":
+            return self.out[triad]
+        name = VECTORS[triad] if name == "u" else name
         vector, _, part = name.partition("_")
-        if name in self.known or vector not in (*VECTORS.values(), "B"):
-            return self.known[name] if name in self.known else np.full((1, 1), np.nan)
+        if name in self.known or vector not in self.known:
+            return self.known.get(name, np.full((1, 1), np.nan))
         value = self.known[vector]
         if part == "norm":
             return np.asarray(np.linalg.norm(value, axis=1, keepdims=True))
@@ -332,4 +320,4 @@ class SampleInputs:
 
 def is_inside(term: Node) -> bool:
     """Say whether a term has its coefficient in it."""
-    return any(each.name == "c" for each in names(term))
+    return any(each.name == COEFFICIENT for each in names(term))

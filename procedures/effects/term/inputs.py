@@ -125,8 +125,6 @@ OF_CATALOGUE: Mapping[str, Mapping[str, Input]] = {
         "warming": Input("1", "1 while it grows warmer, -1 while it cools", _one(warming)),
         "t_on": Input("s", "time since the recording began", _one(since_begun), is_of_campaign=True),
         "t_rest": Input("s", "time since a rest began, infinite elsewhere", _one(_rest), is_of_campaign=True),
-        "f_change": Input("g", "specific force less that of the rest before, zero where not known",
-                          lambda seen, triad: np.nan_to_num(seen.change), is_of_campaign=True),
         "out_changing": Input(unit, "what the sensor puts out, zero where it hardly changes", _changing,
                               is_of_campaign=True),
         **{name: replace(one, is_of_campaign=True)

@@ -8,7 +8,7 @@ from procedures.effects.term.law import Law
 INPUTS = {
     "T": "T", "T_rate": r"\dot T", "t": "t", "t_step": r"t_\mathrm{s}", "f_before": r"f_i^{-}", "north": "n_i",
     "east": "e_i", "out": r"\tilde u_i", "pi": r"\pi", "tau": r"\tau", "tau_s": r"\tau", "play_k": "w",
-    "knee_deg_s": "w", "warming": "d", "t_on": "t", "t_rest": r"t_\mathrm{s}", "f_change": r"(f_i - f_i^{-})",
+    "knee_deg_s": "w", "warming": "d", "t_on": "t", "t_rest": r"t_\mathrm{s}",
     "out_changing": r"\tilde u_i", "c": "c",
 }  # fmt: skip
 AXES = {"": "i", "_2": "{i+1}", "_3": "{i+2}", "_x": "x", "_y": "y", "_z": "z"}

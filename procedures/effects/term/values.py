@@ -1,6 +1,6 @@
 """A term's value at the nodes of every step, in the bases of `procedures.effects.term.units`."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,6 +29,28 @@ def fixed(node: Node, parameters: Mapping[str, float]) -> float:
     return parameters[node.name]
 
 
+OPERATIONS = {"+": np.add, "-": np.subtract, "*": np.multiply, "/": np.divide, "**": np.power}
+
+
+def evaluated(
+    node: Node, name: Callable[[str], FloatArray], operator: Callable[[Call], FloatArray | None]
+) -> FloatArray:
+    """Return a node's value; ``name`` has those of names, ``operator`` of calls that look back in time."""
+    match node:
+        case Number():
+            return np.array([[fixed(node, {})]])
+        case Name():
+            return name(node.name)
+        case Operation():
+            left, right = (evaluated(each, name, operator) for each in (node.left, node.right))
+            found: FloatArray = OPERATIONS[node.sign](left, right)
+            return found
+    known = operator(node)
+    if known is not None:
+        return known
+    return ALL_FUNCTIONS[node.name].value(*(evaluated(each, name, operator) for each in node.arguments))
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Values:
     """Evaluates terms of a triad in one excitation; ``parameters`` are in the bases.
@@ -42,15 +64,7 @@ class Values:
 
     def of(self, node: Node) -> FloatArray:
         """Return a node's value, which broadcasts to (n, 3); nan where it is not known."""
-        match node:
-            case Number():
-                return np.array([[fixed(node, self.parameters)]])
-            case Name(name=name):
-                return self._name(name)
-            case Operation():
-                return self._operation(node)
-            case Call():
-                return self._operator(node) if node.name in OPERATORS else self._function(node)
+        return evaluated(node, self._name, self._operator)
 
     def _name(self, name: str) -> FloatArray:
         if name == "pi":
@@ -61,26 +75,12 @@ class Values:
         assert found is not None
         return found.in_bases(self.seen, self.triad)
 
-    def _operation(self, node: Operation) -> FloatArray:
-        left, right = self.of(node.left), self.of(node.right)
-        match node.sign:
-            case "+":
-                return left + right
-            case "-":
-                return left - right
-            case "*":
-                return left * right
-            case "/":
-                return left / right
-        found: FloatArray = left**right
-        return found
-
-    def _function(self, node: Call) -> FloatArray:
+    def _operator(self, node: Call) -> FloatArray | None:
+        """Return what looks back in time, None of a function."""
         if node.name == "backlash":
             return direction_or_play(self.seen, fixed(node.arguments[1], self.parameters))[:, None]
-        return ALL_FUNCTIONS[node.name].value(*map(self.of, node.arguments))
-
-    def _operator(self, node: Call) -> FloatArray:
+        if node.name not in OPERATORS:
+            return None
         what, time = node.arguments
         tau = fixed(time, self.parameters)
         return self._lag(what, tau) if node.name == "lag" else self._over_time(node.name, what, tau)

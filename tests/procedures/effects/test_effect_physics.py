@@ -10,8 +10,8 @@ from procedures.effects import EFFECTS, sagnac_sine
 from procedures.effects.effect import Effect
 from procedures.effects.excitation import TAU, Columns, Excitation, ExcitationStep
 from procedures.effects.jump import accelerometer_columns
-from procedures.effects.term.functions import sine_less_one
 from procedures.effects.temperature_history import sensor_temperature
+from procedures.effects.term.functions import sine_less_one
 from tests.procedures.effects.test_every_effect import BY_NAME, baseline
 
 
