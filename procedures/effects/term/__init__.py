@@ -1,1 +1,1 @@
-"""The equation of an effect as terms: grammar, units, inputs, values, and the `Law` that all users are made from."""
+"""The equation of an effect as terms: grammar, units, inputs, values, and the `Law` that all is made from."""

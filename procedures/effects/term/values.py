@@ -35,7 +35,10 @@ OPERATIONS = {"+": np.add, "-": np.subtract, "*": np.multiply, "/": np.divide, "
 def evaluated(
     node: Node, name: Callable[[str], FloatArray], operator: Callable[[Call], FloatArray | None]
 ) -> FloatArray:
-    """Return a node's value; ``name`` has those of names, ``operator`` of calls that look back in time."""
+    """Return a node's value (n, 3), or what broadcasts to it, in the units of its names.
+
+    ``name`` returns those (n, 3) or (n, 1), ``operator`` the same of calls that look back in time, None of others.
+    """
     match node:
         case Number():
             return np.array([[fixed(node, {})]])
