@@ -124,9 +124,11 @@ class AppliedEffect:
 
     def needs(self, around: Surroundings, triads: set[str]) -> str:
         """Return what it lacks in the surroundings of output of some triads, empty if it lacks nothing."""
-        if self.triad not in triads or all(_is_known(name, around, triads) for name in self.inputs):
-            return ""
-        return "the quantity that it depends on was not recorded"
+        followed = (*self.lags, *map(Backlash, self.backlashes))
+        is_known = all(_is_known(name, around, triads) for name in self.inputs) and all(
+            np.isfinite(around.followed.of(signal)).any() for signal in followed
+        )
+        return "" if is_known or self.triad not in triads else "the quantity that it depends on was not recorded"
 
 
 def _is_known(name: str, around: Surroundings, triads: set[str]) -> bool:

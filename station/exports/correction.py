@@ -10,6 +10,7 @@ lags behind the thermometer is taken as if it did not. A polynomial above the th
 the third, at Chebyshev's nodes, which is within a few per cent of the least that its largest error can be.
 """
 
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -79,16 +80,24 @@ def thermal_offset(
     low, high = limits
     if not own or not low < high:
         return None
-    most = max(_orders(one)[-1] for one in own)
-    whole = np.zeros((3, max(most, ORDER) + 1))
-    behind = np.zeros(3)
+    parts = [
+        (one, slot, column)
+        for one in own
+        for slot, column in zip(one.slots, one.coefficients.T, strict=True)
+        if slot is not None
+    ]
+    most = max(slot.at + 1 for _, slot, _ in parts)
+    whole, behind = np.zeros((3, max(most, ORDER) + 1)), np.zeros(3)
+    lagging = defaultdict[tuple[AppliedEffect, float], FloatArray](lambda: np.zeros_like(whole))
+    for one, slot, column in parts:
+        whole[:, slot.at + 1] += column
+        if isinstance(slot.signal, float):
+            lagging[one, slot.signal][:, slot.at + 1] += column
     warmth = (low + high) / 2 - REFERENCE_C + (high - low) / 2 * np.cos(np.pi * (np.arange(NODES) + 0.5) / NODES)
-    for one in own:
-        polynomials = np.zeros_like(whole)
-        polynomials[:, _orders(one)] = one.coefficients
-        whole += polynomials
-        slopes = [np.abs(Polynomial(row).deriv()(warmth)).max() for row in polynomials]
-        behind += np.array(slopes) * sum(one.lags) / S_PER_MIN
+    for (_, tau), polynomials in lagging.items():
+        behind += (
+            tau / S_PER_MIN * np.array([np.abs(Polynomial(row).deriv()(warmth)).max() for row in polynomials])
+        )
     cubic, refit = whole[:, : ORDER + 1], np.zeros(3)
     if most > ORDER:
         fits = [np.polynomial.Chebyshev.fit(warmth, Polynomial(row)(warmth), ORDER) for row in whole]
@@ -100,10 +109,6 @@ def thermal_offset(
     return ThermalOffset(
         cubic * scale[:, None], low, high, float((refit * abs(scale)).max()), float((behind * abs(scale)).max())
     )
-
-
-def _orders(effect: AppliedEffect) -> list[int]:
-    return [slot.at + 1 for slot in effect.slots if slot is not None]
 
 
 def _table(cubics: Sequence[Polynomial]) -> FloatArray:
