@@ -124,7 +124,7 @@ class AppliedEffect:
 
     def needs(self, around: Surroundings, triads: set[str]) -> str:
         """Return what it lacks in the surroundings of output of some triads, empty if it lacks nothing."""
-        followed = (*self.lags, *map(Backlash, self.backlashes))
+        followed: tuple[Signal, ...] = (*self.lags, *map(Backlash, self.backlashes))
         is_known = all(_is_known(name, around, triads) for name in self.inputs) and all(
             np.isfinite(around.followed.of(signal)).any() for signal in followed
         )
