@@ -22,7 +22,6 @@ from procedures.effects.term.law import MAX_ORDER, Law
 from procedures.effects.term.values import evaluated
 from procedures.frames import AXES
 from station.calibrated.correction_inputs import DIRECTION, RATE, WARMTH, Backlash, Signal, Surroundings, Triad
-from station.calibrated.plain_terms import plain_term
 from station.errors import DataRefused
 from station.files.effect_file import EffectFile, stored_effect
 
@@ -163,10 +162,7 @@ def applied_effect(entry: Mapping[str, Any]) -> AppliedEffect | str:
     if effect.fitted is not None:
         std = effect.fitted(abs(table) + std) - effect.fitted(abs(table))
         table = effect.fitted(table)
-    found = [plain_term(node, law, values) for node in law.nodes(table.shape[1])]
-    # a coefficient inside a term stands in it as it is: it has the calibration's units there
-    per = np.ones(len(found)) if law.is_inside else law.per * np.array([factor for factor, _ in found])
-    terms = tuple(term for _, term in found)
+    per, terms = law.plain(values, table.shape[1])
     slots = tuple(slot_of(term, law.triad) for term in terms)
     one = AppliedEffect(effect.name, law.triad, per * table, abs(per) * std, terms, entry, slots)
     if not all(tau > 0 for tau in one.lags):

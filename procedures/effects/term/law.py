@@ -20,8 +20,9 @@ from procedures.effects.term.dimensions import COEFFICIENT, CONSTANTS
 from procedures.effects.term.functions import OPERATORS
 from procedures.effects.term.grammar import Call, Name, Node, calls, names, parse
 from procedures.effects.term.inputs import known_input
+from procedures.effects.term.plain_terms import plain_term
 from procedures.effects.term.units import parse_unit
-from procedures.effects.term.values import Values, fixed
+from procedures.effects.term.values import Values
 from procedures.effects.time_constant import with_nonlinear
 from procedures.frames import AXES
 
@@ -117,12 +118,6 @@ class Law:
         return np.hstack((np.array(first), np.array(more).reshape(len(AXES), most - 1)))
 
     @property
-    def per(self) -> float:
-        """What a term in the bases, times a coefficient in its unit, is in the unit of the output."""
-        size = 1.0 if self.is_inside else parse_unit(self.unit).size
-        return size / parse_unit(OUTPUT_UNITS[self.triad]).size
-
-    @property
     def inputs(self) -> tuple[str, ...]:
         """What its terms name, but for parameters and constants."""
         found = (each.name for node in self.nodes() for each in names(node))
@@ -139,25 +134,29 @@ class Law:
         is_of_campaign = any(one is not None and one.is_of_campaign for one in known)
         return is_of_campaign or any(map(_remembers, self.nodes()))
 
-    def in_bases(self, parameters: Mapping[str, float]) -> dict[str, float]:
-        """Return parameters, given in their units, in the bases."""
-        return {name: parameters[name] * parse_unit(one.unit).size for name, one in self.parameters.items()}
+    def plain(self, parameters: Mapping[str, float], order: int = 1) -> tuple[FloatArray, tuple[Node, ...]]:
+        """Return its terms of inputs in their units, and what each is multiplied by (terms,) beside a coefficient.
 
-    def temperature_lags(self, parameters: Mapping[str, float]) -> tuple[float, ...]:
-        """Return the time constants [s] by which it follows the temperature; ``parameters`` are in their units."""
-        in_bases = self.in_bases(parameters)
-        lags = (each for node in self.nodes() for each in calls(node) if _is_lag_of_temperature(each))
-        return tuple(fixed(each.arguments[1], in_bases) for each in lags)
+        That is in the unit of the output by that of a coefficient; ``parameters`` are in their units.
+        """
+        sizes = {name: parameters[name] * parse_unit(one.unit).size for name, one in self.parameters.items()}
+        sizes |= {COEFFICIENT: parse_unit(self.unit).size} if self.is_inside else {}
+        found = [plain_term(node, self.triad, sizes) for node in self.nodes(order)]
+        if self.is_inside:  # a coefficient stands in it as it is: it has its unit there
+            return np.ones(len(found)), tuple(term for _, term in found)
+        per = parse_unit(self.unit).size / parse_unit(OUTPUT_UNITS[self.triad]).size
+        return per * np.array([factor for factor, _ in found]), tuple(term for _, term in found)
 
     def values(self, seen: Excitation, parameters: Mapping[str, float], order: int = 1) -> FloatArray:
         """Return what a unit of a coefficient adds (n, 3, terms) [g], [deg/s]; nan where it is not known.
 
         ``parameters`` are in their units.
         """
-        at = Values(seen, self.triad, self.in_bases(parameters))
+        per, terms = self.plain(parameters, order)
+        at = Values(seen, self.triad, {}, in_bases=False)
         with np.errstate(all="ignore"):  # what is not finite is looked for by those who ask
-            found = [np.broadcast_to(at.of(node), (len(seen.f), len(AXES))) for node in self.nodes(order)]
-            return self.per * np.stack(found, axis=2)
+            found = [np.broadcast_to(at.of(node), (len(seen.f), len(AXES))) for node in terms]
+            return per * np.stack(found, axis=2)
 
     def missing(self, seen: Excitation) -> tuple[str, ...]:
         """Return the inputs that an excitation does not have, or not everywhere."""

@@ -56,7 +56,7 @@ def evaluated(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Values:
-    """Evaluates terms of a triad in one excitation; ``parameters`` are in the bases.
+    """Evaluates terms of a triad in one excitation; ``parameters`` are in the bases, and inputs with ``in_bases``.
 
     The terms were checked by `procedures.effects.term.dimensions` before.
     """
@@ -64,6 +64,7 @@ class Values:
     seen: Excitation
     triad: str
     parameters: Mapping[str, float]
+    in_bases: bool = True
 
     def of(self, node: Node) -> FloatArray:
         """Return a node's value, which broadcasts to (n, 3); nan where it is not known."""
@@ -76,7 +77,7 @@ class Values:
             return np.full((1, 1), self.parameters[name])
         found = known_input(name, self.triad)
         assert found is not None
-        return found.in_bases(self.seen, self.triad)
+        return (found.in_bases if self.in_bases else found.value)(self.seen, self.triad)
 
     def _operator(self, node: Call) -> FloatArray | None:
         """Return what looks back in time, None of a function."""
