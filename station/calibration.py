@@ -230,5 +230,5 @@ def calibration_of(document: Mapping[str, Any], where: str = "calibration") -> C
     checked = checked_calibration(dict(document) if isinstance(document, Mapping) else document, where)
     model = CalibrationModel.of(checked)
     output: Output = "counts" if is_of_counts(checked) else "rates"
-    effects = tuple(str(entry["name"]) for entry in model.effects)
+    effects = model.taken_off
     return Calibration(str(checked["model"]), str(checked["serial"]), output, effects, checked)

@@ -16,7 +16,7 @@ from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.diagnose import diagnose
 from procedures.effects import EFFECTS
-from procedures.effects.effect import Excitation
+from procedures.effects.excitation import Excitation
 from procedures.evidence.linear_model import fit_linear
 from station.files.campaign_folder.campaign_reading import read_campaign
 from tests.paths import DATA

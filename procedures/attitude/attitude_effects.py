@@ -17,7 +17,8 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.counts.sample_times import GAP_PERIODS
-from procedures.effects.effect import Columns, Effect, Excitation, ExcitationStep
+from procedures.effects.effect import Effect
+from procedures.effects.excitation import Columns, Excitation, ExcitationStep
 from procedures.evidence.candidates import Candidate
 from procedures.evidence.linear_model import Term
 from procedures.evidence.residual_rows import KINDS, Evidence

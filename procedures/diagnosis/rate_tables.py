@@ -21,7 +21,7 @@ from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import CampaignFits
 from procedures.calibration.solution_values import FitQuality, Solution
 from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord, SoakRecord
-from procedures.effects.effect import Excitation, ExcitationStep
+from procedures.effects.excitation import Excitation, ExcitationStep
 from procedures.evidence.candidates import Candidate, raising_does_not_fit
 from procedures.evidence.excitation import NodeBuilder
 from procedures.evidence.linear_model import LinearFit

@@ -16,9 +16,10 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.diagnosis.caches import let_go_at_the_end
 from procedures.discovery.library import LibraryTerm, Rows, library
 from procedures.effects import EFFECTS
-from procedures.effects.effect import Columns
+from procedures.effects.effect import with_slope
+from procedures.effects.excitation import Columns
 from procedures.effects.term.effect_of_term import TermEffect
-from procedures.effects.time_constant import LOG_RANGE, with_slope
+from procedures.effects.time_constant import LOG_RANGE
 from procedures.evidence.candidates import Candidate, Candidates
 from procedures.evidence.linear_model import LinearFit, Term, fit_linear, predict_left_out
 from procedures.evidence.residual_rows import Evidence

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.effects.effect import Excitation
+from procedures.effects.excitation import Excitation
 from procedures.effects.term.grammar import channel_as_written, parse
 from procedures.effects.term.inputs import AUXILIARY, inputs_of
 from procedures.effects.term.units import parse_unit

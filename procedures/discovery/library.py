@@ -20,8 +20,9 @@ from procedures.discovery.factors import (
     shapes_of_vector,
     waves,
 )
-from procedures.effects.effect import Excitation
-from procedures.effects.term.effect_of_term import Parameter, TermEffect
+from procedures.effects.excitation import Excitation
+from procedures.effects.term.effect_of_term import TermEffect
+from procedures.effects.term.law import Parameter
 from procedures.evidence.residual_rows import Evidence
 from procedures.evidence.row_sums import NodeWeights
 from procedures.frames import AXES, TRIADS

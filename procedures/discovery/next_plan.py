@@ -17,7 +17,7 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray
 from procedures.discovery.discover import Discovery, Proposal, fit_as_is
 from procedures.discovery.library import Rows
-from procedures.effects.effect import Columns, Excitation, per_axis
+from procedures.effects.excitation import Columns, Excitation, per_axis
 from procedures.evidence.linear_model import Term
 from procedures.evidence.residual_rows import Evidence
 

@@ -1,117 +1,85 @@
-"""The catalogue of effects: a file for each physical cause, a line for each effect. Its order decides ties."""
+"""The catalogue of effects: a file for each family of physical causes, a line for each. Its order decides ties.
 
-from collections.abc import Iterator, Mapping
-from importlib import import_module
-from types import ModuleType
+An `Excitation` (what the sensors went through) goes into an `Effect`, `Columns` (what it may have added) come out.
+Where an effect has a `Law` (`term.law`), its equation, all of its users are made from that.
+"""
+
+from collections.abc import Mapping
 
 from procedures.effects import (
-    auxiliary_channel,
-    bias_drift,
-    bias_settling,
-    bias_temperature,
-    clock_rate,
-    closure,
-    counts_lost,
-    cross_product,
-    cubic,
-    disturbance_dwell,
-    face_tilt,
-    g_sensitivity,
-    heading,
+    cube_faces,
+    input_nonlinearity,
     jump,
-    magnetic,
-    parallelism,
-    placement_dwell,
-    placement_label,
-    placement_scatter,
-    quadratic,
-    relaxation,
+    placement,
     sagnac_sine,
-    scale_asymmetry,
-    scale_nonlinearity,
-    scale_settling,
-    scale_temperature,
-    scale_temperature_lag,
-    site_azimuth,
-    site_gravity,
-    site_latitude,
-    slab_tilt,
-    temperature_hysteresis,
-    temperature_lag,
-    temperature_rate,
-    turn_on_bias,
-    unit_tilt,
-    vibration_rectification,
+    sensitivities,
+    settling,
+    site_and_clock,
+    surface_plate,
+    temperature,
 )
 from procedures.effects.effect import Effect
 from procedures.frames import TRIADS
 
 EFFECTS: tuple[Effect, ...] = (
-    quadratic.EFFECT,
-    cubic.EFFECT,
-    scale_asymmetry.ACCELEROMETER,
-    cross_product.EFFECT,
-    bias_temperature.ACCELEROMETER,
-    scale_temperature.ACCELEROMETER,
-    temperature_rate.ACCELEROMETER,
-    bias_drift.ACCELEROMETER,
-    bias_settling.ACCELEROMETER,
-    temperature_lag.ACCELEROMETER,
-    scale_temperature_lag.ACCELEROMETER,
-    scale_settling.ACCELEROMETER,
-    temperature_hysteresis.ACCELEROMETER,
-    relaxation.EFFECT,
-    jump.ACCELEROMETER,
-    turn_on_bias.ACCELEROMETER,
-    vibration_rectification.ACCELEROMETER,
-    g_sensitivity.EFFECT,
-    bias_temperature.GYROSCOPE,
-    scale_temperature.GYROSCOPE,
-    temperature_rate.GYROSCOPE,
-    bias_drift.GYROSCOPE,
-    bias_settling.GYROSCOPE,
-    temperature_lag.GYROSCOPE,
-    scale_temperature_lag.GYROSCOPE,
-    scale_settling.GYROSCOPE,
-    temperature_hysteresis.GYROSCOPE,
-    magnetic.EFFECT,
-    scale_asymmetry.GYROSCOPE,
-    scale_nonlinearity.EFFECT,
+    input_nonlinearity.QUADRATIC,
+    input_nonlinearity.CUBIC,
+    input_nonlinearity.ACCELEROMETER_ASYMMETRY,
+    input_nonlinearity.CROSS_PRODUCT,
+    temperature.ACCELEROMETER_BIAS,
+    temperature.ACCELEROMETER_SCALE,
+    temperature.ACCELEROMETER_RATE,
+    settling.ACCELEROMETER_DRIFT,
+    settling.ACCELEROMETER_BIAS,
+    temperature.ACCELEROMETER_BIAS_LAG,
+    temperature.ACCELEROMETER_SCALE_LAG,
+    settling.ACCELEROMETER_SCALE,
+    temperature.ACCELEROMETER_HYSTERESIS,
+    settling.RELAXATION,
+    jump.ACCELEROMETER_JUMP,
+    jump.ACCELEROMETER_TURN_ON,
+    sensitivities.ACCELEROMETER_VIBRATION,
+    sensitivities.G_SENSITIVITY,
+    temperature.GYROSCOPE_BIAS,
+    temperature.GYROSCOPE_SCALE,
+    temperature.GYROSCOPE_RATE,
+    settling.GYROSCOPE_DRIFT,
+    settling.GYROSCOPE_BIAS,
+    temperature.GYROSCOPE_BIAS_LAG,
+    temperature.GYROSCOPE_SCALE_LAG,
+    settling.GYROSCOPE_SCALE,
+    temperature.GYROSCOPE_HYSTERESIS,
+    sensitivities.MAGNETIC,
+    input_nonlinearity.GYROSCOPE_ASYMMETRY,
+    input_nonlinearity.SCALE_NONLINEARITY,
     sagnac_sine.EFFECT,
-    counts_lost.EFFECT,
-    jump.GYROSCOPE,
-    turn_on_bias.GYROSCOPE,
-    vibration_rectification.GYROSCOPE,
-    slab_tilt.EFFECT,
-    face_tilt.EFFECT,
-    parallelism.EFFECT,
-    placement_dwell.EFFECT,
-    placement_label.EFFECT,
-    placement_scatter.EFFECT,
-    unit_tilt.EFFECT,
-    closure.EFFECT,
-    heading.EFFECT,
-    site_azimuth.EFFECT,
-    site_gravity.EFFECT,
-    site_latitude.EFFECT,
-    clock_rate.EFFECT,
-    disturbance_dwell.EFFECT,
-    auxiliary_channel.EFFECT,
+    input_nonlinearity.COUNTS_LOST,
+    jump.GYROSCOPE_JUMP,
+    jump.GYROSCOPE_TURN_ON,
+    sensitivities.GYROSCOPE_VIBRATION,
+    surface_plate.TILT,
+    cube_faces.FACE_TILT,
+    cube_faces.PARALLELISM,
+    placement.DWELL,
+    placement.LABEL,
+    placement.SCATTER,
+    jump.UNIT_TILT,
+    surface_plate.CLOSURE,
+    surface_plate.HEADING,
+    site_and_clock.AZIMUTH,
+    site_and_clock.GRAVITY,
+    site_and_clock.LATITUDE,
+    site_and_clock.CLOCK_RATE,
+    placement.DISTURBANCE,
+    sensitivities.CHANNEL,
 )
+CATALOGUE: Mapping[str, Effect] = {effect.name: effect for effect in EFFECTS}
 
 
-def _meanings() -> Iterator[tuple[str, str]]:
-    """Yield by name what an effect is in words: the first phrase of its file."""
-    package = import_module(__name__)
-    for module in vars(package).values():
-        if isinstance(module, ModuleType) and module.__name__.startswith(f"{__name__}."):
-            phrase = (module.__doc__ or "").partition("\n")[0].partition(":")[0].rstrip(".")
-            for effect in vars(module).values():
-                if isinstance(effect, Effect):
-                    triad = effect.name.partition(".")[0]
-                    is_told = triad not in TRIADS or triad in phrase
-                    yield effect.name, phrase if is_told else f"{phrase}, {triad}"
+def _meaning(effect: Effect) -> str:
+    triad = effect.name.partition(".")[0]
+    return effect.meaning if triad not in TRIADS or triad in effect.meaning else f"{effect.meaning}, {triad}"
 
 
-MEANINGS: Mapping[str, str] = dict(_meanings())
+MEANINGS: Mapping[str, str] = {effect.name: _meaning(effect) for effect in EFFECTS}
 """What each effect of the catalogue is, in words."""

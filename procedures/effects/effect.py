@@ -1,132 +1,21 @@
-"""What an effect is: a physical cause, and the columns by which it would show in what the sensors put out."""
+"""What an effect is: a physical cause, its equation, and the columns by which it shows in the sensors' output."""
 
-from collections.abc import Callable, Mapping, Sequence
+import itertools
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
-from procedures.arrays import FloatArray, IntArray
-from procedures.frames import AXES, rotation, skew
+from procedures.arrays import FloatArray
+from procedures.effects.excitation import Columns, Excitation
+from procedures.effects.term.law import Law
+from procedures.effects.time_constant import STEP
 
 Kind = Literal["instrument", "bench", "procedure"]
 INSTRUMENT = ("accelerometer", "gyroscope")
 BENCH = ("slab", "fixture", "site")
-TAU = "tau_s"  # name of the coefficient that is a time constant [s]
-PLAY = "play_k"  # name of the coefficient that is half the width of a play [K]
-KNEE = "knee_deg_s"  # name of the coefficient that is the rate from which on an effect acts [deg/s]
-UNITS_OF_NONLINEAR = {TAU: "s", PLAY: "K", KNEE: "deg/s"}
-REFERENCE_C = 25.0  # degC: temperature effects vanish there, and bias and scale factor hold there
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Excitation:
-    """What the sensors went through, at n nodes of all steps, in nominal attitude; IMU axes.
-
-    ``f`` [g], ``omega`` [deg/s, Earth rate included], ``magnetic`` [uT] are (n, 3); ``accel_output`` [g] and
-    ``gyro_output`` [deg/s], (n, 3), are what the triads put out, E u + D. ``change`` (n, 3) [g] is by how much f
-    differs from the rest before. ``t`` [s] is device time, ``rest_s`` [s] the time since the step began,
-    ``temperature`` [degC], ``temperature_rate`` [K/min], ``auxiliary`` channels: (n,). What is not known is nan.
-    ``step`` (n,) numbers the steps of `steps`; ``C_sb`` (n, 3, 3) takes the cube's axes to the IMU's; ``E_accel``,
-    ``E_gyro`` (n, 3, 3) are the triads' misalignments as they stand, unit where not solved. Of samples,
-    ``sensor_temperature`` holds by time constant [s] the temperatures (n,) [degC] that a sensor has come to, and
-    ``direction`` (n,) is 1 where it was seen to grow warmer, -1 where it cooled; ``branch`` holds by half width
-    [K] of a play where between both (n,) a hysteresis was. ``C_sn`` (n, 3, 3) takes
-    East-North-Up to the IMU's axes, nan where the attitude is not known; None where none is.
-    ``vibration`` (n, 3) [g^2] is the variance of the accelerometers' samples in a dwell or rest, 0 in other
-    steps; None where it is not known.
-    """
-
-    f: FloatArray
-    omega: FloatArray
-    magnetic: FloatArray
-    accel_output: FloatArray
-    gyro_output: FloatArray
-    change: FloatArray
-    t: FloatArray
-    rest_s: FloatArray
-    temperature: FloatArray
-    temperature_rate: FloatArray
-    auxiliary: Mapping[str, FloatArray]
-    step: IntArray
-    C_sb: FloatArray
-    E_accel: FloatArray
-    E_gyro: FloatArray
-    steps: tuple["ExcitationStep", ...]
-    sensor_temperature: Mapping[float, FloatArray] = field(default_factory=dict)
-    direction: FloatArray | None = None
-    branch: Mapping[float, FloatArray] = field(default_factory=dict)
-    C_sn: FloatArray | None = None
-    vibration: FloatArray | None = None
-
-    @property
-    def f_before(self) -> FloatArray:
-        """Specific force (n, 3) [g] of the step before; of a first step nothing is known: its own."""
-        return self.f - np.nan_to_num(self.change)
-
-    @property
-    def histories(self) -> IntArray:
-        """Number (m,) of the history in time that each step is of: its campaign's, or that of a clock in it."""
-        clocks = [(step.campaign, step.clock) for step in self.steps]
-        numbers = {each: i for i, each in enumerate(sorted(set(clocks)))}
-        return np.array([numbers[each] for each in clocks], dtype=np.int64)
-
-    def per_step(self, name: str) -> FloatArray:
-        """Return an attribute of the steps at every node (n,), as numbers."""
-        values = np.array([float(getattr(step, name)) for step in self.steps])
-        return values[self.step]
-
-
-@dataclass(frozen=True, slots=True)
-class ExcitationStep:
-    """A step: name, kind (dwell, turn, move, rest, soak, rate), campaign, position (0: in none), face ('': none).
-
-    ``stated_std`` [rad] is the 1 sigma stated of a dwell's heading, of a turn's closure; 0 where nothing is.
-    ``slab_tilt`` [rad] is how a dwell's slab leans, as the model stands: up seen from it is (east, north, 1).
-    ``tilt`` [rad] is the rotation vector, IMU axes, that turns what a dwell sees in nominal attitude into what it
-    sees as the model stands, by slab, face and heading.
-    ``clock`` numbers the clocks of a campaign whose recordings have not one time in common.
-    """
-
-    name: str
-    kind: str
-    campaign: int
-    position: int
-    face: str
-    stated_std: float = 0.0
-    slab_tilt: tuple[float, float] = (0.0, 0.0)
-    clock: int = 0
-    tilt: tuple[float, float, float] = (0.0, 0.0, 0.0)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Columns:
-    """One way in which an effect may act.
-
-    ``accel`` [g] and ``gyro`` [deg/s], (n, 3, k), are what a unit of each coefficient adds to E u + D at every
-    node of `Excitation`, None where it adds nothing; ``rotation`` (n, 3, k) [rad] is by how much it turns all that
-    is seen there: a move must carry the attitude before it into the one after. ``where`` says what of the
-    campaign it is about, ``shape`` the value of what is not linear in it. A coefficient belongs to `coefficients`,
-    in ``unit`` where this way has one of its own, else the effect's; ``plausible`` likewise, one a coefficient as
-    it is fitted. ``nonlinear`` holds by name, above nought, what is fitted by its logarithm: the last of the
-    coefficients.
-    """
-
-    coefficients: tuple[str, ...]
-    accel: FloatArray | None = None
-    gyro: FloatArray | None = None
-    rotation: FloatArray | None = None
-    where: Mapping[str, object] = field(default_factory=dict)
-    shape: str = ""
-    unit: str = ""
-    plausible: tuple[float, ...] = ()
-    nonlinear: Mapping[str, float] = field(default_factory=dict)
-    orders: tuple[int, ...] = ()
-
-    @property
-    def tau_s(self) -> float:
-        """Its time constant [s], 0 where it has none."""
-        return self.nonlinear.get(TAU, 0.0)
+OF_CAMPAIGN = "specific to the campaign; one sample does not determine it"
 
 
 def no_columns(excitation: Excitation) -> Sequence[Columns]:
@@ -157,6 +46,9 @@ class Effect:
     of it than its prior does. ``covered_by`` names what stands for it where that is in the model.
     ``carried_with`` is what other campaigns must share for it to act in them: cube or unit, "" of the instrument.
     ``is_bench_parameter``: every model of a bench holds it, as a parameter with its prior; it is no cause.
+    ``laws`` are its equations where the inputs of a sensor determine it, from which ``columns``, ``at`` and
+    ``physics`` are made: `effect_of`. ``meaning`` is what it is in a phrase, ``about`` what it looks like and why
+    its plausible size is what it is. ``not_corrected`` says why it is not taken out of samples; empty if it is.
     """
 
     name: str
@@ -184,6 +76,10 @@ class Effect:
     stated_share: float = 0.0
     at: Callable[[Excitation, Columns], Columns] | None = None
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    laws: tuple[Law, ...] = ()
+    meaning: str = ""
+    about: str = ""
+    not_corrected: str = OF_CAMPAIGN
 
     def plausible_of(self, columns: Columns) -> FloatArray:
         """Return 1 sigma (k,) of what the fitted coefficients of one of its ways may be."""
@@ -195,67 +91,72 @@ class Effect:
         owner = self.name.split(".")[0]
         return "instrument" if owner in INSTRUMENT else "bench" if owner in BENCH else "procedure"
 
-
-def per_axis(value: FloatArray) -> FloatArray:
-    """Return columns (n, 3, 3) of a coefficient per sensor for a value (n,) or (n, 3), in its unit."""
-    columns = np.zeros((len(value), 3, 3))
-    columns[:, range(3), range(3)] = value[:, None] if value.ndim == 1 else value
-    return columns
+    def law(self, shape: str = "") -> Law | None:
+        """Return the equation of a shape, None where it has none."""
+        return next((law for law in self.laws if law.shape == shape), None)
 
 
-def of_accelerometers(value: Callable[[Excitation], FloatArray]) -> Callable[[Excitation], Sequence[Columns]]:
-    """Return the columns of a coefficient per accelerometer for ``value`` (n, 3) or (n,) [g per unit]."""
-    return lambda excitation: [Columns(AXES, accel=per_axis(value(excitation)))]
+def effect_of(
+    name: str, *laws: Law, unit: str, plausible: float,
+    starts: Callable[[Excitation], Iterable[Columns]] | None = None, **about: Any,
+) -> Effect:  # fmt: skip
+    """Return an effect with columns of its laws; ``starts`` are the ways a search begins with, not yet columns.
 
-
-def of_gyroscopes(value: Callable[[Excitation], FloatArray]) -> Callable[[Excitation], Sequence[Columns]]:
-    """Return the columns of a coefficient per gyroscope for ``value`` (n, 3) or (n,) [deg/s per unit]."""
-    return lambda excitation: [Columns(AXES, gyro=per_axis(value(excitation)))]
-
-
-def matrix_columns(vector: FloatArray) -> FloatArray:
-    """Return columns (n, 3, 9), in the vector's unit, of a 3 x 3 matrix, row by sensor, times a vector (n, 3)."""
-    return (np.eye(3)[None, :, :, None] * vector[:, None, None, :]).reshape(len(vector), 3, 9)
-
-
-MATRIX = tuple(q + p for q in AXES for p in AXES)  # xy: sensor x, input y
-
-
-def rotation_columns(excitation: Excitation, rotation: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return accelerometer and gyroscope columns (n, 3, k) of small rotations of all that is seen.
-
-    The rotation vectors ``rotation`` (n, 3, k) [rad] are in IMU axes and turn every vector as the IMU sees it;
-    sensors see it by their misalignment, of which 3e-3 times a seating of 3e-4 rad are seven sigma of a dwell.
+    Laws take the triad from ``name``, and where they have none of their own, ``unit`` and ``plausible``.
     """
-    accel, gyro = np.zeros_like(rotation), np.zeros_like(rotation)
-    at = np.flatnonzero(rotation.any(axis=(1, 2)))  # not in moves, whose nodes are the most
-    accel[at] = -excitation.E_accel[at] @ skew(excitation.f[at]) @ rotation[at]
-    gyro[at] = -excitation.E_gyro[at] @ skew(excitation.omega[at]) @ rotation[at]
-    return accel, gyro
+    triad = name.partition(".")[0]
+    filled: dict[str, Any] = {"name": name.partition(".")[2], "triad": triad}
+    own = {
+        law.shape: replace(law, unit=law.unit or unit, plausible=law.plausible or plausible, **filled)
+        for law in laws
+    }
+
+    def at(seen: Excitation, way: Columns) -> Columns:
+        law = own[way.shape]
+        return law.at(seen, replace(way, unit="" if law.unit == unit else law.unit))
+
+    def columns(seen: Excitation) -> list[Columns]:
+        begin = itertools.chain(*(law.starts(seen) for law in own.values())) if starts is None else starts(seen)
+        return [at(seen, way) for way in begin]
+
+    is_fitted = any(law.parameters or law.is_polynomial for law in laws)
+    made: dict[str, Any] = {
+        "columns": columns, "at": at if is_fitted else None,
+        "physics": ", or ".join(law.equation for law in own.values()),
+        "ranges": {key: ends for law in laws for key, ends in law.ranges.items()},
+        "not_corrected": OF_CAMPAIGN if any(law.looks_back for law in own.values()) else "",
+    }  # fmt: skip
+    return Effect(name=name, unit=unit, plausible=plausible, laws=tuple(own.values()), **{**made, **about})
 
 
-def turned_columns(excitation: Excitation, columns: Columns, c: FloatArray) -> tuple[Columns, Columns]:
-    """Return what a turn of coefficients ``c`` (k,) adds, as one column and to every order, and its columns there.
+def twins(name: str, *laws: Law, **about: Any) -> tuple[Effect, Effect]:
+    """Return the effect of the accelerometers and that of the gyroscopes; where they differ, a pair is given."""
+    accelerometer, gyroscope = (
+        effect_of(f"{triad}.{name}", *laws, **{
+            key: value[i] if isinstance(value, tuple) else value for key, value in about.items()
+        })
+        for i, triad in enumerate(INSTRUMENT)
+    )  # fmt: skip
+    return accelerometer, gyroscope
 
-    A seat of 4e-3 rad takes 8e-6 g from the sensor that is upright, five sigma of its bias, and as much from it on
-    a slab that leans as far: what is turned is what the tilts of slab and face leave to be seen. At c a change of
-    the rotation vector v by d turns what is seen by ``(1 + [v x] / 2) d`` more, to the first order in v.
+
+def with_slope(effect: Effect, seen: Excitation, way: Columns, c: FloatArray) -> Columns:
+    """Return a way whose last columns are slopes by logarithms of what is not linear, at coefficients ``c`` (k,).
+
+    These are in the effect's unit, such as g/K or deg/h/K.
     """
-    assert columns.rotation is not None
-    at = np.flatnonzero(columns.rotation.any(axis=(1, 2)))
-    ways, tilts = columns.rotation[at], np.array([step.tilt for step in excitation.steps])
-    vectors, tilted = ways @ c, rotation(tilts[excitation.step[at]])
-    further = ways + skew(vectors) @ ways / 2
-    added, slopes = list[FloatArray](), list[FloatArray]()
-    for E, seen in ((excitation.E_accel, excitation.f), (excitation.E_gyro, excitation.omega)):
-        before = (tilted @ seen[at][..., None])[..., 0]
-        after = (rotation(vectors) @ before[..., None])[..., 0]
-        total, slope = np.zeros((*seen.shape, 1)), np.zeros((*seen.shape, len(c)))
-        total[at] = E[at] @ (after - before)[..., None]
-        slope[at] = -E[at] @ skew(after) @ further
-        added.append(total)
-        slopes.append(slope)
-    whole = np.zeros((len(columns.rotation), 3, 1))
-    whole[at, :, 0] = vectors
-    exact = Columns(("",), accel=added[0], gyro=added[1], rotation=whole)
-    return exact, replace(columns, accel=slopes[0], gyro=slopes[1])
+    first = len(c) - len(way.nonlinear)
+    if effect.at is None or not way.nonlinear or not np.any(c[:first]):
+        return way
+    accel, gyro = ([] if part is None else [part[:, :, :first]] for part in (way.accel, way.gyro))
+    for name, value in way.nonlinear.items():
+        less, more = (
+            effect.at(seen, replace(way, nonlinear={**way.nonlinear, name: value * float(np.exp(step))}))
+            for step in (-STEP, STEP)
+        )
+        for found, low, high in ((accel, less.accel, more.accel), (gyro, less.gyro, more.gyro)):
+            if low is not None and high is not None:
+                slope: FloatArray = (high - low)[:, :, :first] @ c[:first] / (2 * STEP)
+                found.append(slope[:, :, None])
+    joined = [np.concatenate(parts, axis=2) if parts else None for parts in (accel, gyro)]
+    return replace(way, accel=joined[0], gyro=joined[1])

@@ -1,9 +1,4 @@
-"""A bias or scale factor that jumped between two steps: ``c`` or ``1e-6 c u`` in every step after it.
-
-Where the unit was switched off and on in between it is its turn-on bias. Each place between two neighbouring steps
-of a campaign is a way of its own, to gyroscopes before a move and after it, and of the bias each of some places
-within a rest or a move: half of all jumps come while the cube rests. Plausible: 100 ug and 0.5 deg/h, 100 ppm.
-"""
+"""What changes from one moment on: jumps of a bias or scale factor, turn-on biases, a tilted unit."""
 
 import itertools
 from collections import defaultdict
@@ -15,7 +10,8 @@ from typing import TypeVar, overload
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.effects.effect import Columns, Effect, Excitation, ExcitationStep, per_axis
+from procedures.effects.effect import Effect
+from procedures.effects.excitation import Columns, Excitation, ExcitationStep, per_axis
 from procedures.frames import AXES
 from procedures.units import DEG_H_PER_DEG_S, PPM_PER_ONE
 
@@ -190,8 +186,15 @@ def _campaign_of(excitation: Excitation, step: ExcitationStep) -> dict[str, obje
     return {"campaign": step.campaign + 1} if several else {}
 
 
-ACCELEROMETER = Effect(
+ACCELEROMETER_JUMP = Effect(
     name="accelerometer.jump",
+    meaning="A bias or scale factor that jumped between two steps",
+    about=(
+        "c or 1e-6 c u in every step after it. Where the unit was switched off and on in between it is its "
+        "turn-on bias. Each place between two neighbouring steps of a campaign is a way of its own, to "
+        "gyroscopes before a move and after it, and of the bias each of some places within a rest or a move: "
+        "half of all jumps come while the cube rests. Plausible: 100 ug and 0.5 deg/h, 100 ppm."
+    ),
     unit="g",
     physics="c, or 1e-6 c u, in every step after one",
     source="IEEE Std 1293, bias and scale factor repeatability",
@@ -201,11 +204,100 @@ ACCELEROMETER = Effect(
     may_hang_on_a_step=True,
     driver="time",
 )
-GYROSCOPE = replace(
-    ACCELEROMETER,
+GYROSCOPE_JUMP = replace(
+    ACCELEROMETER_JUMP,
     name="gyroscope.jump",
     unit="deg/h",
     source="IEEE Std 952, bias and scale factor repeatability",
     plausible=0.5,
     columns=gyroscope_columns,
+)
+
+
+def accelerometer_turn_on(excitation: Excitation) -> list[Columns]:
+    """Return a bias of its own for each soak and sensor [g per g]."""
+    names, own = _own(excitation)
+    return [Columns(names, accel=own)] if names else []
+
+
+def gyroscope_turn_on(excitation: Excitation) -> list[Columns]:
+    """Return a bias of its own for each soak and sensor [deg/s per deg/h]."""
+    names, own = _own(excitation)
+    return [Columns(names, gyro=own / DEG_H_PER_DEG_S)] if names else []
+
+
+def _own(excitation: Excitation) -> tuple[tuple[str, ...], FloatArray]:
+    """Return the coefficients' names, and 1 at a soak's nodes in each of its columns (n, 3, k)."""
+    of_step = [(step.campaign, soak_of(step)) if step.kind == "soak" else None for step in excitation.steps]
+    soaks = [soak for soak in dict.fromkeys(of_step) if soak is not None]
+    if len(soaks) < 2:
+        return (), np.zeros((len(excitation.t), 3, 0))
+    own = np.zeros((len(excitation.t), 3, 3 * len(soaks)))
+    for i, soak in enumerate(soaks):
+        here = np.array([each == soak for each in of_step])[excitation.step]
+        own[here, :, 3 * i : 3 * i + 3] = np.eye(3)
+    return tuple(f"{soak[0] + 1}.{soak[1]}.{axis}" for soak in soaks for axis in AXES), own
+
+
+ACCELEROMETER_TURN_ON = Effect(
+    name="accelerometer.turn_on_bias",
+    meaning="Biases differ from one recording at rest to the next by draws of one variance",
+    about=(
+        "Turn-on to turn-on repeatability. A column for every soak and sensor. It shows in the means of soaks "
+        "that determine no calibration (`procedures.evidence.thermal_soaks`), of which two or more lie side by "
+        "side. Plausible: 30 deg/h and 1 mg, of which ten times as much is believed."
+    ),
+    unit="g",
+    physics="the bias of every recording is random, standard deviation = value",
+    source="IEEE Std 1293, bias repeatability",
+    plausible=1e-3,
+    columns=accelerometer_turn_on,
+    separate_by="the same recordings once more, some of them without switching off in between, at one temperature",
+    is_scatter=True,
+)
+GYROSCOPE_TURN_ON = replace(
+    ACCELEROMETER_TURN_ON,
+    name="gyroscope.turn_on_bias",
+    unit="deg/h",
+    source="IEEE Std 952, bias repeatability",
+    plausible=30.0,
+    columns=gyroscope_turn_on,
+)
+
+
+def tilt_columns(excitation: Excitation) -> Jumps:
+    """Return a rotation (x, y, z) [g per rad] of the specific force at every place of a soak where it is known."""
+    if not np.isfinite(excitation.f).all() or not any(step.kind == "soak" for step in excitation.steps):
+        return Jumps([])
+    turned = np.stack([np.cross(excitation.f, axis) for axis in np.eye(3)], axis=2)
+
+    def tilted(where: dict[str, object], later: FloatArray) -> Columns:
+        return Columns(AXES, where=where, accel=later[:, None, None] * turned)
+
+    blocks = block_times(excitation)
+    found = [(place_after(excitation, s, blocks), later) for s, later in places(excitation) if s.kind == "soak"]
+    found += [
+        (place_within(excitation, s, seconds, blocks), later)
+        for s, seconds, later in places_within(excitation)
+        if s.kind == "soak"
+    ]
+    return Jumps([partial(tilted, where, later) for where, later in found])
+
+
+UNIT_TILT = Effect(
+    name="placement.tilt",
+    meaning="The unit was tilted in the midst of a rest, and stays so",
+    about=(
+        "A nudge, a stand that gives way. The specific force turns by a small rotation about the level axes from "
+        "some moment on; what is along it stays. A jump of the accelerometers' biases across gravity looks the "
+        "same. Plausible: 0.01 rad, or as far as a rest wanders."
+    ),
+    unit="rad",
+    physics="rotation(x, y, z) of the specific force, from a moment on",
+    source="IEEE Std 1293, stability of the test pier",
+    plausible=0.01,
+    columns=tilt_columns,
+    separate_by="the rest again, with nobody near the stand; at another attitude a bias is along gravity",
+    may_hang_on_a_step=True,
+    driver="time",
 )

@@ -1,37 +1,112 @@
-"""What settles since power-on: the time since a recording began, and time constants to begin a search with."""
+"""What settles or drifts in time: biases and scale factors since power-on, accelerometers after a flip."""
 
-from collections.abc import Callable
+from collections.abc import Iterator
 
 import numpy as np
 
-from procedures.arrays import FloatArray
-from procedures.effects.effect import TAU, Columns, Excitation
+from procedures.effects.effect import effect_of, twins
+from procedures.effects.excitation import TAU, Columns, Excitation
+from procedures.effects.temperature_history import since_begun
+from procedures.effects.term.law import Law, Parameter
 from procedures.effects.time_constant import search
 
-SHORTEST_S = 30.0  # s, to begin with
+SHORTEST_S, SHORTEST_AT_REST_S = 30.0, 3.0  # s, of a time constant to begin with
+BY_CHANGE, BY_FORCE = "by the change of f", "by f"
+FITTED = {TAU: Parameter("s")}
+NOT_CORRECTED = "specific to the campaign, not a constant of the instrument"
 
 
-def since_begun(seen: Excitation) -> FloatArray:
-    """Return the time (n,) [s] since each history began; nan where no time is known.
-
-    A node stands in the middle of what it is the mean of: a history began half of that before its first one.
-    """
-    history = seen.histories[seen.step]
-    begun = np.array([_begin(np.sort(seen.t[history == one])) for one in range(int(history.max()) + 1)])
-    found: FloatArray = seen.t - begun[history]
-    return found
-
-
-def _begin(t: FloatArray) -> float:
-    """Return when a history of nodes at t (m,) [s] began; inf of none."""
-    if len(t) == 0:
-        return float(np.inf)
-    return float(t[0] - (t[1] - t[0]) / 2) if len(t) > 1 else float(t[0])
-
-
-def ways_to_settle(at: Callable[[Excitation, Columns], Columns], seen: Excitation) -> list[Columns]:
-    """Return an effect's columns at the time constants that a search begins with; none where no time is known."""
+def _since_power_on(seen: Excitation) -> Iterator[Columns]:
+    """Yield the time constants that a search begins with; none where no time is known."""
     since = since_begun(seen)
-    if not np.isfinite(since).all():
-        return []
-    return [at(seen, Columns((), nonlinear={TAU: tau})) for tau in search(SHORTEST_S, float(since.max()))]
+    if np.isfinite(since).all():
+        for tau in search(SHORTEST_S, float(since.max())):
+            yield Columns((), nonlinear={TAU: tau})
+
+
+def _at_rest(seen: Excitation) -> Iterator[Columns]:
+    """Yield every shape with time constants to begin with; none of a campaign without rests."""
+    rests = np.array([step.kind in {"dwell", "rest"} for step in seen.steps])[seen.step]
+    for tau in search(SHORTEST_AT_REST_S, float(np.max(seen.rest_s[rests], initial=0.0))):
+        for shape in ("", BY_CHANGE, BY_FORCE):
+            yield Columns((), shape=shape, nonlinear={TAU: tau})
+
+
+ACCELEROMETER_DRIFT, GYROSCOPE_DRIFT = twins(
+    "bias_drift",
+    Law(terms=("t",)),
+    unit=("g/h", "deg/h/h"),
+    plausible=(1e-4, 0.5),
+    meaning="Drift of a bias in time",
+    about="The bias refers to t = 0 of the device's time. Where temperature only rises, drift and temperature "
+    "are one. Plausible, of a unit just switched on: 100 ug/h of the accelerometers, 0.5 deg/h/h of the "
+    "gyroscopes.",
+    source=("IEEE Std 1293, bias trend", "IEEE Std 952, drift rate ramp"),
+    separate_by="a second campaign in another order, or a heating run up and down again",
+    driver="time",
+    not_corrected=NOT_CORRECTED,
+)
+
+BIAS = Law(terms=(f"exp(-t_on / {TAU})",), parameters=FITTED)
+ACCELEROMETER_BIAS, GYROSCOPE_BIAS = twins(
+    "bias_settling",
+    BIAS,
+    unit=("g", "deg/h"),
+    plausible=(2e-4, 1.0),
+    starts=_since_power_on,
+    meaning="Bias that settles since power-on",
+    about="Electronics, servo loop and source come to their temperature by their own heat after power-on, and a "
+    "bias with them: the warm-up time of a data sheet. A thermometer of the case need not see it. t_on is the "
+    "time since the first sample. One time constant for the triad, fitted; of one far longer than what was "
+    "recorded it is a drift. c is what is left of it when a recording begins, since when the power was on nobody "
+    "records. Plausible: 200 ug and 1 deg/h, as of units that are ten times as stable when warm.",
+    source=("IEEE Std 1293, warm-up time and bias stability", "IEEE Std 952, warm-up time and turn-on bias"),
+    separate_by="the campaign once more, in another order, when the unit has been on for an hour",
+    driver="time",
+    not_corrected=NOT_CORRECTED,
+)
+
+SCALE = Law(terms=(f"exp(-t_on / {TAU}) * out_changing",), parameters=FITTED)
+ACCELEROMETER_SCALE, GYROSCOPE_SCALE = twins(
+    "scale_settling",
+    SCALE,
+    unit="ppm",
+    plausible=300.0,
+    starts=_since_power_on,
+    meaning="Scale factor that settles since power-on",
+    about="The wavelength of a FOG's source settles after power-on as its own junction and its cooler do, and "
+    "the Sagnac phase goes with 1 / wavelength; an accelerometer's torquer magnet and pendulum come to their "
+    "temperature by their own heat. No thermometer of the case needs to see either. t_on is the time since the "
+    "first sample. One time constant for the triad, fitted; of one far longer than what was recorded it is a "
+    "straight line, a scale factor that ages. c is what is left of it when a recording begins, since when the "
+    "power was on nobody records. It shows where the input of a sensor changes: where it stands, a bias does the "
+    "same, and out_changing is zero. Plausible: 300 ppm, a source of 400 ppm/K without a cooler that warms by a "
+    "kelvin.",
+    source=(
+        "IEEE Std 1293, warm-up time and scale factor stability; torquer magnet and pendulum warm up",
+        "IEEE Std 952, warm-up time and scale factor stability; the source's wavelength after power-on",
+    ),
+    separate_by="the campaign once more, in another order, when the unit has been on for an hour",
+    driver="time",
+    not_corrected=NOT_CORRECTED,
+)
+
+FADING = f"exp(-t_rest / {TAU})"
+RELAXATION = effect_of(
+    "accelerometer.relaxation",
+    Law(terms=(FADING,), parameters=FITTED),
+    Law(terms=(f"{FADING} * (f - f_before)",), parameters=FITTED, shape=BY_CHANGE, unit="g/g"),
+    Law(terms=(f"{FADING} * f",), parameters=FITTED, shape=BY_FORCE, unit="g/g"),
+    unit="g",
+    plausible=1e-4,
+    starts=_at_rest,
+    meaning="Relaxation of the accelerometers after a flip",
+    about="Flexure and suspension creep after the load on them changed. c is the same after every flip, or in "
+    "proportion to the change of specific force along the axis, or to the specific force that is. tau is fitted. "
+    "t_rest is the time since the step began: the cube comes to rest before, and c is what is left at its "
+    "beginning. Plausible: 100 ug.",
+    source="IEEE Std 1293, hysteresis and warm-up trend after tumbling",
+    separate_by="a long dwell after a flip, and one without a flip before it",
+    driver="time at rest",
+    not_corrected=NOT_CORRECTED,
+)

@@ -10,11 +10,29 @@ import numpy as np
 from scipy.linalg import solve_banded
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.effects.effect import Excitation
+from procedures.effects.excitation import Excitation
 from procedures.units import S_PER_MIN
 
 SWITCHED_ON_S = 600.0  # ago, within which temperature is carried back to where a unit was switched on
 REVERSAL_K = 0.5  # by which temperature must come back before it has turned: less is the thermometer's noise
+
+
+def since_begun(seen: Excitation) -> FloatArray:
+    """Return the time (n,) [s] since each history began; nan where no time is known.
+
+    A node stands in the middle of what it is the mean of: a history began half of that before its first one.
+    """
+    history = seen.histories[seen.step]
+    begun = np.array([_begin(np.sort(seen.t[history == one])) for one in range(int(history.max()) + 1)])
+    found: FloatArray = seen.t - begun[history]
+    return found
+
+
+def _begin(t: FloatArray) -> float:
+    """Return when a history of nodes at t (m,) [s] began; inf of none."""
+    if len(t) == 0:
+        return float(np.inf)
+    return float(t[0] - (t[1] - t[0]) / 2) if len(t) > 1 else float(t[0])
 
 
 def sensor_temperature(seen: Excitation, tau_s: float, lags: int = 1) -> FloatArray:
@@ -23,8 +41,6 @@ def sensor_temperature(seen: Excitation, tau_s: float, lags: int = 1) -> FloatAr
     Of several lags the next follows what the one before has come to, all from one equilibrium. nan where a
     campaign's temperature is not known, or there is no time constant above nought.
     """
-    if lags == 1 and tau_s in seen.sensor_temperature:
-        return seen.sensor_temperature[tau_s]
     return followed(seen, tau_s, lags)
 
 
@@ -49,8 +65,6 @@ def warming(seen: Excitation) -> FloatArray:
 
     A temperature that never moved by `REVERSAL_K` has no direction: 0.
     """
-    if seen.direction is not None:
-        return seen.direction
     found = np.full(len(seen.t), np.nan)
     for order in known_histories(seen):
         found[order] = _direction(seen.temperature[order])
@@ -86,8 +100,6 @@ def direction_or_play(seen: Excitation, half_width_k: float | None) -> FloatArra
     """
     if half_width_k is None:
         return warming(seen)
-    if half_width_k in seen.branch:
-        return seen.branch[half_width_k]
     if not half_width_k > 0:
         return np.full(len(seen.t), np.nan)
     return (seen.temperature - played(seen, half_width_k)) / half_width_k

@@ -1,4 +1,4 @@
-"""Time constants of effects and what else is not linear: where a search begins, and what a change of one adds.
+"""Time constants of effects and what else is not linear: where a search begins, and their columns.
 
 The search begins at steps too small for a minimum to hide between them, from what the nodes can resolve to several
 times what was recorded; from the best one on the time constant is fitted with the coefficients (Golub and Pereyra
@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.effects.effect import Columns, Effect, Excitation
+from procedures.effects.excitation import Columns
 
 RATIO = 1.7  # between neighbours, at most
 LONGEST = 3.0  # times what was recorded: beyond it an exponential is a straight line
@@ -41,25 +41,3 @@ def with_nonlinear(way: Columns, plausible: tuple[float, ...]) -> Columns:
 
 def _appended(part: FloatArray | None, more: int) -> FloatArray | None:
     return None if part is None else np.concatenate((part, np.zeros((*part.shape[:2], more))), axis=2)
-
-
-def with_slope(effect: Effect, seen: Excitation, way: Columns, c: FloatArray) -> Columns:
-    """Return a way whose last columns are slopes by logarithms of what is not linear, at coefficients ``c`` (k,).
-
-    These are in the effect's unit, such as g/K or deg/h/K.
-    """
-    first = len(c) - len(way.nonlinear)
-    if effect.at is None or not way.nonlinear or not np.any(c[:first]):
-        return way
-    accel, gyro = ([] if part is None else [part[:, :, :first]] for part in (way.accel, way.gyro))
-    for name, value in way.nonlinear.items():
-        less, more = (
-            effect.at(seen, replace(way, nonlinear={**way.nonlinear, name: value * float(np.exp(step))}))
-            for step in (-STEP, STEP)
-        )
-        for found, low, high in ((accel, less.accel, more.accel), (gyro, less.gyro, more.gyro)):
-            if low is not None and high is not None:
-                slope: FloatArray = (high - low)[:, :, :first] @ c[:first] / (2 * STEP)
-                found.append(slope[:, :, None])
-    joined = [np.concatenate(parts, axis=2) if parts else None for parts in (accel, gyro)]
-    return replace(way, accel=joined[0], gyro=joined[1])

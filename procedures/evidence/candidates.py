@@ -14,7 +14,8 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.calibration.joint_calibration import CampaignFits
-from procedures.effects.effect import Columns, Effect
+from procedures.effects.effect import Effect
+from procedures.effects.excitation import Columns
 from procedures.errors import DoesNotFit, ProcedureError
 from procedures.evidence.linear_model import LinearFit, Term, fit_linear
 from procedures.evidence.rate_points import STD_PER_MAD

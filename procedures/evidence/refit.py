@@ -17,8 +17,9 @@ from procedures.calibration.joint_calibration import CampaignFits, fit_reduced
 from procedures.calibration.reduced_steps import ReducedSteps
 from procedures.campaign.campaign import Campaign, MoveRecord
 from procedures.counts.sample_records import CountSeries
-from procedures.effects.effect import Columns, turned_columns
-from procedures.effects.time_constant import LOG_RANGE, with_slope
+from procedures.effects.effect import with_slope
+from procedures.effects.excitation import Columns, turned_columns
+from procedures.effects.time_constant import LOG_RANGE
 from procedures.errors import DoesNotFit
 from procedures.evidence.candidates import Candidate, raising_does_not_fit
 from procedures.evidence.linear_model import LinearFit, Term, fit_linear

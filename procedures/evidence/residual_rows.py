@@ -20,7 +20,7 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.calibration.joint_calibration import CampaignFits
-from procedures.effects.effect import Columns, Excitation, ExcitationStep
+from procedures.effects.excitation import Columns, Excitation, ExcitationStep
 from procedures.evidence.excitation import (
     NodeBuilder,
     StepNodes,

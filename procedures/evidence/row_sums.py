@@ -9,7 +9,7 @@ from scipy.sparse import csr_array
 
 from procedures.arrays import FloatArray
 from procedures.counts.sample_records import Series
-from procedures.effects.effect import ExcitationStep
+from procedures.effects.excitation import ExcitationStep
 from procedures.evidence.excitation import Bins, NodeBuilder, StepNodes, attitude, site_vectors
 from procedures.twelve_positions.accelerometer_fit import TriadFit
 from procedures.twelve_positions.placement_transfers import PlacementTransfers

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.effects.effect import Columns
+from procedures.effects.excitation import Columns
 from procedures.evidence.candidates import Candidate
 from procedures.evidence.linear_model import Term, variance_classes
 from procedures.evidence.residual_rows import KINDS, Evidence

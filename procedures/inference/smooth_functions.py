@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
-from procedures.effects.effect import REFERENCE_C, Columns, Excitation, per_axis
+from procedures.effects.excitation import REFERENCE_C, Columns, Excitation, per_axis
 from procedures.effects.temperature_history import REVERSAL_K, lagged, sensor_temperature
 from procedures.evidence.residual_rows import Evidence
 from procedures.evidence.row_sums import row_sums

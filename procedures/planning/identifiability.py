@@ -18,7 +18,7 @@ from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.campaign.campaign import Campaign
 from procedures.earth.geodesy import earth_rate_n
 from procedures.effects import EFFECTS
-from procedures.effects.effect import Columns, Excitation, ExcitationStep
+from procedures.effects.excitation import Columns, Excitation, ExcitationStep
 from procedures.evidence.candidates import NAVIGATION_GRADE_STD
 from procedures.frames import AXES, face_normal, face_of, nominal_C_lb
 from procedures.planning.campaign_design import TURNS, CampaignDesign, HandTimes, Placement

@@ -2,8 +2,8 @@
 
     N / k = E u + D + e(u, T, ...)        u <- E^-1 (N / k - D - e(u, T, ...))
 
-Effects of the catalogue are corrected a sample after the other (`settling_kernels`), effects of one's own around
-that, until u stands still: a round gains as many digits as they change slower than u.
+Terms of the usual forms are corrected a sample after the other (`settling_kernels`), others around that, until u
+stands still: a round gains as many digits as they change slower than u.
 """
 
 from collections.abc import Mapping
@@ -17,15 +17,11 @@ from procedures.arrays import BoolArray, FloatArray
 from procedures.frames import TRIADS
 from procedures.units import DEG_H_PER_DEG_S
 from station.calibrated.applied_effects import (
+    AppliedEffect,
     CompiledEffects,
-    added_by,
-    backlashes,
+    SampleInputs,
+    applied_effect,
     compiled,
-    excitation,
-    is_compiled,
-    left_for_good,
-    needs,
-    temperature_lags,
 )
 from station.calibrated.correction_inputs import (
     NOTHING_KNOWN,
@@ -77,7 +73,7 @@ class CalibrationModel:
     """
 
     triads: Mapping[str, Triad]
-    effects: tuple[Mapping[str, Any], ...]
+    effects: tuple[AppliedEffect, ...]
     left: Mapping[str, str]
     names: tuple[str, ...]
 
@@ -85,21 +81,20 @@ class CalibrationModel:
     def of(cls, calibration: Mapping[str, Any]) -> "CalibrationModel":
         """Return the model of a `calibration/1`; an effect of one's own that is not whole is `DataRefused`."""
         triads = {name: Triad.of(calibration[name], UNITS[name][1]) for name in TRIADS if name in calibration}
-        why = {str(entry["name"]): left_for_good(entry) for entry in calibration["effects"]}
-        left = {name: reason for name, reason in why.items() if reason}
-        return cls(
-            triads, tuple(e for e in calibration["effects"] if str(e["name"]) not in left), left, tuple(why)
-        )
+        found = [(str(entry["name"]), applied_effect(entry)) for entry in calibration["effects"]]
+        left = {name: one for name, one in found if isinstance(one, str)}
+        effects = (one for name, one in found if not isinstance(one, str) and name not in left)
+        return cls(triads, tuple(effects), left, tuple(dict.fromkeys(name for name, _ in found)))
 
     @cached_property
     def taus(self) -> tuple[float, ...]:
         """The time constants [s] by which its effects follow the temperature."""
-        return tuple(tau for entry in self.effects for tau in temperature_lags(entry))
+        return tuple(tau for one in self.effects for tau in one.lags)
 
     @cached_property
     def backlashes(self) -> tuple[float, ...]:
         """The half widths [K] with which its effects follow the temperature with a play."""
-        return tuple(width for entry in self.effects for width in backlashes(entry))
+        return tuple(width for one in self.effects for width in one.backlashes)
 
     def follower(self) -> TemperatureFollower:
         """Return what follows the temperature as its effects do."""
@@ -108,13 +103,13 @@ class CalibrationModel:
     @property
     def taken_off(self) -> tuple[str, ...]:
         """The names of its ``effects``."""
-        return tuple(str(entry["name"]) for entry in self.effects)
+        return tuple(one.name for one in self.effects)
 
     def without(self, names: tuple[str, ...]) -> "CalibrationModel":
         """Return it without some of its effects."""
         return replace(
             self,
-            effects=tuple(e for e in self.effects if str(e["name"]) not in names),
+            effects=tuple(one for one in self.effects if one.name not in names),
             left={name: reason for name, reason in self.left.items() if name not in names},
             names=tuple(name for name in self.names if name not in names),
         )
@@ -131,22 +126,22 @@ class CalibrationModel:
         }
         n = len(next(iter(output.values()), np.zeros((0, 3))))
         around = _with_signals(around, self.follower(), n)
-        not_known = {str(e["name"]): needs(e, around, set(output)) for e in self.effects}
+        not_known = {one.name: one.needs(around, set(output)) for one in self.effects}
         reasons = {name: self.left.get(name) or not_known.get(name, "") for name in self.names}
         left = {name: reason for name, reason in reasons.items() if reason}
-        effects = [entry for entry in self.effects if str(entry["name"]) not in left]
+        effects = [one for one in self.effects if one.name not in left]
         unsettled = np.zeros(n, dtype=np.bool_)
         u = self._settled(output, effects, around, unsettled) if n else output
         said = tuple(f"{name}: {reason}" for name, reason in left.items())
         return CalibratedInputs(u.get("accelerometer"), u.get("gyroscope"), unsettled, said)
 
     def _settled(
-        self, output: Mapping[str, FloatArray], effects: list[Mapping[str, Any]], around: Surroundings,
+        self, output: Mapping[str, FloatArray], effects: list[AppliedEffect], around: Surroundings,
         unsettled: BoolArray,
     ) -> dict[str, FloatArray]:  # fmt: skip
-        known = [entry for entry in effects if is_compiled(entry)]
+        known = tuple(one for one in effects if one.is_compiled)
         kernels = {name: compiled(known, name) for name in output}
-        others = [entry for entry in effects if not is_compiled(entry)]
+        others = [one for one in effects if not one.is_compiled and one.triad in output]
         u = self._by_kernels(output, kernels, dict.fromkeys(output, np.zeros((0, 3))), around, unsettled)
         if not others:
             return u
@@ -165,16 +160,14 @@ class CalibrationModel:
         return u
 
     def _added(
-        self, others: list[Mapping[str, Any]], u: Mapping[str, FloatArray], around: Surroundings
+        self, others: list[AppliedEffect], u: Mapping[str, FloatArray], around: Surroundings
     ) -> dict[str, FloatArray]:
-        """Return what effects of one's own add (n, 3) to each triad's output at inputs u."""
+        """Return what effects without a kernel add (n, 3) to each triad's output at inputs u."""
         n = len(next(iter(u.values())))
-        seen = excitation(self.triads, u, around, n)
+        seen = SampleInputs.of(self.triads, u, around, n)
         off = {name: np.zeros((n, 3)) for name in u}
-        for entry in others:
-            for name, added in added_by(entry, seen).items():
-                if name in off:
-                    off[name] += np.nan_to_num(added)
+        for one in others:
+            off[one.triad] += np.nan_to_num(seen.added(one))
         return off
 
     def _by_kernels(

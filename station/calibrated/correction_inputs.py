@@ -13,7 +13,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.attitude.kernel_options import kernel
-from procedures.effects.effect import REFERENCE_C
+from procedures.effects.excitation import REFERENCE_C
 from procedures.effects.temperature_history import REVERSAL_K
 
 SLOPE_S = 60.0  # over which the temperature's rate is taken

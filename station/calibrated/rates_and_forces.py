@@ -12,7 +12,7 @@ import numpy as np
 from drivers.wire import NominalScale
 from procedures.arrays import BoolArray, FloatArray
 from procedures.counts.sample_records import CountBlock, SampleBlock
-from procedures.effects.effect import REFERENCE_C
+from procedures.effects.excitation import REFERENCE_C
 from procedures.units import STANDARD_GRAVITY
 from station.calibrated.applied_calibration import CalibrationModel
 from station.calibrated.correction_inputs import Surroundings, TemperatureFollower

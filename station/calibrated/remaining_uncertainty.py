@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.effects.effect import REFERENCE_C
+from procedures.effects.excitation import REFERENCE_C
 from procedures.units import DEG_H_PER_DEG_S, RAD_PER_DEG, STANDARD_GRAVITY, UG_PER_G
 from station.calibrated.applied_calibration import UNITS, CalibratedInputs, CalibrationModel
-from station.calibrated.applied_effects import added_by, excitation, varied_by
+from station.calibrated.applied_effects import SampleInputs
 from station.calibrated.correction_inputs import Surroundings, TemperatureSignals
 
 SPAN_S = 60.0
@@ -101,12 +101,11 @@ class SpanSigmas:
         if not len(at) or not u:
             return {}
         variances = {name: self._parts[name].variance(u[name], self._model.triads[name]) for name in u}
-        seen = excitation(self._model.triads, u, _picked(around, at), len(at))
+        seen = SampleInputs.of(self._model.triads, u, _picked(around, at), len(at))
         left = {sentence.partition(": ")[0] for sentence in found.not_applied}
-        for entry in self._model.effects:
-            for name, varied in varied_by(entry, seen).items() if entry["name"] not in left else ():
-                if name in variances:
-                    variances[name] += np.nan_to_num(varied)
+        for one in self._model.effects:
+            if one.triad in variances and one.name not in left:
+                variances[one.triad] += np.nan_to_num(seen.varied(one))
         return {name: value @ (self._model.triads[name].inverse ** 2).T for name, value in variances.items()}
 
 
@@ -161,8 +160,8 @@ def size_of(model: CalibrationModel, document: Mapping[str, Any], name: str) -> 
 
     At 1 g and 100 deg/s along every axis, at the ends of the calibration's temperatures, at 1 K/min and 50 uT.
     """
-    entry = next((each for each in model.effects if each["name"] == name), None)
-    if entry is None:
+    effect = next((each for each in model.effects if each.name == name), None)
+    if effect is None or effect.triad not in model.triads:
         return ""
     low, high = document.get("temperature_range_c") or (REFERENCE_C - ANY_RANGE_K, REFERENCE_C + ANY_RANGE_K)
     warmth = np.array([low, high, low, high], dtype=np.float64) - REFERENCE_C
@@ -172,13 +171,11 @@ def size_of(model: CalibrationModel, document: Mapping[str, Any], name: str) -> 
     field = np.full((4, 3), EARTH_FIELD_UT) * sign[:, None]
     input_of = {"accelerometer": np.ones((4, 3)), "gyroscope": np.full((4, 3), RATE_DEG_S)}
     u: dict[str, FloatArray] = {each: input_of[each] * sign[:, None] for each in model.triads}
-    seen = excitation(model.triads, u, Surroundings(magnetic=field, signals=signals), 4)
-    said = list[str]()
-    for triad, added in added_by(entry, seen).items():
-        unit, per = SHOWN_UNITS[triad]
-        if np.isfinite(added).all() and (most := float(np.abs(added).max()) * per):
-            said.append(f"up to {float(f'{most:.2g}'):g} {unit}")
-    return " and ".join(said)
+    added = SampleInputs.of(model.triads, u, Surroundings(magnetic=field, signals=signals), 4).added(effect)
+    unit, per = SHOWN_UNITS[effect.triad]
+    if np.isfinite(added).all() and (most := float(np.abs(added).max()) * per):
+        return f"up to {float(f'{most:.2g}'):g} {unit}"
+    return ""
 
 
 def lacking(

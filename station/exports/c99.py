@@ -13,8 +13,9 @@ from procedures.arrays import FloatArray
 from procedures.effects.temperature_history import REVERSAL_K
 from procedures.frames import TRIADS
 from procedures.units import RAD_PER_DEG, STANDARD_GRAVITY
+from station.calibrated.applied_effects import AppliedEffect
 from station.calibrated.correction_inputs import KEPT, KEPT_S, MIN_SLOPE_S, SLOPE_S
-from station.exports.exported_calibration import CarriedEffect, StoredCalibration, carried_effects
+from station.exports.exported_calibration import StoredCalibration, carried_effects
 from station.exports.expressions import CExpressions, c_functions, c_number
 from station.exports.known_samples import AUXILIARY, MAGNETIC_UT, Sample, known_samples, rounds_needed
 from station.exports.program_text import (
@@ -54,7 +55,7 @@ def sources(stored: StoredCalibration, prefix: str, *, is_float: bool) -> dict[s
     return {f".{end}": templates().get_template(f"c_{name}.jinja").render(context) for end, name in _FILES.items()}
 
 
-def _context(stored: StoredCalibration, effects: tuple[CarriedEffect, ...], is_float: bool) -> dict[str, object]:
+def _context(stored: StoredCalibration, effects: tuple[AppliedEffect, ...], is_float: bool) -> dict[str, object]:
     has_rate = any("T_rate" in one.inputs for one in effects)
     lags = lags_of(effects)
     write = CExpressions(lags, c_functions(is_float), is_float)
@@ -97,7 +98,7 @@ def _output(triad: str, is_there: bool, is_float: bool) -> dict[str, str]:
     return {"name": name, "value": value}
 
 
-def _inputs(effects: tuple[CarriedEffect, ...], is_float: bool) -> list[dict[str, object]]:
+def _inputs(effects: tuple[AppliedEffect, ...], is_float: bool) -> list[dict[str, object]]:
     return [
         {
             "name": f"{one.variable}[{one.size}]" if one.size > 1 else one.variable, "variable": one.variable,

@@ -10,6 +10,7 @@ lags behind the thermometer is taken as if it did not. A polynomial above the th
 the third, at Chebyshev's nodes, which is within a few per cent of the least that its largest error can be.
 """
 
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -19,15 +20,15 @@ import numpy as np
 from numpy.polynomial import Polynomial
 
 from procedures.arrays import FloatArray
-from procedures.effects.effect import REFERENCE_C
+from procedures.effects.excitation import REFERENCE_C
 from procedures.units import RAD_PER_DEG, RAD_S_PER_DEG_H, S_PER_MIN, STANDARD_GRAVITY
 from station.calibrated.applied_calibration import CalibrationModel
-from station.calibrated.applied_effects import POLYNOMIALS
+from station.calibrated.applied_effects import AppliedEffect
 from station.calibrated.correction_inputs import WARMTH
 from station.calibrated.rates_and_forces import NOMINAL_SCALE_DIGITS, mean_scale
 from station.calibrated.remaining_uncertainty import size_of
 from station.errors import DataRefused
-from station.exports.exported_calibration import CarriedEffect, carried_effects, read_stored, stated_size
+from station.exports.exported_calibration import carried_effects, read_stored, stated_size
 from station.files.calibration_document import FORMAT
 
 ORDER = 3
@@ -59,14 +60,16 @@ class ThermalOffset:
         return _table([Polynomial(row)(shift) for row in self.cubic])
 
 
-def is_thermal(effect: CarriedEffect) -> bool:
+def is_thermal(effect: AppliedEffect) -> bool:
     """Say whether an effect is one of the offset that goes with the temperature, or lags behind it."""
-    known = POLYNOMIALS.get(effect.name)
-    return known is not None and known.part == "bias" and known.signal in {WARMTH, ""}
+    return all(
+        slot is not None and slot.array == "bias" and (slot.signal == WARMTH or isinstance(slot.signal, float))
+        for slot in effect.slots
+    )
 
 
 def thermal_offset(
-    effects: Sequence[CarriedEffect], triad: str, gain: FloatArray, si: float, limits: tuple[float, float]
+    effects: Sequence[AppliedEffect], triad: str, gain: FloatArray, si: float, limits: tuple[float, float]
 ) -> ThermalOffset | None:
     """Return a triad's offset by temperature, None where it has none.
 
@@ -77,14 +80,24 @@ def thermal_offset(
     low, high = limits
     if not own or not low < high:
         return None
-    most = max(one.coefficients.shape[1] for one in own)
-    whole = np.zeros((3, max(most, ORDER) + 1))
-    behind = np.zeros(3)
+    parts = [
+        (one, slot, column)
+        for one in own
+        for slot, column in zip(one.slots, one.coefficients.T, strict=True)
+        if slot is not None
+    ]
+    most = max(slot.at + 1 for _, slot, _ in parts)
+    whole, behind = np.zeros((3, max(most, ORDER) + 1)), np.zeros(3)
+    lagging = defaultdict[tuple[AppliedEffect, float], FloatArray](lambda: np.zeros_like(whole))
+    for one, slot, column in parts:
+        whole[:, slot.at + 1] += column
+        if isinstance(slot.signal, float):
+            lagging[one, slot.signal][:, slot.at + 1] += column
     warmth = (low + high) / 2 - REFERENCE_C + (high - low) / 2 * np.cos(np.pi * (np.arange(NODES) + 0.5) / NODES)
-    for one in own:
-        whole[:, 1 : one.coefficients.shape[1] + 1] += one.coefficients
-        slopes = [np.abs(Polynomial([0.0, *row]).deriv()(warmth)).max() for row in one.coefficients]
-        behind += np.array(slopes) * sum(one.lags) / S_PER_MIN
+    for (_, tau), polynomials in lagging.items():
+        behind += (
+            tau / S_PER_MIN * np.array([np.abs(Polynomial(row).deriv()(warmth)).max() for row in polynomials])
+        )
     cubic, refit = whole[:, : ORDER + 1], np.zeros(3)
     if most > ORDER:
         fits = [np.polynomial.Chebyshev.fit(warmth, Polynomial(row)(warmth), ORDER) for row in whole]

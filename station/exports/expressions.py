@@ -8,9 +8,9 @@ import numpy as np
 from procedures.effects.term.grammar import Call, Name, Node, Number, Operation
 from procedures.effects.term.inputs import AUXILIARY
 from procedures.frames import AXES
+from station.calibrated.applied_effects import VECTORS as MEASURED
 
 VECTORS = {"f": "f", "omega": "omega", "B": "state{}magnetic_ut"}
-OWN = {"accelerometer": "f", "gyroscope": "omega"}
 MAX_INTEGER_POWER = 12
 
 
@@ -27,7 +27,7 @@ class Expressions:
             case Number():
                 return self.number(node.value)
             case Name():
-                return self.name(OWN[triad] if node.name == "u" else node.name, triad)
+                return self.name(MEASURED[triad] if node.name == "u" else node.name, triad)
             case Operation():
                 return self.operation(node, triad)
             case Call(name="lag", arguments=(_, Number(value=tau))):

@@ -37,7 +37,7 @@ ArduPilot: ArduPilot/ardupilot, master (4.7.0-dev), libraries/AP_InertialSensor:
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from procedures.effects.effect import REFERENCE_C
+from procedures.effects.excitation import REFERENCE_C
 from station.exports.correction import Correction, effects_lost, lost, parameters
 
 AXES = "XYZ"

@@ -1,98 +1,44 @@
 """Test samples with known results for generated programs, and how many iterations these need."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.effects.sagnac_sine import sine_less_one
-from procedures.effects.term.functions import FUNCTIONS
-from procedures.effects.term.grammar import Call, Name, Node, Number, Operation, names
-from procedures.frames import AXES, TRIADS
+from procedures.effects.term.grammar import calls
+from procedures.frames import TRIADS
 from station.calibrated.applied_calibration import calibrated_inputs
+from station.calibrated.applied_effects import VECTORS, AppliedEffect, SampleInputs
 from station.calibrated.correction_inputs import Surroundings, TemperatureFollower, Triad
 from station.errors import DataRefused
-from station.exports.exported_calibration import CarriedEffect, StoredCalibration, input_name
-from station.exports.expressions import OWN
+from station.exports.exported_calibration import StoredCalibration, input_name
 
 Vectors = dict[str, FloatArray]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Inputs:
-    """What n samples are worked out from: what a triad reads (n, 3) [g], [deg/s], and all else by name.
-
-    ``known`` has T, T_rate, warming and auxiliary channels (n, 1), B (n, 3), ``behind`` what lags by its tau.
-    """
-
-    read: Mapping[str, FloatArray]
-    known: Mapping[str, FloatArray]
-    behind: Mapping[float, FloatArray]
-
-
 def settle(
-    triads: Mapping[str, Triad], effects: Sequence[CarriedEffect], inputs: Inputs, rounds: int
+    triads: Mapping[str, Triad], effects: Sequence[AppliedEffect], read: Vectors, known: SampleInputs, rounds: int
 ) -> list[Vectors]:
-    """Return u of each triad (n, 3) [g], [deg/s] after no round, one, two, ..."""
-    out = dict(inputs.read)
+    """Return u of each triad (n, 3) [g], [deg/s] after no round, one, two, ..., as a program takes them.
+
+    ``read`` is what triads read (n, 3) [g], [deg/s], ``known`` what does not change from round to round.
+    """
+    out = dict(read)
     found = [_inverted(triads, out)]
     for _ in range(rounds):
-        seen = {"f": found[-1].get("accelerometer"), "omega": found[-1].get("gyroscope")}
-        vectors = {name: value for name, value in seen.items() if value is not None}
+        vectors = {VECTORS[name]: value for name, value in found[-1].items()}
+        at = replace(known, known={**known.known, **vectors}, out=out)
         added = {name: np.zeros_like(value) for name, value in out.items()}
         for effect in effects:
-            at = _Term({**inputs.known, **vectors, "out": out[effect.triad]}, inputs.behind, effect.triad)
-            for column, term in enumerate(effect.terms):
-                c = effect.coefficients[:, column]
-                inside = any(each.name == "c" for each in names(term))
-                added[effect.triad] += at.of(term, c) * (1.0 if inside else c)
-        out = {name: inputs.read[name] - added[name] for name in out}
+            added[effect.triad] += at.added(effect)
+        out = {name: read[name] - added[name] for name in out}
         found.append(_inverted(triads, out))
     return found
 
 
 def _inverted(triads: Mapping[str, Triad], out: Mapping[str, FloatArray]) -> Vectors:
     return {name: (out[name] - triad.D) @ triad.inverse.T for name, triad in triads.items()}
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Term:
-    known: Mapping[str, FloatArray]
-    behind: Mapping[float, FloatArray]
-    triad: str
-
-    def of(self, node: Node, c: FloatArray) -> FloatArray:
-        """Return a term's value, which broadcasts to (n, 3)."""
-        match node:
-            case Number():
-                return np.array([[node.value]])
-            case Name(name="c"):
-                return c
-            case Name():
-                return self._name(OWN[self.triad] if node.name == "u" else node.name)
-            case Operation():
-                left, right = self.of(node.left, c), self.of(node.right, c)
-                operation = {"+": np.add, "-": np.subtract, "*": np.multiply, "/": np.divide, "**": np.power}
-                found: FloatArray = operation[node.sign](left, right)
-                return found
-            case Call(name="lag", arguments=(_, Number(value=tau))):
-                return self.behind[tau]
-            case Call(name="sine", arguments=(inner,)):
-                return sine_less_one(self.of(inner, c))
-            case Call():
-                return FUNCTIONS[node.name].value(*(self.of(each, c) for each in node.arguments))
-
-    def _name(self, name: str) -> FloatArray:
-        if name in self.known:
-            return self.known[name]
-        vector, _, part = name.partition("_")
-        value = self.known[vector]
-        if part == "norm":
-            return np.asarray(np.linalg.norm(value, axis=1, keepdims=True))
-        if part in AXES:
-            return value[:, AXES.index(part)][:, None]
-        return value[:, [(i + int(part) - 1) % 3 for i in range(3)]]
 
 
 RANGE_G, RANGE_DEG_S = 5.0, 400.0  # within which a fixed number of rounds is held to its residual
@@ -135,7 +81,7 @@ class Rounds:
         return f"{self.residual:.1e} of the input's length is left after {self.number} rounds, {reach}"
 
 
-def rounds_needed(stored: StoredCalibration, effects: Sequence[CarriedEffect], wanted: float) -> Rounds:
+def rounds_needed(stored: StoredCalibration, effects: Sequence[AppliedEffect], wanted: float) -> Rounds:
     """Return how many rounds leave less than ``wanted`` of the input's length, or the most that are taken.
 
     Raises
@@ -156,7 +102,7 @@ def rounds_needed(stored: StoredCalibration, effects: Sequence[CarriedEffect], w
     known = _known(effects, T, t)
     best = Rounds(0, np.inf, RANGE_G, rate)
     with np.errstate(all="ignore"):  # what is not finite is no residual
-        tried = settle(stored.triads, effects, Inputs(output, *known), MAX_ROUNDS)
+        tried = settle(stored.triads, effects, output, known, MAX_ROUNDS)
     for number, found in enumerate(tried):
         best = Rounds(number, _apart(found, expected), RANGE_G, rate)
         if number and best.residual < wanted:
@@ -169,7 +115,7 @@ def rounds_needed(stored: StoredCalibration, effects: Sequence[CarriedEffect], w
     return best
 
 
-def known_samples(stored: StoredCalibration, effects: Sequence[CarriedEffect], *, is_float: bool) -> list[Sample]:
+def known_samples(stored: StoredCalibration, effects: Sequence[AppliedEffect], *, is_float: bool) -> list[Sample]:
     """Return two runs of samples, warming and cooling, from equilibrium, with what the station makes of them."""
     rng = np.random.default_rng(2)
     low, high = stored.temperature_range_c or USUAL_C
@@ -201,7 +147,7 @@ def known_samples(stored: StoredCalibration, effects: Sequence[CarriedEffect], *
 
 def _by_station(
     stored: StoredCalibration,
-    effects: Sequence[CarriedEffect],
+    effects: Sequence[AppliedEffect],
     read: Mapping[str, FloatArray],
     T: FloatArray,
     t: FloatArray,
@@ -209,12 +155,7 @@ def _by_station(
     """Return u (n, 3) [g], [deg/s] as the station applies the carried effects to what triads read."""
     carried = [entry for entry in stored.effects if any(one.entry is entry for one in effects)]
     document = {**stored.document, "effects": carried}
-    n = len(T)
-    channels = {input_name(name) for one in effects for name in one.inputs if name.startswith("aux_")}
-    around = Surroundings(
-        temperature=T, t=t, magnetic=np.tile(MAGNETIC_UT, (n, 1)),
-        auxiliary={name: np.full(n, AUXILIARY) for name in channels},
-    )  # fmt: skip
+    around = _around(effects, T, t)
     rates = [read[name] * stored.triads[name].k if name in stored.triads else None for name in TRIADS]
     with np.errstate(all="ignore"):  # what is not finite is refused below
         found = calibrated_inputs(document, rates[0], rates[1], around)
@@ -225,21 +166,23 @@ def _by_station(
     return u
 
 
-def _known(
-    effects: Sequence[CarriedEffect], T: FloatArray, t: FloatArray
-) -> tuple[dict[str, FloatArray], dict[float, FloatArray]]:
-    names = {name for one in effects for name in one.inputs if name.startswith("aux_")}
-    found = TemperatureFollower(tuple(tau for one in effects for tau in one.lags)).take(t, T)
-    known = {
-        "T": found.warmth[:, None], "T_rate": found.rate[:, None], "warming": found.direction[:, None],
-        "B": np.tile(MAGNETIC_UT, (len(T), 1)), **{name: np.full((len(T), 1), AUXILIARY) for name in names},
-    }  # fmt: skip
-    return known, {tau: value[:, None] for tau, value in found.lagged.items()}
+def _around(effects: Sequence[AppliedEffect], T: FloatArray, t: FloatArray) -> Surroundings:
+    channels = {input_name(name) for one in effects for name in one.inputs if name.startswith("aux_")}
+    return Surroundings(
+        temperature=T, t=t, magnetic=np.tile(MAGNETIC_UT, (len(T), 1)),
+        auxiliary={name: np.full(len(T), AUXILIARY) for name in channels},
+    )  # fmt: skip
 
 
-def _range_deg_s(effects: Sequence[CarriedEffect]) -> float:
+def _known(effects: Sequence[AppliedEffect], T: FloatArray, t: FloatArray) -> SampleInputs:
+    followed = TemperatureFollower(tuple(tau for one in effects for tau in one.lags)).take(t, T)
+    return SampleInputs.of({}, {}, replace(_around(effects, T, t), signals=followed), len(T))
+
+
+def _range_deg_s(effects: Sequence[AppliedEffect]) -> float:
     """Return up to which rate [deg/s] a fixed number of rounds is tried: a sine can be undone up to its bend."""
-    q = [np.abs(one.coefficients).max() for one in effects if one.name == "gyroscope.sagnac_sine"]
+    called = {one: {call.name for term in one.terms for call in calls(term)} for one in effects}
+    q = [np.abs(one.coefficients).max() for one, names in called.items() if "sine" in names]
     return float(min([RANGE_DEG_S, *(MAX_PHASE / np.sqrt(each) for each in q if each > 0)]))
 
 

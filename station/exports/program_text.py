@@ -9,7 +9,8 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from procedures.effects.term.grammar import names
 from procedures.units import RAD_PER_DEG, STANDARD_GRAVITY
-from station.exports.exported_calibration import CarriedEffect, NotExported, StoredCalibration
+from station.calibrated.applied_effects import AppliedEffect
+from station.exports.exported_calibration import NotExported, StoredCalibration
 from station.exports.expressions import Expressions
 from station.exports.known_samples import Rounds
 
@@ -26,13 +27,13 @@ class NamedInput:
     meaning: str
 
 
-def tables_of(effects: Sequence[CarriedEffect]) -> list[str]:
+def tables_of(effects: Sequence[AppliedEffect]) -> list[str]:
     """Return a name for each effect's coefficients; MATLAB takes 63 characters."""
     return [f"effect_{number}_{one.name.replace('.', '_')}"[:60] for number, one in enumerate(effects)]
 
 
 def terms_of(
-    effects: Sequence[CarriedEffect], triad: str, write: Expressions, coefficient: str, times: str
+    effects: Sequence[AppliedEffect], triad: str, write: Expressions, coefficient: str, times: str
 ) -> list[str]:
     """Return what is added to a triad's output: products of a coefficient and its term.
 
@@ -47,12 +48,12 @@ def terms_of(
     return found
 
 
-def lags_of(effects: Sequence[CarriedEffect]) -> list[float]:
+def lags_of(effects: Sequence[AppliedEffect]) -> list[float]:
     """Return the time constants [s] by which effects follow the temperature, each once."""
     return list(dict.fromkeys(tau for one in effects for tau in one.lags))
 
 
-def inputs_of(effects: Sequence[CarriedEffect]) -> list[NamedInput]:
+def inputs_of(effects: Sequence[AppliedEffect]) -> list[NamedInput]:
     """Return what has to be set beside the sample."""
     named = sorted({name for one in effects for name in one.inputs})
     magnetic = any(name == "B" or name.startswith("B_") for name in named)
@@ -62,7 +63,7 @@ def inputs_of(effects: Sequence[CarriedEffect]) -> list[NamedInput]:
 
 def about(
     stored: StoredCalibration,
-    effects: Sequence[CarriedEffect],
+    effects: Sequence[AppliedEffect],
     left: Sequence[NotExported],
     rounds: Rounds,
     digits: str,

@@ -16,19 +16,15 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.calibration.triad_calibration import scale_unit
 from procedures.effects import EFFECTS
-from procedures.effects.cross_product import KEYS as CROSS
-from procedures.effects.effect import MATRIX, UNITS_OF_NONLINEAR
-from procedures.effects.temperature_polynomial import MAX_ORDER
+from procedures.effects.excitation import UNITS_OF_NONLINEAR
+from procedures.effects.term.law import MAX_ORDER
 from procedures.frames import AXES, TRIADS
 from station.errors import DataRefused
 from station.files.toml_file import read_text_file
 
 _UNITS = {(effect.name, ""): effect.unit for effect in EFFECTS}
-_UNITS |= {
-    ("gyroscope.scale_nonlinearity", "u |u|"): "ppm/(deg/s)",
-    ("gyroscope.scale_nonlinearity", "u^3"): "ppm/(deg/s)^2",
-}
-_KEYS = {"gyroscope.g_sensitivity": MATRIX, "gyroscope.magnetic": MATRIX, "accelerometer.cross_product": CROSS}
+_UNITS |= {(effect.name, law.shape): law.unit for effect in EFFECTS for law in effect.laws if law.shape}
+_KEYS = {effect.name: law.coefficients for effect in EFFECTS for law in effect.laws if law.suffixes}
 _OF_SENSOR = re.compile(rf"[{''.join(AXES)}](\.[1-{MAX_ORDER}])?")
 _EFFECT_WORDS = ("name", "unit", "shape", "definition", "sha256")
 

@@ -11,7 +11,8 @@ from pydantic import BeforeValidator, Field
 
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
-from procedures.effects.term.effect_of_term import MAX_PARAMETERS, MAX_TERMS, Parameter, TermEffect
+from procedures.effects.term.effect_of_term import MAX_PARAMETERS, MAX_TERMS, TermEffect
+from procedures.effects.term.law import Parameter
 from procedures.effects.term.units import parse_unit
 from procedures.errors import TermRefused
 from station.errors import DataRefused

@@ -1,1 +1,1 @@
-"""An effect written as a term: grammar, units, inputs, values at the nodes, and the `Effect` made of them."""
+"""The equation of an effect as terms: grammar, units, inputs, values, and the `Law` that all is made from."""

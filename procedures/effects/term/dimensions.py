@@ -6,21 +6,29 @@ A nought has any unit: ``max(0, u)``.
 from collections.abc import Mapping
 from fractions import Fraction
 
-from procedures.effects.term.functions import FUNCTIONS, OPERATORS
+from procedures.effects.term.functions import ALL_FUNCTIONS, FUNCTIONS, OPERATORS
 from procedures.effects.term.grammar import Call, Name, Node, Number, Operation
-from procedures.effects.term.inputs import AUXILIARY, input_of, inputs_of
+from procedures.effects.term.inputs import AUXILIARY, input_of, inputs_of, known_input
 from procedures.effects.term.units import NO_UNIT, Powers, parse_unit, power_of, said
 from procedures.errors import TermRefused
 
 CONSTANTS = ("pi",)
+COEFFICIENT = "c"  # the sensor's own, inside a term of the catalogue
 ANGLE, SECOND = parse_unit("deg").powers, parse_unit("s").powers
 
 
 class Dimensions:
-    """Looks through a term of a triad; ``parameters`` are the powers of each parameter's unit, by name."""
+    """Looks through a term of a triad; ``parameters`` are the powers of each parameter's unit, by name.
 
-    def __init__(self, text: str, triad: str, parameters: Mapping[str, Powers]) -> None:
+    A term of the catalogue has more inputs and functions than one of a user.
+    """
+
+    def __init__(
+        self, text: str, triad: str, parameters: Mapping[str, Powers], *, is_of_catalogue: bool = False
+    ) -> None:
         self.text, self.triad, self.parameters = text, triad, parameters
+        self.input_of = known_input if is_of_catalogue else input_of
+        self.functions = ALL_FUNCTIONS if is_of_catalogue else FUNCTIONS
 
     def of(self, node: Node) -> Powers | None:
         """Return the powers of a node's unit, None of a nought.
@@ -60,7 +68,7 @@ class Dimensions:
             return NO_UNIT
         if node.name in self.parameters:
             return self.parameters[node.name]
-        if (found := input_of(node.name, self.triad)) is None:
+        if (found := self.input_of(node.name, self.triad)) is None:
             there = [*self.parameters, *inputs_of(self.triad), f"{AUXILIARY}NAME", *CONSTANTS]
             raise self.refuse(node, node.name, f"one of {', '.join(there)}")
         return found.of_unit.powers
@@ -84,7 +92,7 @@ class Dimensions:
         return known[0] if known else None
 
     def _function(self, node: Call) -> Powers | None:
-        if (function := FUNCTIONS.get(node.name)) is None:
+        if (function := self.functions.get(node.name)) is None:
             there = f"one of {', '.join((*FUNCTIONS, *OPERATORS))}"
             raise self.refuse(node, f"{node.name}(", there)
         if len(node.arguments) != function.arity:
@@ -94,7 +102,12 @@ class Dimensions:
             return self._same(node, of)
         if function.of == "root":
             return None if of[0] is None else tuple(Fraction(1, 2) * each for each in of[0])
-        allowed = {"number": (None, NO_UNIT), "angle": (None, NO_UNIT, ANGLE)}.get(function.of, of)
+        if function.of == "ratio":
+            return self._same(node, of) and NO_UNIT
+        allowed = {
+            "number": (None, NO_UNIT), "angle": (None, NO_UNIT, ANGLE),
+            "square": (None, NO_UNIT, tuple(2 * each for each in ANGLE)),
+        }.get(function.of, of)  # fmt: skip
         if of[0] not in allowed:
             words = "a number" if function.of == "number" else "an angle, or a number in rad"
             raise self.refuse(node, f"{node.name} of a unit, {said(of[0] or NO_UNIT)}", words)

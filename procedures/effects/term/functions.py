@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.effects.effect import Excitation
+from procedures.effects.excitation import Excitation
 from procedures.effects.temperature_history import lagged
 
 
@@ -18,7 +18,8 @@ class Function:
     """A function of ``arity`` values; ``of`` says which units it takes.
 
     ``number``: numbers to a number. ``angle``: an angle, or a number in rad, to a number. ``same``: of one unit,
-    to that unit. ``sign``: any to a number. ``root``: any to its square root.
+    to that unit. ``sign``: any to a number. ``root``: any to its square root. ``square``: the square of an angle
+    to a number. ``ratio``: of one unit, to a number.
     """
 
     arity: int
@@ -38,6 +39,24 @@ FUNCTIONS: Mapping[str, Function] = {
     "min": Function(2, "same", np.minimum),
     "max": Function(2, "same", np.maximum),
 }
+
+
+SERIES_BELOW = 1e-3  # of x^2, below which series are used
+
+
+def sine_less_one(y: FloatArray) -> FloatArray:
+    """Return sin(x) / x - 1, a number (n, 3), of ``y = x^2`` (n, 3); sinh of a negative y."""
+    x = np.sqrt(np.maximum(abs(y), SERIES_BELOW))
+    beyond = np.where(y > 0, np.sin(x), np.sinh(x)) / x - 1
+    return np.where(abs(y) < SERIES_BELOW, -y / 6 + y**2 / 120 - y**3 / 5040, beyond)
+
+
+OF_CATALOGUE: Mapping[str, Function] = {
+    "sine": Function(1, "square", sine_less_one),
+    "backlash": Function(2, "ratio", np.divide),  # of the temperature: `Values` follows it
+}
+"""What only laws of the catalogue call."""
+ALL_FUNCTIONS: Mapping[str, Function] = {**FUNCTIONS, **OF_CATALOGUE}
 
 
 def lag(t: FloatArray, x: FloatArray, tau_s: float) -> FloatArray:

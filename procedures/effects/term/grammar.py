@@ -8,12 +8,14 @@
 
 A channel in quotes is an auxiliary one whose name has more than letters, digits and ``_``: ``'aux_fan-speed'``. A
 unit is written in the same grammar, also with ``^`` for ``**`` and a middle dot for ``*``. Which names there are
-is not asked here. Text is walked into nodes of our own: nothing is ever evaluated by Python.
+is not asked here. Text is walked into nodes of our own: nothing is ever evaluated by Python. Nodes are equal
+wherever they stand in their texts.
 """
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import lru_cache
 from math import isfinite
 
 from procedures.errors import TermRefused
@@ -36,7 +38,7 @@ class Number:
 
     value: float
     unit: str
-    at: int
+    at: int = field(default=0, compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +46,7 @@ class Name:
     """An input, a constant, a parameter, or in a unit its name."""
 
     name: str
-    at: int
+    at: int = field(default=0, compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +56,7 @@ class Operation:
     sign: str
     left: "Node"
     right: "Node"
-    at: int
+    at: int = field(default=0, compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,12 +65,13 @@ class Call:
 
     name: str
     arguments: tuple["Node", ...]
-    at: int
+    at: int = field(default=0, compare=False)
 
 
 Node = Number | Name | Operation | Call
 
 
+@lru_cache(maxsize=4096)
 def parse(text: str, *, is_unit: bool = False) -> Node:
     """Return a term, or a unit, as nodes.
 
@@ -101,6 +104,18 @@ def names(node: Node) -> Iterator[Name]:
         case Call():
             for each in node.arguments:
                 yield from names(each)
+
+
+def calls(node: Node) -> Iterator[Call]:
+    """Yield every call in a term."""
+    match node:
+        case Call():
+            yield node
+            for each in node.arguments:
+                yield from calls(each)
+        case Operation():
+            yield from calls(node.left)
+            yield from calls(node.right)
 
 
 @dataclass(frozen=True, slots=True)

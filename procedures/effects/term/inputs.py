@@ -5,13 +5,13 @@ A value is (n, 3), a column a sensor, or (n, 1) where it is the same for all, in
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.effects.auxiliary_channel import without_gaps
-from procedures.effects.effect import REFERENCE_C, Excitation
+from procedures.effects.excitation import REFERENCE_C, Excitation, without_gaps
+from procedures.effects.temperature_history import since_begun, warming
 from procedures.effects.term.units import Unit, parse_unit
 from procedures.frames import AXES
 
@@ -102,6 +102,37 @@ INPUTS: Mapping[str, Input] = {
     "north": Input("1", "cosine of the sensor's axis with North", _cosine(1), is_of_campaign=True),
     "east": Input("1", "cosine of the sensor's axis with East", _cosine(0), is_of_campaign=True),
 }
+CHANGING = 0.5  # of the largest output of a sensor, by which it must change to be more than a bias
+
+
+def _changing(seen: Excitation, triad: str) -> FloatArray:
+    output = _output(seen, triad)
+    changes = np.ptp(output, axis=0) > CHANGING * np.max(np.abs(output), axis=0)
+    return np.where(changes, output, 0.0)
+
+
+def _rest(seen: Excitation) -> FloatArray:
+    rests = np.array([step.kind in {"dwell", "rest"} for step in seen.steps])[seen.step]
+    return np.where(rests, seen.rest_s, np.inf)
+
+
+def _variance(seen: Excitation) -> FloatArray:
+    return np.full(seen.f.shape, np.nan) if seen.vibration is None else seen.vibration
+
+
+OF_CATALOGUE: Mapping[str, Mapping[str, Input]] = {
+    triad: {
+        "warming": Input("1", "1 while it grows warmer, -1 while it cools", _one(warming)),
+        "t_on": Input("s", "time since the recording began", _one(since_begun), is_of_campaign=True),
+        "t_rest": Input("s", "time since a rest began, infinite elsewhere", _one(_rest), is_of_campaign=True),
+        "out_changing": Input(unit, "what the sensor puts out, zero where it hardly changes", _changing,
+                              is_of_campaign=True),
+        **{name: replace(one, is_of_campaign=True)
+           for name, one in _vector("vibration", "g^2", "variance of the vibration", _variance)},
+    }
+    for triad, unit in (("accelerometer", "g"), ("gyroscope", "deg/s"))
+}  # fmt: skip
+"""What only laws of the catalogue name."""
 OWN: Mapping[str, Mapping[str, Input]] = {
     triad: {
         "u": Input(unit, f"what the sensor measures: {quantity}", _own),
@@ -121,6 +152,11 @@ def input_of(name: str, triad: str) -> Input | None:
     if name.startswith(AUXILIARY) and name != AUXILIARY:
         return Input("unit", "an auxiliary channel", _channel(name.removeprefix(AUXILIARY)))
     return inputs_of(triad).get(name)
+
+
+def known_input(name: str, triad: str) -> Input | None:
+    """Return an input by its name, also one that only the catalogue has."""
+    return OF_CATALOGUE[triad].get(name) or input_of(name, triad)
 
 
 def _channel(name: str) -> Value:

@@ -3,15 +3,19 @@ r"""A term in the field's notation, as LaTeX: f_i, \omega_i, T, \dot T, with ind
 import re
 
 from procedures.effects.term.grammar import Call, Name, Node, Number, Operation
+from procedures.effects.term.law import Law
 
 INPUTS = {
     "T": "T", "T_rate": r"\dot T", "t": "t", "t_step": r"t_\mathrm{s}", "f_before": r"f_i^{-}", "north": "n_i",
-    "east": "e_i", "out": r"\tilde u_i", "pi": r"\pi", "tau": r"\tau",
+    "east": "e_i", "out": r"\tilde u_i", "pi": r"\pi", "tau": r"\tau", "tau_s": r"\tau", "play_k": "w",
+    "knee_deg_s": "w", "warming": "d", "t_on": "t", "t_rest": r"t_\mathrm{s}",
+    "out_changing": r"\tilde u_i", "c": "c",
 }  # fmt: skip
 AXES = {"": "i", "_2": "{i+1}", "_3": "{i+2}", "_x": "x", "_y": "y", "_z": "z"}
-VECTORS = {"f": "f", "omega": r"\omega", "B": "B"}
+VECTORS = {"f": "f", "omega": r"\omega", "B": "B", "vibration": r"\sigma^2"}
 CALLS = {"exp": r"\exp", "log": r"\ln", "sin": r"\sin", "cos": r"\cos", "tanh": r"\tanh", "min": r"\min",
-         "max": r"\max", "sign": r"\operatorname{sgn}"}  # fmt: skip
+         "max": r"\max", "sign": r"\operatorname{sgn}", "backlash": r"\mathrm{backlash}",
+         "sine": r"\mathrm{sine}"}  # fmt: skip
 SUM, PRODUCT, POWER = 1, 2, 3  # how closely a node's parts hold together
 
 
@@ -75,3 +79,13 @@ class _Writer:
 
     def held(self, text: str, own: int, within: int) -> str:
         return rf"\left({text}\right)" if own < within else text
+
+
+def latex_of_law(law: Law) -> str:
+    """Return what a law adds, in the field's notation; coefficients c, or c_1, c_2, ..."""
+    texts = [latex(node, law.triad) for node in law.nodes(2)]
+    if law.is_inside:
+        return texts[0]
+    several = len(texts) > 1
+    parts = [rf"c_{{{i}}}\,{part}" if several else rf"c\,{part}" for i, part in enumerate(texts, 1)]
+    return " + ".join(parts) + (r" + \dots" if law.is_polynomial else "")

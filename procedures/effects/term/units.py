@@ -6,6 +6,7 @@ An angle has a unit of its own: ``sin(omega)`` is refused, ``sin(s * omega)`` wi
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from math import isfinite
 
 from procedures.effects.term.grammar import Call, Name, Node, Number, Operation, parse
@@ -49,6 +50,7 @@ UNITS: Mapping[str, Unit] = {
 }  # fmt: skip
 
 
+@lru_cache(maxsize=1024)
 def parse_unit(text: str) -> Unit:
     """Return a unit such as deg/h/(K/min) or ug/g^2.
 

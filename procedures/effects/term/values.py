@@ -1,16 +1,16 @@
 """A term's value at the nodes of every step, in the bases of `procedures.effects.term.units`."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.effects.effect import REFERENCE_C, Excitation
-from procedures.effects.temperature_history import sensor_temperature
-from procedures.effects.term.functions import FUNCTIONS, OPERATORS, over_time
-from procedures.effects.term.grammar import Call, Name, Node, Number, Operation, names
-from procedures.effects.term.inputs import input_of
+from procedures.effects.excitation import REFERENCE_C, Excitation
+from procedures.effects.temperature_history import direction_or_play, sensor_temperature
+from procedures.effects.term.functions import ALL_FUNCTIONS, OPERATORS, over_time
+from procedures.effects.term.grammar import Call, Name, Node, Number, Operation, calls, names
+from procedures.effects.term.inputs import known_input
 from procedures.effects.term.units import parse_unit
 
 APART = 1e-3  # of two time constants: closer, their difference would lose digits
@@ -18,12 +18,7 @@ APART = 1e-3  # of two time constants: closer, their difference would lose digit
 
 def has_operator(node: Node) -> bool:
     """Say whether a node looks back in time."""
-    match node:
-        case Call():
-            return node.name in OPERATORS or any(map(has_operator, node.arguments))
-        case Operation():
-            return has_operator(node.left) or has_operator(node.right)
-    return False
+    return any(each.name in OPERATORS for each in calls(node))
 
 
 def fixed(node: Node, parameters: Mapping[str, float]) -> float:
@@ -34,9 +29,34 @@ def fixed(node: Node, parameters: Mapping[str, float]) -> float:
     return parameters[node.name]
 
 
+OPERATIONS = {"+": np.add, "-": np.subtract, "*": np.multiply, "/": np.divide, "**": np.power}
+
+
+def evaluated(
+    node: Node, name: Callable[[str], FloatArray], operator: Callable[[Call], FloatArray | None]
+) -> FloatArray:
+    """Return a node's value (n, 3), or what broadcasts to it, in the units of its names.
+
+    ``name`` returns those (n, 3) or (n, 1), ``operator`` the same of calls that look back in time, None of others.
+    """
+    match node:
+        case Number():
+            return np.array([[fixed(node, {})]])
+        case Name():
+            return name(node.name)
+        case Operation():
+            left, right = (evaluated(each, name, operator) for each in (node.left, node.right))
+            found: FloatArray = OPERATIONS[node.sign](left, right)
+            return found
+    known = operator(node)
+    if known is not None:
+        return known
+    return ALL_FUNCTIONS[node.name].value(*(evaluated(each, name, operator) for each in node.arguments))
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Values:
-    """Evaluates terms of a triad in one excitation; ``parameters`` are in the bases.
+    """Evaluates terms of a triad in one excitation; ``parameters`` are in the bases, and inputs with ``in_bases``.
 
     The terms were checked by `procedures.effects.term.dimensions` before.
     """
@@ -44,46 +64,27 @@ class Values:
     seen: Excitation
     triad: str
     parameters: Mapping[str, float]
+    in_bases: bool = True
 
     def of(self, node: Node) -> FloatArray:
         """Return a node's value, which broadcasts to (n, 3); nan where it is not known."""
-        match node:
-            case Number():
-                return np.array([[fixed(node, self.parameters)]])
-            case Name(name=name):
-                return self._name(name)
-            case Operation():
-                return self._operation(node)
-            case Call():
-                return self._operator(node) if node.name in OPERATORS else self._function(node)
+        return evaluated(node, self._name, self._operator)
 
     def _name(self, name: str) -> FloatArray:
         if name == "pi":
             return np.full((1, 1), np.pi)
         if name in self.parameters:
             return np.full((1, 1), self.parameters[name])
-        found = input_of(name, self.triad)
+        found = known_input(name, self.triad)
         assert found is not None
-        return found.in_bases(self.seen, self.triad)
+        return (found.in_bases if self.in_bases else found.value)(self.seen, self.triad)
 
-    def _operation(self, node: Operation) -> FloatArray:
-        left, right = self.of(node.left), self.of(node.right)
-        match node.sign:
-            case "+":
-                return left + right
-            case "-":
-                return left - right
-            case "*":
-                return left * right
-            case "/":
-                return left / right
-        found: FloatArray = left**right
-        return found
-
-    def _function(self, node: Call) -> FloatArray:
-        return FUNCTIONS[node.name].value(*map(self.of, node.arguments))
-
-    def _operator(self, node: Call) -> FloatArray:
+    def _operator(self, node: Call) -> FloatArray | None:
+        """Return what looks back in time, None of a function."""
+        if node.name == "backlash":
+            return direction_or_play(self.seen, fixed(node.arguments[1], self.parameters))[:, None]
+        if node.name not in OPERATORS:
+            return None
         what, time = node.arguments
         tau = fixed(time, self.parameters)
         return self._lag(what, tau) if node.name == "lag" else self._over_time(node.name, what, tau)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from procedures.calibration.solution_values import Solution
-from procedures.effects.effect import REFERENCE_C
+from procedures.effects.excitation import REFERENCE_C
 from procedures.evidence.residual_patterns import LeftPattern
 from procedures.frames import TRIADS
 from procedures.inference.odds import probability

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from textwrap import wrap
 from typing import Any
 
-from procedures.effects.effect import UNITS_OF_NONLINEAR
+from procedures.effects.excitation import UNITS_OF_NONLINEAR
 from station.results.diagnosis.diagnosis_wording import (
     LEFT_TITLE,
     OTHERS_TITLE,

@@ -15,8 +15,8 @@ from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.diagnosis.caches import let_go_at_the_end
 from procedures.discovery.discover import Discovery, Proposal
 from procedures.effects import EFFECTS
-from procedures.effects.term.effect_of_term import OUTPUT_UNITS
 from procedures.effects.term.inputs import input_of
+from procedures.effects.term.law import OUTPUT_UNITS
 from procedures.evidence.candidates import Candidate, Candidates
 from procedures.evidence.linear_model import Term
 from procedures.evidence.residual_rows import KINDS, Evidence

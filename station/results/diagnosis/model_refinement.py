@@ -14,7 +14,7 @@ from procedures.calibration.joint_calibration import CampaignFits, leans_of
 from procedures.calibration.solution_values import Solution
 from procedures.calibration.undetectable_tilt import undetectable_tilt_warnings
 from procedures.diagnosis.diagnose import diagnose
-from procedures.effects.effect import REFERENCE_C
+from procedures.effects.excitation import REFERENCE_C
 from procedures.errors import NotObservable
 from procedures.inference.result import Diagnosis, Finding
 from procedures.uncertainty.budget import COVERAGE_PROBABILITY, ParameterBudget, budget

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
-from procedures.effects.effect import TAU, Excitation
+from procedures.effects.excitation import TAU, Excitation
 from procedures.effects.temperature_history import sensor_temperature
 from procedures.evidence.residual_rows import Evidence
 from procedures.frames import AXES

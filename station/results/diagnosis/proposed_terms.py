@@ -13,7 +13,7 @@ import numpy as np
 from procedures.discovery.discover import Discovery, Proposal
 from procedures.discovery.next_plan import HEATED_K, LONGER, SPEEDS_DEG_S, NextMeasurement, next_measurement
 from procedures.effects.term.effect_of_term import TermEffect
-from procedures.effects.term.latex import latex
+from procedures.effects.term.latex import latex_of_law
 from station.files.effect_file import FORMAT
 from station.files.toml_file import toml_text
 from station.results.diagnosis.next_measurements import (
@@ -95,9 +95,9 @@ def _finding(one: Proposal, best: NextMeasurement | None) -> dict[str, Any]:
         "share": float(one.share), "aliases": [], "separate_by": next_said(one, best),
         **({"next": {"measurement": best.name, "minutes": best.minutes, "parts": best.parted}} if best else {}),
         "probability": float(one.probability),
-        "term": list(one.term.terms), "latex": notation(one.term),
+        "term": list(one.term.terms), "latex": latex_of_law(one.term),
         "readings": [
-            {"term": list(each.term.terms), "unit": each.term.unit, "latex": notation(each.term),
+            {"term": list(each.term.terms), "unit": each.term.unit, "latex": latex_of_law(each.term),
              "correlation": float(each.likeness), "worse_by": float(each.worse),
              **({"expected_chi2": best.expected[i]} if best else {})}
             for i, each in enumerate(one.readings[:MAX_READINGS])
@@ -106,13 +106,6 @@ def _finding(one: Proposal, best: NextMeasurement | None) -> dict[str, Any]:
         "held_out_sigmas": {"before": one.held_out[0], "after": one.held_out[1]},
         "sha256": hashlib.sha256(definition.encode()).hexdigest(), "definition": definition,
     }  # fmt: skip
-
-
-def notation(term: TermEffect) -> str:
-    """Return a term in the field's notation; coefficients c, or c_1, c_2, ..."""
-    several = len(term.terms) > 1
-    parts = [latex(node, term.triad) for node in term.nodes]
-    return " + ".join(rf"c_{{{i}}}\,{part}" if several else rf"c\,{part}" for i, part in enumerate(parts, 1))
 
 
 def definition_of(term: TermEffect) -> str:

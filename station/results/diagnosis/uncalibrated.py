@@ -12,7 +12,7 @@ from typing import Any
 from procedures.campaign.campaign import Campaign
 from procedures.diagnosis.rotation_summary import TurnSeen, left_open, moves_seen, pooled, rests_seen, turns_seen
 from procedures.diagnosis.single_channels import SingleChannel, single_channels
-from procedures.effects.effect import UNITS_OF_NONLINEAR
+from procedures.effects.excitation import UNITS_OF_NONLINEAR
 from procedures.frames import AXES, TRIADS
 from procedures.statistics.allan_deviation import NoiseTerm
 from procedures.statistics.line_fits import CorrelatedLine

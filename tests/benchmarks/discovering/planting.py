@@ -9,7 +9,7 @@ from drivers.simulated.effects import Planted, PlantedEffect, Stimulus, TriadInp
 from procedures.calibration.joint_calibration import fit_reduced
 from procedures.calibration.reduced_steps import reduce_steps
 from procedures.campaign.campaign import Campaign
-from procedures.effects.effect import Columns, Excitation
+from procedures.effects.excitation import Columns, Excitation
 from procedures.evidence.linear_model import fit_linear
 from procedures.evidence.residual_rows import Evidence, evidence_of
 from tests.benchmarks.discovering.laws import Law, Seen

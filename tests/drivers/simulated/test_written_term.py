@@ -11,7 +11,8 @@ from drivers.simulated.effects import Stimulus, TriadInput, planted
 from drivers.simulated.truth import Truth, load_truth
 from procedures.campaign.plan_steps import turn_steps
 from procedures.diagnosis.declared_effects import solve_declared
-from procedures.effects.term.effect_of_term import Parameter, TermEffect
+from procedures.effects.term.effect_of_term import TermEffect
+from procedures.effects.term.law import Parameter
 from tests.procedures.effects.terms.laws import LAWS, Law, Seen
 from tests.procedures.effects.terms.test_laws import drawn
 

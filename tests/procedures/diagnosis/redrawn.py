@@ -8,7 +8,8 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import CampaignFits, fit
 from procedures.effects import EFFECTS
-from procedures.effects.effect import Columns, Effect, Excitation, ExcitationStep
+from procedures.effects.effect import Effect
+from procedures.effects.excitation import Columns, Excitation, ExcitationStep
 from procedures.evidence.candidates import Candidate, Candidates
 from procedures.evidence.linear_model import Term
 from procedures.evidence.residual_rows import KINDS, Evidence, evidence_of

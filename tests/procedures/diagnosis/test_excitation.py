@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import CampaignFits, fit
 from procedures.counts.sample_records import RateSeries
-from procedures.effects.effect import ExcitationStep
+from procedures.effects.excitation import ExcitationStep
 from procedures.evidence.excitation import Bins, NodeBuilder, StepNodes, attitude, equal_bins, on_face
 from tests.procedures.diagnosis.planted import planted
 

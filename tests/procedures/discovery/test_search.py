@@ -8,7 +8,7 @@ import pytest
 from procedures.diagnosis.diagnose import diagnose
 from procedures.discovery.discover import discover
 from procedures.discovery.library import LibraryTerm, Rows, library
-from procedures.effects.effect import Columns, per_axis
+from procedures.effects.excitation import Columns, per_axis
 from procedures.evidence.residual_rows import Evidence, evidence_of
 from tests.benchmarks.discovering.judged import likeness
 from tests.benchmarks.discovering.laws import LAWS

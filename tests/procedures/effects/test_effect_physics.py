@@ -7,10 +7,11 @@ import pytest
 
 from procedures.arrays import FloatArray
 from procedures.effects import EFFECTS, sagnac_sine
-from procedures.effects.effect import TAU, Columns, Effect, Excitation, ExcitationStep
+from procedures.effects.effect import Effect
+from procedures.effects.excitation import TAU, Columns, Excitation, ExcitationStep
 from procedures.effects.jump import accelerometer_columns
-from procedures.effects.sagnac_sine import sine_less_one
 from procedures.effects.temperature_history import sensor_temperature
+from procedures.effects.term.functions import sine_less_one
 from tests.procedures.effects.test_every_effect import BY_NAME, baseline
 
 

@@ -23,8 +23,9 @@ from procedures.campaign.observations import TriadDwells
 from procedures.campaign.plan_steps import Turn
 from procedures.counts.sample_records import CountSeries, RateSeries
 from procedures.effects import EFFECTS
-from procedures.effects.effect import BENCH, INSTRUMENT, TAU, Effect, no_columns
-from procedures.effects.temperature_polynomial import orders_of
+from procedures.effects.effect import BENCH, INSTRUMENT, Effect, no_columns
+from procedures.effects.excitation import TAU
+from procedures.effects.term.law import orders_of
 from procedures.evidence.residual_rows import KINDS, Evidence, evidence_of
 from procedures.frames import TURN_START, rotation
 

@@ -1,4 +1,4 @@
-"""What kernels take off is what the catalogue's columns add: every effect of the instrument that has that form."""
+"""What kernels correct is what plain numpy says that an effect adds: every effect that one sample determines."""
 
 from typing import Any
 
@@ -6,51 +6,55 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
-from procedures.effects import EFFECTS
-from procedures.effects.effect import PLAY, TAU
+from procedures.effects import CATALOGUE, EFFECTS
+from procedures.effects.excitation import PLAY, TAU
 from station.calibrated.applied_calibration import CalibrationModel
-from station.calibrated.applied_effects import LOST, TRANSIENT_EFFECTS, added_by, excitation, is_compiled
 from station.calibrated.correction_inputs import Surroundings, TemperatureFollower
+from tests.procedures.effects.laws_by_hand import BY_HAND, ORDER, Felt
 from tests.station.calibrated.test_calibration_applied import calibration, effect
 
 N = 500
 DRAW = np.random.default_rng(8)
-TAU_S = 37.0
-OF_CAMPAIGN = tuple(
-    f"{triad}.{name}" for triad in ("accelerometer", "gyroscope") for name in ("jump", "vibration_rectification")
-)
-PLAY_K = 1.3
-SHAPES = {"gyroscope.scale_nonlinearity": ("u |u|", "u^3")} | {
-    f"{triad}.temperature_hysteresis": ("", "with a play") for triad in ("accelerometer", "gyroscope")
-}
+TAU_S, PLAY_K = 37.0, 1.3
 SIZES = {"gyroscope.sagnac_sine": 4e-3, "accelerometer.cross_product": 2e-4, "gyroscope.scale_nonlinearity": 3.0}
-MATRICES = {
-    "gyroscope.g_sensitivity": ("xx", "xy", "yz", "zx"),
-    "gyroscope.magnetic": ("xx", "xz", "yy", "zy"),
-    "accelerometer.cross_product": ("xxy", "xyz", "yxz", "zyz"),
-}
-STAYS = (*TRANSIENT_EFFECTS, *LOST)
-# a scatter has no value to take off
-INSTRUMENT = [
-    each for each in EFFECTS if each.kind == "instrument" and each.name not in STAYS and not each.is_scatter
-]
-CASES = [
-    (each.name, shape)
-    for each in INSTRUMENT
-    if each.name not in OF_CAMPAIGN
-    for shape in SHAPES.get(each.name, ("",))
-]
+CASES = [key for key in BY_HAND if not CATALOGUE[key[0]].not_corrected]
+ALWAYS_LEFT = (
+    "bias_drift",
+    "bias_settling",
+    "scale_settling",
+    "relaxation",
+    "counts_lost",
+    "vibration_rectification",
+)
 
 
 def entry_of(name: str, shape: str) -> dict[str, Any]:
-    size = SIZES.get(name, next(each for each in EFFECTS if each.name == name).plausible)
-    keys: tuple[str, ...] = MATRICES.get(name, ("x", "y", "z"))
-    if name.endswith(("bias_temperature", "temperature_lag", "scale_temperature")):
-        keys = ("x.1", "x.2", "x.3", "z.1")
-    values = {key: size * (1 + 0.3 * i) * (-1) ** i * 30.0 ** (1 - int(key[2:] or 1) if "." in key else 0)
-              for i, key in enumerate(keys)}  # fmt: skip
-    beside = {TAU: TAU_S} if name.endswith("_lag") else {PLAY: PLAY_K} if shape == "with a play" else {}
-    return effect(name, shape, **values, **beside)
+    one = CATALOGUE[name]
+    law = one.law(shape)
+    assert law is not None
+    size = SIZES.get(name, one.plausible)
+    keys = law.keys((ORDER, 1, 2)) if law.is_polynomial else law.coefficients
+    values = {
+        key: size * (1 + 0.3 * i) * (-1) ** i * 30.0 ** (1 - int(key[2:]) if "." in key else 0)
+        for i, key in enumerate(keys)
+    }
+    return effect(name, shape, **values, **{key: {TAU: TAU_S, PLAY: PLAY_K}[key] for key in law.parameters})
+
+
+def added_by_hand(entry: dict[str, Any], felt: Felt) -> FloatArray:
+    """What an entry adds (n, 3) to its triad."""
+    name = str(entry["name"])
+    values = {key: one["value"] for key, one in entry["coefficients"].items() if key not in (TAU, PLAY)}
+    if name == "gyroscope.sagnac_sine":
+        s = np.array([values[axis] for axis in "xyz"])
+        return np.where(s > 0, np.sin(s * felt.u), np.sinh(s * felt.u)) / s - felt.u
+    value = BY_HAND[name, entry.get("shape", "")](felt)
+    if any("." in key for key in values):
+        return sum(
+            value[:, :, int(key[2:]) - 1] * c * (np.arange(3) == "xyz".index(key[0])) for key, c in values.items()
+        )
+    table = np.array(list(values.values())).reshape(3, -1)
+    return np.asarray((value[:, :, : table.shape[1]] * table).sum(axis=2))
 
 
 def around() -> tuple[Surroundings, FloatArray, FloatArray]:
@@ -62,22 +66,30 @@ def around() -> tuple[Surroundings, FloatArray, FloatArray]:
 
 
 @pytest.mark.parametrize(("name", "shape"), CASES)
-def test_a_kernel_takes_off_what_the_columns_add(name: str, shape: str) -> None:
+def test_a_kernel_corrects_what_an_effect_adds(name: str, shape: str) -> None:
     entry = entry_of(name, shape)
-    assert is_compiled(entry)
     model = CalibrationModel.of(calibration(entry))
+    assert [one.is_compiled for one in model.effects] == [True]
     here, f, omega = around()
+    triad, signals = name.partition(".")[0], here.followed
     u = {"accelerometer": f, "gyroscope": omega}
-    seen = excitation(model.triads, u, here, N)
-    added = added_by(entry, seen)
-    output = {each: u[each] @ triad.E.T + triad.D + added.get(each, 0.0) for each, triad in model.triads.items()}
+    output = {each: u[each] @ of.E.T + of.D for each, of in model.triads.items()}
+    assert here.magnetic is not None
+    felt = Felt(
+        u[triad], output[triad], f, here.magnetic, signals.warmth, signals.rate, signals.lagged[TAU_S],
+        signals.direction, signals.branch[PLAY_K],
+    )  # fmt: skip
+    added = added_by_hand(entry, felt)
+    assert np.abs(added).max() > 1e-6  # else nothing was planted
+    output[triad] = output[triad] + added
     accel, gyro = (output[each] * model.triads[each].k for each in ("accelerometer", "gyroscope"))
     found = model.inputs(accel, gyro, here)
     assert found.not_applied == ()
-    assert sum(np.abs(part).max() for part in added.values()) > 1e-6  # else nothing was planted
     assert found.f == pytest.approx(f, abs=1e-12)
     assert found.omega == pytest.approx(omega, abs=1e-10)
 
 
-def test_every_effect_of_the_instrument_is_either_compiled_or_of_the_campaign() -> None:
-    assert {each.name for each in INSTRUMENT} == {name for name, _ in CASES} | set(OF_CAMPAIGN)
+def test_what_is_never_corrected_says_so_in_its_record() -> None:
+    left = {one.name.partition(".")[2] for one in EFFECTS if one.laws and one.not_corrected}
+    assert left >= set(ALWAYS_LEFT)
+    assert all(one.not_corrected for one in EFFECTS if not one.laws)

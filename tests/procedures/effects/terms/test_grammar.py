@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from procedures.effects.term.effect_of_term import Parameter, TermEffect
+from procedures.effects.term.effect_of_term import TermEffect
 from procedures.effects.term.grammar import Call, Name, Node, Number, Operation, channel_as_written, parse
+from procedures.effects.term.law import Parameter
 from procedures.effects.term.units import parse_unit
 from procedures.error_codes import ErrorCode
 from procedures.errors import TermRefused

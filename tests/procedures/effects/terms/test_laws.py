@@ -6,11 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from procedures.effects.effect import Excitation, ExcitationStep
+from procedures.effects.excitation import Excitation, ExcitationStep
 from procedures.effects.temperature_history import sensor_temperature
-from procedures.effects.term.effect_of_term import Parameter, TermEffect
+from procedures.effects.term.effect_of_term import TermEffect
 from procedures.effects.term.grammar import parse
 from procedures.effects.term.latex import latex
+from procedures.effects.term.law import Parameter
 from tests.procedures.effects.terms.laws import LAWS, Law, Seen
 
 NODES = 40
