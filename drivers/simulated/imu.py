@@ -11,8 +11,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from drivers.simulated.bench_in_memory import PoweredUnit, turn_segment
-from drivers.simulated.cube_motion import Segment, creep, flip, rest, settle, shock
-from drivers.simulated.handling_motion import carry
+from drivers.simulated.cube_motion import Segment, carry, creep, flip, rest, settle, shock
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack, drive
 from procedures.arrays import FloatArray, IntArray

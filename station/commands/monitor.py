@@ -89,8 +89,8 @@ def monitor(
     """
     import sys
 
-    from drivers.address_guess import whole_url
     from drivers.address_parsing import parse_device_url
+    from drivers.addresses import whole_url
     from drivers.errors import PortNotFound
     from procedures.attitude.filter_choice import JOINT, parse_filters, refuse_without_velocity
     from station.calibrated.output_frame import body_axes

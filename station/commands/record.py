@@ -63,7 +63,7 @@ def record(
 
     Example: station record serial:///dev/ttyUSB0?format=counts --seconds 60 --out r1
     """
-    from drivers.address_guess import whole_url
+    from drivers.addresses import whole_url
 
     url = whole_url(url)
     made = _fusion(url, out, fusion, calibration, lever_arm, model, serial, db)

@@ -6,8 +6,7 @@ from datetime import UTC, datetime
 import pytest
 from pymavlink.dialects.v20 import all as dialect
 
-from drivers.mavlink.decoder import MavlinkDecoder
-from drivers.mavlink.fixes import SenderClock
+from drivers.mavlink.decoder import MavlinkDecoder, SenderClock
 from procedures.earth.gnss_records import FixType, GnssFix
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from drivers.mavlink.decoder import MavlinkDecoder
-from drivers.simulated.companions.autopilot import Autopilot
+from drivers.simulated.companions.gnss_server import Autopilot
 from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.faults import TimedFault
 from drivers.simulated.truth import Truth

@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 
 from drivers.framing import Decoder
-from drivers.sample_datagram import DATAGRAM
 from drivers.simulated.companions.gnss_server import SimulatedGnss
 from drivers.simulated.companions.truths import EPOCH_UTC
 from drivers.simulated.faults import Fault
@@ -25,6 +24,7 @@ from station import cli
 from station.calibration import load
 from station.files.mcap_files import read_step
 from station.files.mcap_files.schemas import COLUMNS
+from station.sending.to_udp import DATAGRAM
 from tests.patience import paced
 from tests.station.commands.program import STATION, Program
 from tests.station.monitor.unit import write_calibration

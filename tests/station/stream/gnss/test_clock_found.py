@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from drivers.address_parsing import parse_device_url
-from drivers.simulated.companions.autopilot import Autopilot
-from drivers.simulated.companions.gnss_server import SimulatedGnss
+from drivers.simulated.companions.gnss_server import Autopilot, SimulatedGnss
 from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.device import ByteDevice
 from drivers.simulated.faults import Fault

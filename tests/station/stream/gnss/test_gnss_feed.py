@@ -13,8 +13,7 @@ from mcap.reader import make_reader
 
 from drivers.address_parsing import parse_device_url
 from drivers.errors import BadDeviceUrl
-from drivers.simulated.companions.autopilot import Autopilot
-from drivers.simulated.companions.gnss_server import SimulatedGnss
+from drivers.simulated.companions.gnss_server import Autopilot, SimulatedGnss
 from drivers.simulated.companions.truths import EPOCH_UTC, AutopilotTruth
 from drivers.simulated.faults import TimedFault
 from drivers.simulated.truth import Truth

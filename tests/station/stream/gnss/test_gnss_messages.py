@@ -6,7 +6,7 @@ from pymavlink.dialects.v20 import all as dialect
 from drivers.address_parsing import parse_device_url
 from drivers.mavlink.decoder import MavlinkDecoder
 from drivers.mavlink.signing import SignatureCheck
-from drivers.simulated.companions.autopilot import Autopilot
+from drivers.simulated.companions.gnss_server import Autopilot
 from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.truth import Truth
 from procedures.earth.gnss_records import FixType, GnssFix
