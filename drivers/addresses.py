@@ -3,9 +3,10 @@
 Every kind has its URL as ``text``, ``public_text`` without a password, a short ``name`` for messages, its
 ``scheme``, the ``format`` of its bytes and the ``baud`` rate [bit/s] of its line, None where there is none.
 
-`whole_url` makes a URL of an address as people type it: ``/dev/ttyUSB0``, ``ttyUSB0``, ``imu.local:5000``, ``can0``,
-a file. Such an address says where, not what; what is there follows from who asks: for an IMU, a receiver or a camera.
-A bare ``udp:14550`` hears this machine alone: who wants to hear the network names an address of it, or 0.0.0.0.
+`whole_url` makes a URL of an address as people type it: ``/dev/ttyUSB0``, ``ttyUSB0``, ``imu.local:5000``,
+``can0``, a file. Such an address says where, not what; what is there follows from who asks: for an IMU, a receiver
+or a camera. A bare ``udp:14550`` hears this machine alone: who wants to hear the network names an address of it,
+or 0.0.0.0.
 """
 
 import os

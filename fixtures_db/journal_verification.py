@@ -15,6 +15,7 @@ from sqlalchemy import Connection, select
 from sqlalchemy.orm import Session
 
 from fixtures_db.hash_chain import GENESIS, ChainFault, canonical, digest
+from fixtures_db.imu_models import Limit
 from fixtures_db.journal import (
     CARRY,
     DELETE,
@@ -28,7 +29,6 @@ from fixtures_db.journal import (
     entry_text,
     journalled_tables,
 )
-from fixtures_db.model_limits import Limit
 from fixtures_db.schema import Base, CalibrationRow, JournalRow
 
 Find = Callable[[str, str, Any], Iterable[tuple[str, str]]]  # table, column, value: keys and contents

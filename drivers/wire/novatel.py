@@ -12,8 +12,9 @@ of the table that the short binary form has, so that both are decoded alike. The
 characters between the first and the ``*``; it is printed as 8 lower-case hexadecimal digits. Source: OEM7 manual,
 "ASCII" and "32-Bit CRC".
 
-Many text lines are decoded at once, as arrays. Only lines that are written as a receiver writes them are taken, each with its line break. Every other one is
-decoded by itself, so that what is accepted does not depend on how it was read.
+Many text lines are decoded at once, as arrays. Only lines that are written as a receiver writes them are taken,
+each with its line break. Every other one is decoded by itself, so that what is accepted does not depend on how it
+was read.
 
 Eight characters are read as one 64-bit word: the first character is the lowest byte, and what stands before a
 number is taken for zeros. Source of the three multiplications: D. Lemire, "Quickly parsing eight digits", 2018.

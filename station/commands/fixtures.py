@@ -104,7 +104,7 @@ def import_(
         raise typer.BadParameter("--trust, --crl, --unsigned and --due are of a certificate's .xml; expected one")
     from fixtures_db.database import open_db
     from fixtures_db.errors import DatabaseError
-    from fixtures_db.fixture_transfer import restore
+    from fixtures_db.fixture_measurements import restore
     from station.errors import DataRefused
     from station.files.fixture_files import read_csv, read_toml_file
 
@@ -158,7 +158,7 @@ def export(
     Example: station fixtures export fixtures.toml
     """
     from fixtures_db.database import open_db
-    from fixtures_db.fixture_transfer import dump
+    from fixtures_db.fixture_measurements import dump
     from station.files.atomic_file import replace_file
     from station.files.fixture_files import to_toml, write_csv
 
@@ -236,7 +236,7 @@ def limits(
 
 
 def _import(database: "OpenDatabase", model: str, file: Path) -> str:
-    from fixtures_db.model_limits import set_limits
+    from fixtures_db.imu_models import set_limits
     from station.errors import DataRefused
     from station.files.limits_file import limits_in
     from station.files.toml_file import read_text_file
@@ -251,7 +251,7 @@ def _import(database: "OpenDatabase", model: str, file: Path) -> str:
 
 def _limits(database: "OpenDatabase", model: str | None) -> str:
     from fixtures_db.errors import NotInDatabase
-    from fixtures_db.model_limits import limited_models, limits_of
+    from fixtures_db.imu_models import limited_models, limits_of
     from station.results.verdict import limit_in_words
 
     with database.read() as session:

@@ -1,7 +1,7 @@
 """``fixtures/1``: the fixtures of a database as one TOML file, or as a folder of CSV files.
 
 A table of the file is a table of the database, a key one of its columns, with its type and unit
-(`fixtures_db.fixture_transfer.CARRIED_TABLES`). The last line of an export is the SHA-256 of all above it.
+(`fixtures_db.fixture_measurements.CARRIED_TABLES`). The last line of an export is the SHA-256 of all above it.
 """
 
 import csv
@@ -15,10 +15,9 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, ValidationError, create_model
 
-from fixtures_db.calibration import utc_text
-from fixtures_db.fixture_transfer import CARRIED_TABLES, CarriedTable, Rows, Value
+from fixtures_db.fixture_measurements import CARRIED_TABLES, CarriedTable, Rows, Value
 from fixtures_db.folder_on_disk import make_folder
-from fixtures_db.hash_chain import digest
+from fixtures_db.hash_chain import digest, utc_text
 from fixtures_db.schema import UtcDateTime
 from station.errors import Altered, CannotWrite, DataRefused, cannot_write
 from station.files.atomic_file import replace_file
@@ -55,7 +54,7 @@ class FixturesFile(FixturesTable):
 
     @property
     def rows(self) -> Rows:
-        """The rows by table, as `fixtures_db.fixture_transfer.restore` takes them."""
+        """The rows by table, as `fixtures_db.fixture_measurements.restore` takes them."""
         return {name: [row.model_dump() for row in getattr(self, name)] for name in TABLES}
 
 

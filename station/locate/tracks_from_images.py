@@ -1,6 +1,7 @@
 """Tracks of a fusion folder from images: a folder of them with ``images.csv``, a camera, or a video file.
 
-Images are grey. A device's images (Video4Linux 2) carry the kernel's own stamp, seconds of the monotonic clock; a file's the time since its start.
+Images are grey. A device's images (Video4Linux 2) carry the kernel's own stamp, seconds of the monotonic clock; a
+file's the time since its start.
 """
 
 from collections.abc import Iterable, Iterator

@@ -6,14 +6,12 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from fixtures_db.calibration import CalibrationFacts
-from fixtures_db.campaign_references import references, why_measured
-from fixtures_db.campaigns import known_campaign, last_accepted, set_state
+from fixtures_db.campaigns import known_campaign, last_accepted, references, set_state, why_measured
 from fixtures_db.database import Database
 from fixtures_db.errors import AlreadyStored
+from fixtures_db.imu_models import limits_of
 from fixtures_db.journal import journal_head
-from fixtures_db.model_limits import limits_of
-from fixtures_db.stored_calibrations import accept_calibration, calibration
+from fixtures_db.stored_calibrations import CalibrationFacts, accept_calibration, calibration
 from procedures.calibration.solution_values import Solution
 from procedures.frames import FACES
 from station.errors import Altered

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fixtures_db.model_limits import UNITS
+from fixtures_db.imu_models import UNITS
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord
 from procedures.frames import ATTITUDES, face_of

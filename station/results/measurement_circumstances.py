@@ -11,9 +11,8 @@ from typing import Any
 import numpy as np
 from sqlalchemy.orm import Session
 
-from fixtures_db.calibration import utc_text
-from fixtures_db.campaign_references import references
-from fixtures_db.campaigns import campaign, last_accepted
+from fixtures_db.campaigns import campaign, last_accepted, references
+from fixtures_db.hash_chain import utc_text
 from fixtures_db.schema import CampaignRow, SiteRow
 from procedures.campaign.campaign import Campaign, clock_rate
 from procedures.frames import ATTITUDES, POSITIONS

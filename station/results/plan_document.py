@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from fixtures_db.model_limits import UNITS
+from fixtures_db.imu_models import UNITS
 from procedures.arrays import FloatArray
 from procedures.frames import ATTITUDES, AXES, face_of
 from procedures.planning.campaign_design import CampaignDesign, Placement, usual_design

@@ -2,7 +2,7 @@
 
 A parameter that was never measured needs a sigma an eighth of its half interval: an expanded uncertainty (k=2) of
 a quarter of the tolerance (ANSI/NCSL Z540.3, test uncertainty ratio 4:1). One that is known is accepted as long as
-its guard band stays inside (`fixtures_db.model_limits`): its sigma may be what is between it and the limit, over
+its guard band stays inside (`fixtures_db.imu_models`): its sigma may be what is between it and the limit, over
 the guard band's factor.
 """
 
@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from fixtures_db.database import Database
-from fixtures_db.model_limits import Limit, covered, limits_of
+from fixtures_db.imu_models import Limit, covered, limits_of
 from fixtures_db.stored_calibrations import last_calibration
 from procedures.frames import TRIADS
 from procedures.planning.design_sigmas import NAMES, WantedSigmas, wanted

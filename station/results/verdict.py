@@ -1,6 +1,6 @@
 """The verdict of a calibration against the limits of its model, and why, in words a technician understands.
 
-A value is held against its limit as `fixtures_db.model_limits` says (guarded acceptance, JCGM 106:2012, 8.3). FAIL
+A value is held against its limit as `fixtures_db.imu_models` says (guarded acceptance, JCGM 106:2012, 8.3). FAIL
 if any is outside; else NOT_MEASURED if a limited parameter was not estimated or there are no limits; else PASS.
 """
 
@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-from fixtures_db.model_limits import Limit
+from fixtures_db.imu_models import Limit
 from station.results.parameters_by_name import Parameter, parameters, shown, shown_scale, title_of
 from station.text import plural
 

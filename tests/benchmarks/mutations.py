@@ -14,7 +14,7 @@ from io import StringIO
 from pathlib import Path
 
 from fixtures_db.database import open_db
-from fixtures_db.fixture_transfer import dump
+from fixtures_db.fixture_measurements import dump
 from fixtures_db.stored_calibrations import accept_calibration
 from station import cli
 from station.files.fixture_files import to_toml, write_csv

@@ -31,7 +31,7 @@ LAZY = (  # what the station imports when it wants it: before the clocks are put
     "station.results.solution_json", "station.results.user_defined_effects",
     "station.results.report.report", "station.results.diagnosis.diagnosis_html",
     "station.results.diagnosis.magnetic_field", "station.results.certificate.issuing", "station.demo.run",
-    "station.results.fixtures.measured_cube", "fixtures_db.user_effects", "fixtures_db.issued_certificates",
+    "station.results.fixtures.measured_cube", "fixtures_db.imu_models", "fixtures_db.issued_certificates",
     "fixtures_db.migrations.upgrade", "station.commands.verify", "station.demo.comparison", "station.tui.app",
 )  # fmt: skip
 

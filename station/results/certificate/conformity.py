@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from math import hypot
 from typing import Any
 
-from fixtures_db.model_limits import Limit
+from fixtures_db.imu_models import Limit
 from station.results.certificate.printed_results import MeasuredParameter, measured, to_two_digits
 from station.results.parameters_by_name import applied, parameters, printed_scale, title_of
 from station.results.verdict import LimitVerdict, VerdictWord, judge, word_said

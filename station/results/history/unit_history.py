@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from fixtures_db.calibration import utc_text
-from fixtures_db.model_limits import Limit
+from fixtures_db.hash_chain import utc_text
+from fixtures_db.imu_models import Limit
 from fixtures_db.stored_calibrations import Run, turn_ons
 from procedures.arrays import FloatArray
 from procedures.history.drift import (

@@ -13,7 +13,7 @@ from typing import Any, Literal
 from sqlalchemy.orm import Session
 
 from fixtures_db.campaigns import known_campaign
-from fixtures_db.model_limits import Limit
+from fixtures_db.imu_models import Limit
 from fixtures_db.stored_calibrations import newest_calibration
 from station.errors import DataRefused
 from station.files.toml_file import read_text_file

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from fixtures_db.database import Database
-from fixtures_db.model_limits import Limit, limits_of
+from fixtures_db.imu_models import Limit, limits_of
 from procedures.error_codes import ErrorCode
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_for_solve

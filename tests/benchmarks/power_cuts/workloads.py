@@ -8,7 +8,7 @@ from sqlalchemy.engine import URL
 
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db, sqlite_engine
-from fixtures_db.fixture_transfer import dump
+from fixtures_db.fixture_measurements import dump
 from fixtures_db.migrations.upgrade import config
 from fixtures_db.stored_calibrations import accept_calibration
 from station.errors import CannotWrite

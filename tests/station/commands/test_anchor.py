@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from sqlalchemy import text
 
-from fixtures_db.append_only_triggers import append_only_tables
+from fixtures_db.append_only_rows import append_only_tables
 from fixtures_db.campaigns import set_state
 from fixtures_db.database import Database
 from fixtures_db.journal import journal_head

@@ -11,8 +11,8 @@ import pytest
 
 from drivers.simulated.bench_in_memory import SimulatedBench
 from drivers.simulated.truth import Truth
-from fixtures_db.calibration import calibration_document
 from fixtures_db.hash_chain import GENESIS
+from fixtures_db.stored_calibrations import calibration_document
 from procedures.arrays import FloatArray
 from procedures.calibration.solution_values import Estimate, FitQuality, Solution, TriadCalibration
 from procedures.campaign.plan_steps import Dwell

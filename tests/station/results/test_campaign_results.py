@@ -15,7 +15,7 @@ from fixtures_db.database import Database
 from fixtures_db.errors import AlreadyStored, NotInDatabase
 from fixtures_db.fixture_measurements import add_level, certify_faces
 from fixtures_db.fixtures import add_fixture
-from fixtures_db.model_limits import Limit, set_limits
+from fixtures_db.imu_models import Limit, set_limits
 from fixtures_db.schema import CubeRow, SlabRow
 from fixtures_db.stored_calibrations import history, verify_chain
 from procedures.campaign.campaign import FaceCertificate

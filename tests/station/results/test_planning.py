@@ -8,7 +8,7 @@ import pytest
 
 from fixtures_db.campaigns import imu
 from fixtures_db.database import Database, open_db
-from fixtures_db.model_limits import Limit
+from fixtures_db.imu_models import Limit
 from fixtures_db.schema import CampaignRow, StepRow
 from procedures.campaign.plan_steps import dwell_steps, turn_steps
 from procedures.planning.campaign_design import HandTimes

@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from fixtures_db.model_limits import Limit
+from fixtures_db.imu_models import Limit
 from station.results.verdict import judge, judged_in_words, word_said
 
 BIAS = {"value": [0.9, -0.2, 0.05], "std": [0.1, 0.01, 0.01], "unit": "deg/h"}

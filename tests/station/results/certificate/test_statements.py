@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from fixtures_db.database import open_db
-from fixtures_db.model_limits import Limit
+from fixtures_db.imu_models import Limit
 from procedures.inference.result import Verdict
 from procedures.twelve_positions.bench_parameters import SLAB_TILT_RANGE_RAD
 from procedures.uncertainty.sources import SOURCES
