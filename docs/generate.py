@@ -27,7 +27,7 @@ from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS, MODULES
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station import cli
 from station.exit_codes import EXIT_CODES, MEANINGS
 from station.files.anchor_file import AnchorTable
@@ -157,7 +157,7 @@ def error_codes_page() -> str:
 
 Every error is one line: what was found, what was expected, what to do. Its wording may improve; its code does not
 change. `station --verbose ...` adds the code to the line. In a program, each exception has it as `error.code`
-(`procedures.error_codes.ErrorCode`).
+(`procedures.errors.ErrorCode`).
 
 {codes}
 ## Exit codes

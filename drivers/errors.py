@@ -23,7 +23,7 @@ import os
 import re
 from collections.abc import Iterable
 
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 
 
 class DriverError(Exception):

@@ -19,7 +19,7 @@ from drivers.network_ports import open_udp
 from drivers.port_interface import Port
 from drivers.ports import list_ports, open_port, wire_of
 from drivers.wire import FORMATS
-from procedures.earth.gnss_records import GnssFix, averaged_site
+from procedures.gnss_records import GnssFix, averaged_site
 from station.device_probe import FORMAT, probe_bytes, probe_camera, read_for
 
 GROUND_STATION = "mavlink:udpin:127.0.0.1:14550"  # where routers of this machine send to; others: by --url

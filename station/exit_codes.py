@@ -1,6 +1,6 @@
 """The exit code of each family of refusals, by full name, so that no command's imports are paid for by another."""
 
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 
 LONGEST_LINE = 2000  # characters of what is said of an error
 CANCELLED = 130

@@ -20,7 +20,7 @@ from typing import Any
 from drivers.mavlink import frames as mavlink
 from drivers.mavlink.frames import NAMES, READ, Frame, MavlinkFramer, fields
 from drivers.mavlink.signing import SignatureCheck
-from procedures.earth.gnss_records import AirData, Ambient, FixType, GnssFix, TimeMark
+from procedures.gnss_records import AirData, Ambient, FixType, GnssFix, TimeMark
 
 EPOCH_US = 10**15  # us; what is beyond is UTC (2001), what is below since boot (32 years)
 REBOOT_NS = 10**9

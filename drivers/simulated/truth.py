@@ -18,8 +18,8 @@ import numpy as np
 
 from drivers.errors import TruthRefused
 from procedures.arrays import FloatArray
-from procedures.earth.geodesy import earth_rate_n, normal_gravity
 from procedures.frames import FACES, TRIADS, C_bn, face_normal, face_of, rotation, vertical_rotation
+from procedures.geodesy import earth_rate_n, normal_gravity
 from procedures.units import DEG_H_PER_DEG_S, STANDARD_GRAVITY
 
 Sizes = Mapping[str, float]

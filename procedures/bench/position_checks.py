@@ -23,10 +23,10 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.observations import TriadDwells
-from procedures.earth.geodesy import earth_rate_n
-from procedures.earth.gyrocompass import CertainDwell
 from procedures.errors import FitsNoFace, WrongFace, WrongMounting
 from procedures.frames import AXES, FACES, face_normal, face_of, nominal_C_lb
+from procedures.geodesy import earth_rate_n
+from procedures.gyrocompass import CertainDwell
 from procedures.statistics.least_squares import Fit, minimise_if_determined
 from procedures.twelve_positions.accelerometer_fit import TriadFit
 from procedures.units import RAD_S_PER_DEG_H

@@ -20,7 +20,7 @@ from procedures.campaign.campaign import DwellRecord
 from procedures.frames import AXES, position_name
 from procedures.twelve_positions.accelerometer_fit import TriadFit, specific_force
 from procedures.twelve_positions.gyroscope_fit import GyroscopeFit
-from procedures.twelve_positions.seating import seating_rotations
+from procedures.twelve_positions.placement_transfers import seating_rotations
 from procedures.units import RAD_PER_ARCSEC
 
 HARMFUL = 1.2  # sigmas of a value by a tilt that shows by one; twelve positions that all count have 1.05

@@ -37,8 +37,8 @@ from procedures.campaign.campaign import (
 )
 from procedures.campaign.observations import channel
 from procedures.counts.sample_records import CountSeries, Series
-from procedures.earth.geodesy import earth_rate_n
 from procedures.frames import AXES, TRIADS, face_normal, face_of, nominal_C_lb
+from procedures.geodesy import earth_rate_n
 
 MIN_MISSED_COUNTS = 10.0  # counts, beyond six sigmas of what the other rests scatter
 MIN_EXPECTED_CHANGES = 30.0  # changes, where none came

@@ -16,9 +16,9 @@ from procedures.calibration.joint_calibration import CampaignFits
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.observations import TurnTotal, channel
 from procedures.counts.sample_records import CountSeries, Series
-from procedures.earth.geodesy import earth_rate_n
 from procedures.effects.effect import Excitation, ExcitationStep
 from procedures.frames import TRIADS, face_normal, nominal_C_lb, rotation, rotation_vector
+from procedures.geodesy import earth_rate_n
 from procedures.twelve_positions.accelerometer_fit import TriadFit
 from procedures.twelve_positions.manual_rotations import heading_history
 from procedures.units import STANDARD_GRAVITY

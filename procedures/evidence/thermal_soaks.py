@@ -21,10 +21,10 @@ from procedures.campaign.observations import channel, rest_rates
 from procedures.counts.count_rate import MIN_DWELL_SAMPLES
 from procedures.counts.dwell_means import MIN_DWELL_BLOCKS
 from procedures.counts.sample_records import Series, series_rows
-from procedures.earth.geodesy import EARTH_RATE
 from procedures.effects.effect import ExcitationStep
 from procedures.evidence.excitation import NodeBuilder, StepNodes, attitude, on_face
 from procedures.frames import AXES, TRIADS
+from procedures.geodesy import EARTH_RATE
 from procedures.twelve_positions.accelerometer_fit import TriadFit
 from procedures.units import S_PER_MIN
 

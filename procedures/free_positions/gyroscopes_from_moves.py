@@ -19,10 +19,10 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.campaign import Campaign, RestRecord, SequenceRecord
 from procedures.campaign.observations import channel, rest_rates
 from procedures.counts.sample_records import CountSeries, Series
-from procedures.earth.geodesy import earth_rate_n
 from procedures.frames import rotation
 from procedures.free_positions.norm_fit import MAX_RELATIVE_SCALE_STD, choose_rests, excess_scatter
 from procedures.free_positions.rest_detection import rests_of, scatter_level
+from procedures.geodesy import earth_rate_n
 from procedures.statistics.least_squares import Fit, minimise_if_determined
 from procedures.twelve_positions.accelerometer_fit import MIN_RESPONSE_SIGMAS, TriadFit
 from procedures.twelve_positions.transfer_rotation import (

@@ -16,11 +16,11 @@ from scipy.spatial.transform import Rotation
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.campaign.campaign import Campaign
-from procedures.earth.geodesy import earth_rate_n
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Columns, Excitation, ExcitationStep
 from procedures.evidence.candidates import NAVIGATION_GRADE_STD
 from procedures.frames import AXES, face_normal, face_of, nominal_C_lb
+from procedures.geodesy import earth_rate_n
 from procedures.planning.campaign_design import TURNS, CampaignDesign, HandTimes, Placement
 from procedures.planning.design_sigmas import RIDGE, DesignSigmas
 from procedures.planning.placement_rows import OWN, SEAT, SHARED

@@ -17,15 +17,14 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.campaign import Campaign, DwellRecord, TurnRecord
 from procedures.campaign.observations import TriadDwells, TurnTotal
 from procedures.counts.sample_records import CountSeries
-from procedures.earth.geodesy import earth_rate_n
 from procedures.frames import ATTITUDES, rotation_vector
+from procedures.geodesy import earth_rate_n
 from procedures.planning.campaign_design import TURNS, HandTimes
 from procedures.twelve_positions.accelerometer_fit import gravity_n
 from procedures.twelve_positions.bench_parameters import BenchParameters
 from procedures.twelve_positions.gyroscope_model import GyroscopeModel
 from procedures.twelve_positions.manual_rotations import RotationGeometry, nominal_angle
-from procedures.twelve_positions.placement_transfers import carried_rotations
-from procedures.twelve_positions.seating import seating_rotations
+from procedures.twelve_positions.placement_transfers import carried_rotations, seating_rotations
 from procedures.twelve_positions.transfer_rotation import integrate_moves, padded_moves
 from procedures.units import RAD_PER_DEG
 

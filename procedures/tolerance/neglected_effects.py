@@ -15,8 +15,8 @@ from types import MappingProxyType
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.earth.geodesy import EARTH_RATE
 from procedures.frames import AXES
+from procedures.geodesy import EARTH_RATE
 from procedures.tolerance.estimator_errors import tilt_std
 from procedures.units import PPM_PER_ONE, RAD_S_PER_DEG_H, UG_PER_G
 

@@ -8,15 +8,20 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord
 from procedures.campaign.observations import TriadDwells, TurnTotal
-from procedures.earth.geodesy import earth_rate_n
 from procedures.frames import cross_axes, face_of, rotation
+from procedures.geodesy import earth_rate_n
 from procedures.statistics.least_squares import Fit, joined_rows
 from procedures.twelve_positions.accelerometer_fit import TriadFit, TurnOnFit, fit_with_turn_ons
 from procedures.twelve_positions.bench_parameters import BenchParameters, BenchPrior, Placement, cube_numbers
 from procedures.twelve_positions.manual_rotations import RotationGeometry
-from procedures.twelve_positions.placement_transfers import MovesModel, PlacementTransfers
+from procedures.twelve_positions.placement_transfers import (
+    MovesModel,
+    PlacementTransfers,
+    gain,
+    seated,
+    seating_rotations,
+)
 from procedures.twelve_positions.rotation_tilt import RotationTilt
-from procedures.twelve_positions.seating import gain, seated, seating_rotations
 from procedures.units import DEG_H_PER_DEG_S
 
 # deg/s, 1 sigma of what a bias may step by as a unit is switched off and on

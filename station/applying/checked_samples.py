@@ -7,7 +7,7 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
 from procedures.counts.sample_times import GAP_PERIODS, own_period
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.applying.source import Samples, Source, Stated
 from station.errors import DataRefused
 

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.counts.time_decision import evidence_rows, may_be_clock
 from procedures.effects.term.inputs import AUXILIARY
-from procedures.error_codes import ErrorCode
-from procedures.recordings.time_decision import evidence_rows, may_be_clock
+from procedures.errors import ErrorCode
 from station.applying.source import Samples, Stated, Times, channels_by_column
 from station.errors import DataRefused
 from station.files.logs.header_guesses import guessed_time, split_unit

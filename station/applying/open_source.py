@@ -5,7 +5,7 @@ from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from procedures.frames import TRIADS
 from station.applying.log_source import LogSource, step_source
 from station.applying.recording_source import RawSource, RecordingSource

@@ -14,7 +14,7 @@ from drivers.errors import ReplayEnded
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import UNKNOWN
 from procedures.counts.sample_records import SampleBlock
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from procedures.frames import TRIADS
 from station.applying.source import Samples, Stated, Times, channels_by_column
 from station.errors import DataRefused

@@ -14,7 +14,7 @@ from procedures.arrays import BoolArray
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.axes_check import AxesDisagreement, disagreement, is_near
 from procedures.attitude.mean_force import GravityCheck, gravity_check, windows_of
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from procedures.units import STANDARD_GRAVITY
 from station.errors import DataRefused
 from station.files.opening import open_inside

@@ -1,7 +1,7 @@
 """Live attitude by the joint (Kalman) filter: the noise from the first seconds, then tick by tick.
 
 Without aid, `VehicleWatch` decides whether the unit moves as a vehicle does; the filter then continues with the
-uncertainty that it has. As of a log (`procedures.attitude.unaided_motion`), but from the last seconds of motion.
+uncertainty that it has. As of a log (`unaided_motion`), but from the last seconds of motion.
 """
 
 import math
@@ -13,9 +13,9 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog, inclination, roll_pitch_of
-from procedures.attitude.kalman_filter import AttitudeKalmanFilter
-from procedures.attitude.kalman_state import KalmanSettings
-from procedures.attitude.unaided_motion import MIN_MOTION_S, VEHICLE_RUNS, settings_in_vehicle
+from procedures.attitude.kalman.kalman_filter import AttitudeKalmanFilter
+from procedures.attitude.kalman.kalman_state import KalmanSettings
+from procedures.attitude.kalman.unaided_motion import MIN_MOTION_S, VEHICLE_RUNS, settings_in_vehicle
 from procedures.units import DEG_H_PER_RAD_S
 from station.attitude.live_readings import AttitudeReading
 from station.calibrated.rates_and_forces import RatesAndForces
@@ -95,7 +95,7 @@ def joined(logs: Sequence[AttitudeLog]) -> AttitudeLog:
 
 
 ALIGN_S = 2.0
-# of rest, from which north is stated: a little more than `procedures.attitude.unaided_motion` asks for
+# of rest, from which north is stated: a little more than `procedures.attitude.kalman.unaided_motion` asks for
 NORTH_S = 31.0
 RESIDUAL_SHARE = 0.1  # of each tick: a second
 # put between what has no relation in time: the filter then restarts with the biases learnt

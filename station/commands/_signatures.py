@@ -9,7 +9,7 @@ from urllib.parse import urlsplit
 
 import typer
 
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.commands._options import signing_libraries
 
 if TYPE_CHECKING:

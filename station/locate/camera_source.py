@@ -5,7 +5,6 @@ from functools import partial
 
 import numpy as np
 
-from procedures.earth.geodesy import earth_rate_n
 from procedures.fusion.alignment_attempts import align_when_possible, between
 from procedures.fusion.alignment_in_motion import MovingAligner
 from procedures.fusion.feature_tracks import FeatureTracks
@@ -17,6 +16,7 @@ from procedures.fusion.pose_graph import PoseGraph, PoseGraphSettings
 from procedures.fusion.preintegration import imu_gaps
 from procedures.fusion.vision.camera_time import CameraTimeOffset, camera_offset
 from procedures.fusion.vision.visual_alignment import VisualAligner, align_by_camera
+from procedures.geodesy import earth_rate_n
 from station.errors import DataRefused
 from station.files.fusion_folder import FusionLog
 from station.locate.imu_source import alignment_of, never, of_gaps

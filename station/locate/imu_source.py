@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from procedures.earth.geodesy import earth_rate_n
 from procedures.fusion.alignment_attempts import align_when_possible, is_still
 from procedures.fusion.alignment_in_motion import MovingAligner
 from procedures.fusion.fusion_records import AlignmentState, Waiting
@@ -13,6 +12,7 @@ from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettin
 from procedures.fusion.inner.window_terms import Site
 from procedures.fusion.pose_graph import OUTLIER_SIGMAS, GlobalPose, PoseGraphSettings
 from procedures.fusion.preintegration import ImuGap, imu_gaps
+from procedures.geodesy import earth_rate_n
 from station.errors import DataRefused
 from station.files.fusion_folder import FusionLog
 from station.locate.outer_layer import (

@@ -12,10 +12,9 @@ import numpy as np
 
 from drivers.camera import CameraImage
 from procedures.arrays import FloatArray
-from procedures.earth.gnss_records import TimeMark
 from procedures.fusion.feature_tracks import FeatureTracks, PinholeCamera
 from procedures.fusion.fusion_records import ImuSeries
-from procedures.fusion.inner.keyframes import (
+from procedures.fusion.inner.window_state import (
     FRAME_SPACING_S,
     MIN_FRAME_SPACING_S,
     Frame,
@@ -24,6 +23,7 @@ from procedures.fusion.inner.keyframes import (
     no_frame,
 )
 from procedures.fusion.vision.camera_time import CHECK_MOUNTING, CameraTimeOffset, camera_offset
+from procedures.gnss_records import TimeMark
 from station.stream.camera import Follow
 from station.stream.gnss_times import FixTimes
 from station.text import plural

@@ -11,8 +11,6 @@ import numpy as np
 
 from drivers.can.wheel_reading import WheelReading
 from procedures.arrays import FloatArray
-from procedures.earth.geodesy import LocalLevel
-from procedures.earth.gnss_records import GnssFix, TimeMark
 from procedures.fusion.fusion_records import (
     GnssFixes,
     ImuNoise,
@@ -25,9 +23,11 @@ from procedures.fusion.fusion_records import (
     origin_at,
 )
 from procedures.fusion.inner.inner_window import InnerWindow
-from procedures.fusion.inner.keyframes import KEYFRAME_SPACING_S, MIN_FIX_SPACING_S
 from procedures.fusion.inner.wheel_aid import WheelAid
+from procedures.fusion.inner.window_state import KEYFRAME_SPACING_S, MIN_FIX_SPACING_S
 from procedures.fusion.pose_graph import OUTLIER_SIGMAS, GlobalPose
+from procedures.geodesy import LocalLevel
+from procedures.gnss_records import GnssFix, TimeMark
 from station.files.mcap_files.gnss_file import Record
 from station.locate.location import Location
 from station.stream.gnss_times import FixTimes

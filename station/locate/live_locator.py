@@ -13,7 +13,6 @@ from dataclasses import replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.earth.geodesy import earth_rate_n, normal_gravity
 from procedures.fusion.alignment_in_motion import MovingAligner
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
 from procedures.fusion.gnss_velocity import LeverArm
@@ -22,6 +21,7 @@ from procedures.fusion.inner.visual_inertial_window import VisionSettings, Visua
 from procedures.fusion.inner.window_terms import Site
 from procedures.fusion.odometry import OdometryPose
 from procedures.fusion.pose_graph import GlobalPose, PoseGraphSettings
+from procedures.geodesy import earth_rate_n, normal_gravity
 from station.locate.camera_source import antenna_of, with_lever
 from station.locate.imu_source import with_constants
 from station.locate.live_alignment import (

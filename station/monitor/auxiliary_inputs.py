@@ -16,7 +16,7 @@ from typing import TypeVar
 
 from drivers.camera import CameraImage
 from drivers.can.wheel_reading import WheelReading
-from procedures.earth.gnss_records import AirData, FixType, GnssFix
+from procedures.gnss_records import AirData, FixType, GnssFix
 from station.attitude.live_kalman_filter import NO_AID, AidValues
 from station.files.mcap_files.gnss_file import Record
 from station.stream.auxiliary import Companion, came_ns

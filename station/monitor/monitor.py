@@ -14,8 +14,8 @@ from drivers.errors import DriverError, LinkLost, ReplayEnded
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.filter_choice import JOINT, Gains
-from procedures.attitude.kalman_state import KalmanSettings
-from procedures.attitude.unaided_motion import heading_at_rest
+from procedures.attitude.kalman.kalman_state import KalmanSettings
+from procedures.attitude.kalman.unaided_motion import heading_at_rest
 from procedures.units import STANDARD_GRAVITY
 from station.attitude.error_at_rest import ErrorAtRest
 from station.attitude.live_filters import LiveFilters

@@ -19,7 +19,7 @@ from drivers.can.wheel_reading import WheelReading
 from procedures.arrays import FloatArray
 from procedures.attitude.filter_choice import JOINT, Gains, parse_filters, refuse_without_velocity
 from procedures.campaign.campaign import UNKNOWN
-from procedures.earth.geodesy import normal_gravity
+from procedures.geodesy import normal_gravity
 from procedures.optional_libraries import opencv
 from procedures.units import STANDARD_GRAVITY
 from station.calibrated.calibration_choice import AppliedCalibration, find_calibration

@@ -6,7 +6,7 @@ from drivers.wire import WireFormat
 from fixtures_db.database import open_db
 from fixtures_db.stored_calibrations import history, last_calibration
 from procedures.campaign.campaign import UNKNOWN
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.calibrated.calibration_choice import (
     AppliedCalibration,
     another_units,

@@ -9,7 +9,7 @@ from drivers.address_parsing import parse_device_url
 from drivers.addresses import DeviceAddress, MavlinkAddress
 from drivers.errors import BadDeviceUrl, DriverError
 from drivers.wire import Identity
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 
 
 @dataclass(frozen=True, slots=True)

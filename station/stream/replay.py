@@ -11,7 +11,7 @@ from pathlib import Path
 from drivers.address_parsing import parse_device_url
 from drivers.addresses import DeviceAddress
 from drivers.errors import PortNotFound, ReplayEnded
-from procedures.earth.gnss_records import GnssFix
+from procedures.gnss_records import GnssFix
 from station.errors import DataRefused
 from station.files.mcap_files import read_step
 from station.files.mcap_files.gnss_file import Record, read_fixes

@@ -14,7 +14,7 @@ import numpy as np
 
 from procedures.campaign.campaign import MAX_CLOCK_PPM
 from procedures.counts.reference_time import ClockRate, fit_clock
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import DataRefused
 from station.files.campaign_folder.loaded_campaign import MAX_PERIOD_DEVIATION, clock_sentence, off_period
 from station.files.campaign_folder.sample_series import WARN_PERIOD_DEVIATION

@@ -11,8 +11,7 @@ import typer
 
 from drivers.errors import BadDeviceUrl, DriverError
 from fixtures_db.errors import DatabaseError
-from procedures.error_codes import ErrorCode
-from procedures.errors import NotObservable, ProcedureError, WrongFace
+from procedures.errors import ErrorCode, NotObservable, ProcedureError, WrongFace
 from station.cli import run
 from station.errors import Altered, CannotWrite, DataRefused, StationError
 from station.exit_codes import BUG, EXIT_CODES, error_code, exit_code, explain, one_line

@@ -25,11 +25,21 @@ from procedures.fusion.inner.inner_window import (
     InnerSettings,
     InnerWindow,
 )
-from procedures.fusion.inner.keyframes import FRAME_SPACING_S, MIN_FRAME_SPACING_S, Frame, keyframes
 from procedures.fusion.inner.landmarks import residuals
 from procedures.fusion.inner.wheel_aid import WheelAid
 from procedures.fusion.inner.window_problem import BackSubstitution, Prior, walked
-from procedures.fusion.inner.window_state import COMMON, FRAME, HEADING, OFFSET, Normal, WindowState
+from procedures.fusion.inner.window_state import (
+    COMMON,
+    FRAME,
+    FRAME_SPACING_S,
+    HEADING,
+    MIN_FRAME_SPACING_S,
+    OFFSET,
+    Frame,
+    Normal,
+    WindowState,
+    keyframes,
+)
 from procedures.fusion.inner.window_terms import Site
 from procedures.fusion.odometry import OdometryPose
 from procedures.fusion.preintegration import Preintegrated

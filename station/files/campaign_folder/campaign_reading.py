@@ -22,9 +22,9 @@ from procedures.campaign.campaign import (
     SoakRecord,
     TurnRecord,
 )
-from procedures.earth.geodesy import normal_gravity
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from procedures.frames import TURN_START
+from procedures.geodesy import normal_gravity
 from procedures.units import RAD_PER_ARCSEC, RAD_S_PER_DEG_H, STANDARD_GRAVITY
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import (

@@ -8,8 +8,8 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.counts.sample_records import CountSeries, RateSeries, Series
 from procedures.counts.sample_times import SampleTimes, sample_times
-from procedures.error_codes import ErrorCode
-from procedures.recordings.time_unit import unit_by_ratio
+from procedures.counts.time_unit import unit_by_ratio
+from procedures.errors import ErrorCode
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import CampaignImuTable
 from station.files.output_units import PLAUSIBLE_C

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 
+from procedures.counts.time_decision import LIE_ODDS
+from procedures.counts.time_unit import BY_NAME, TimeUnit, unit_called
 from procedures.frames import AXES
-from procedures.recordings.time_decision import LIE_ODDS
-from procedures.recordings.time_unit import BY_NAME, TimeUnit, unit_called
 from procedures.units import RAD_PER_DEG
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, SPELLED, TIME_UNITS, temperature_unit, unit_named
 

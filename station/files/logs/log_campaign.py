@@ -11,7 +11,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import UNKNOWN
 from procedures.counts.sample_times import NEAR_PERIOD_TOLERANCE, own_period
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import DataRefused
 from station.files.atomic_file import new_folder, replace_file
 from station.files.campaign_folder.campaign_reading import loaded_campaign

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.error_codes import ErrorCode
+from procedures.counts.time_unit import SECOND, TimeUnit
+from procedures.errors import ErrorCode
 from procedures.frames import AXES
-from procedures.recordings.time_unit import SECOND, TimeUnit
 from station.errors import DataRefused
 from station.files.logs.header_guesses import (
     bare_axes,

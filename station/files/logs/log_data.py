@@ -17,7 +17,7 @@ from procedures.counts.reference_angle import (
     unwrapped,
 )
 from procedures.counts.sample_times import StampsGoBack, log_times
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import DataRefused
 from station.files.logs.log_columns import LogColumns, outputs
 from station.files.output_units import GYRO_UNITS, TEMPERATURE_UNITS, outputs_per_unit

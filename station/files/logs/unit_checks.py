@@ -13,8 +13,8 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
 from procedures.counts.sample_times import own_period
-from procedures.error_codes import ErrorCode
-from procedures.recordings.rest_physics import (
+from procedures.errors import ErrorCode
+from procedures.rest_physics import (
     MATCH_TOLERANCE,
     MAX_RAW_RATE,
     MOST_NAMED,

@@ -15,7 +15,7 @@ import numpy as np
 
 from drivers.text_decoding import decoded_text
 from procedures.arrays import FloatArray
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import DataRefused
 from station.files.tables.table import HEAD_ROWS, Block, Table, TableReader, in_blocks, text_in_column
 from station.files.tables.text_layout import LOOKED_AT, Layout, is_number, is_row, layout_of

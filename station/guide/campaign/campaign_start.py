@@ -12,7 +12,7 @@ from drivers.wire import ALL_CHANNELS
 from fixtures_db.database import Database
 from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Step, as_repeats, dwell_steps, turn_steps
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import DataRefused
 from station.files.atomic_file import new_folder
 from station.files.campaign_folder.campaign_schema import CampaignTable

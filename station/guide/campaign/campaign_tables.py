@@ -13,7 +13,7 @@ from fixtures_db.fixtures import fixture_row
 from fixtures_db.imu_models import effects_in_force
 from fixtures_db.schema import CubeRow
 from procedures.campaign.campaign import Campaign, Fixture, ProcedureSigma, Site
-from procedures.earth.geodesy import normal_gravity
+from procedures.geodesy import normal_gravity
 from procedures.units import RAD_PER_ARCSEC, RAD_PER_DEG
 from station.errors import DataRefused
 from station.files.atomic_file import replace_file

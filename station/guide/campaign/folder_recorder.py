@@ -10,9 +10,9 @@ import numpy as np
 from drivers.wire import WireFormat
 from procedures.arrays import FloatArray
 from procedures.campaign.plan_steps import Dwell, Step
-from procedures.earth.geodesy import normal_gravity
 from procedures.errors import ProcedureError
 from procedures.frames import TRIADS
+from procedures.geodesy import normal_gravity
 from procedures.units import STANDARD_GRAVITY
 from station.calibrated import InUse
 from station.calibrated.calibration_choice import AppliedCalibration, find_calibration

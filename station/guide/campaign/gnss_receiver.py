@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from drivers.errors import DriverError
-from procedures.earth.gnss_records import AveragedSite
+from procedures.gnss_records import AveragedSite
 from station.files.atomic_file import replace_file
 from station.files.campaign_setup import Setup
 from station.stream.gnss_feed import GnssFeed, open_gnss, site_in_words

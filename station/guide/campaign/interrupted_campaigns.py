@@ -16,7 +16,7 @@ from fixtures_db.campaigns import accept_step, campaign, known_campaign, remove_
 from fixtures_db.database import Database
 from fixtures_db.errors import CampaignInUse
 from fixtures_db.schema import StepRow
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import DataRefused, cannot_write
 from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML, read_campaign_toml
 from station.files.opening import open_inside

@@ -19,7 +19,7 @@ from procedures.arrays import FloatArray
 from procedures.bench.dwell_length import WHITE_NOISE_FACTOR
 from procedures.campaign.campaign import Campaign, Fixture
 from procedures.campaign.plan_steps import Dwell, Step, Turn
-from procedures.earth.geodesy import EARTH_RATE
+from procedures.geodesy import EARTH_RATE
 from procedures.planning.campaign_design import TURNS, CampaignDesign, HandTimes, Placement, usual_design
 from procedures.planning.design_sigmas import NAMES, DesignSigmas, wanted, with_all_solved
 from procedures.planning.least_time import NextPlacement, is_enough, next_placement

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from procedures.attitude.attitude_log import ENU_NED, AttitudeLog, inclination
-from procedures.attitude.kalman_state import KalmanSettings
+from procedures.attitude.kalman.kalman_state import KalmanSettings
 from procedures.campaign.plan_steps import Monitor
 from procedures.errors import ProcedureError
 from procedures.frames import nominal_C_lb

@@ -10,7 +10,7 @@ from typing import Any, TextIO
 
 from fixtures_db.database import Database
 from fixtures_db.imu_models import Limit, limits_of
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_for_solve
 from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML, read_campaign_toml

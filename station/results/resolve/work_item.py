@@ -14,7 +14,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, TypeVar
 
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import StationError
 
 PACKAGES = ("procedures", "drivers", "fixtures_db", "station")

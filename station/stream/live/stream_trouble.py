@@ -19,7 +19,7 @@ from procedures.campaign.dead_channels import (
     walk,
 )
 from procedures.counts.sample_records import CountBlock, SampleBlock
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import DataRefused
 from station.stream.recorder.sample_stream import DecodedChunk, SampleStream
 

@@ -7,7 +7,7 @@ import pytest
 from pymavlink.dialects.v20 import all as dialect
 
 from drivers.mavlink.decoder import MavlinkDecoder, SenderClock
-from procedures.earth.gnss_records import FixType, GnssFix
+from procedures.gnss_records import FixType, GnssFix
 
 
 def fix_of(message: dialect.MAVLink_message) -> GnssFix:

@@ -18,7 +18,7 @@ from drivers.simulated.companions.truths import EPOCH_UTC, AutopilotTruth
 from drivers.simulated.faults import TimedFault
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack
-from procedures.earth.gnss_records import AirData, Ambient, GnssFix, TimeMark, averaged_site
+from procedures.gnss_records import AirData, Ambient, GnssFix, TimeMark, averaged_site
 from tests.patience import HANG_S
 
 KEY = bytes(range(100, 132))

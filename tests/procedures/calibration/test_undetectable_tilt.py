@@ -17,7 +17,7 @@ from procedures.calibration.undetectable_tilt import (
 )
 from procedures.campaign.campaign import Campaign
 from procedures.twelve_positions.accelerometer_fit import TriadFit, solve_accelerometer, specific_force
-from procedures.twelve_positions.seating import seating_rotations
+from procedures.twelve_positions.placement_transfers import seating_rotations
 from procedures.units import RAD_PER_ARCSEC
 
 TRUTH = Truth.example(7)

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.calibration import DataRefused, calibration_of
 from station.exit_codes import explain
 from tests.refusals import refused

@@ -14,7 +14,7 @@ import pytest
 from fixtures_db.database import open_db
 from fixtures_db.errors import NotWritten
 from fixtures_db.folder_on_disk import make_folder
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import CannotWrite, DiskFails
 from station.exit_codes import exit_code
 from station.files.atomic_file import FlushInterval, replace_file, write_file_pair

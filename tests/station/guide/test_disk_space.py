@@ -15,7 +15,7 @@ from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from fixtures_db.database import Database
 from procedures.counts.sample_records import CountBlock, SampleBlock, block_rows
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import DiskFull
 from station.files.campaign_setup import Setup
 from station.files.mcap_files import BY_OUTPUT, StepWriter

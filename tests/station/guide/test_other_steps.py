@@ -13,7 +13,7 @@ from drivers.simulated.truth import Truth
 from drivers.wire import WireFormat
 from drivers.wire.counts import FORMAT as COUNTS
 from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from procedures.free_positions.free_attitudes import UP_DIRECTIONS, angle_deg, up_vector
 from station.calibrated import InUse
 from station.calibrated.calibration_choice import AppliedCalibration

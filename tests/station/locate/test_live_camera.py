@@ -5,7 +5,7 @@ import pytest
 
 from drivers.camera import CameraImage
 from procedures.fusion.feature_tracks import FeatureTracks
-from procedures.fusion.inner.keyframes import FRAME_SPACING_S
+from procedures.fusion.inner.window_state import FRAME_SPACING_S
 from procedures.fusion.vision.camera_time import CameraTimeOffset
 from station.locate.live_camera import LiveCamera
 from station.stream.camera import FeaturePositions

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from drivers.errors import PortNotFound
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from procedures.fusion.vision.feature_tracker import LensModel
 from station import cli
 from station.errors import CannotWrite, DataRefused

@@ -15,8 +15,8 @@ from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.faults import TimedFault
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack
-from procedures.earth.gnss_records import AirData, GnssFix, TimeMark
 from procedures.fusion.vision.camera_time import CameraTimeOffset
+from procedures.gnss_records import AirData, GnssFix, TimeMark
 from station.calibrated import InUse
 from station.calibrated.calibration_choice import AppliedCalibration
 from station.calibrated.output_frame import DEFAULT_AXES, body_axes

@@ -19,7 +19,7 @@ from fixtures_db.imu_models import Limit, set_limits
 from fixtures_db.schema import CubeRow, SlabRow
 from fixtures_db.stored_calibrations import history, verify_chain
 from procedures.campaign.campaign import FaceCertificate
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from procedures.frames import FACES
 from station.errors import Altered, CannotWrite
 from station.files.atomic_file import replace_file

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import StationError
 
 

@@ -29,7 +29,7 @@ from pyhanko.sign.validation.generic_cms import validate_sig_integrity
 from pyhanko.sign.validation.pdf_embedded import EmbeddedPdfSignature
 from pyhanko_certvalidator.registry import SimpleCertificateStore
 
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import DataRefused
 from station.results.certificate.signing.errors import NoTimeStamp, SignatureBroken, refused_as
 from station.results.certificate.signing.signing_key import SigningKey

@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 from procedures.effects.term.effect_of_term import Parameter, TermEffect
 from procedures.effects.term.grammar import Call, Name, Node, Number, Operation, channel_as_written, parse
 from procedures.effects.term.units import parse_unit
-from procedures.error_codes import ErrorCode
-from procedures.errors import TermRefused
+from procedures.errors import ErrorCode, TermRefused
 from tests.refusals import refused
 
 W = {"w": Parameter("deg/h", 1.0, 10.0)}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.applying.log_source import LogSource
 from station.errors import ClocksContradict
 from station.exit_codes import exit_code

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from procedures.error_codes import ErrorCode
-from procedures.recordings.time_unit import TimeUnit
+from procedures.counts.time_unit import TimeUnit
+from procedures.errors import ErrorCode
 from station.applying.log_source import LogSource
 from station.errors import DataRefused, TimeUnitAsked
 from station.exit_codes import exit_code

@@ -19,7 +19,7 @@ from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from procedures.campaign.plan_steps import Dwell
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station import cli
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_campaign

@@ -9,7 +9,7 @@ from drivers.mavlink.signing import SignatureCheck
 from drivers.simulated.companions.gnss_server import Autopilot
 from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.truth import Truth
-from procedures.earth.gnss_records import FixType, GnssFix
+from procedures.gnss_records import FixType, GnssFix
 from station.files.mcap_files.gnss_file import FixWriter
 from station.stream.gnss_feed import GnssFeed, GnssTrouble
 from station.stream.reader import Chunk, StreamGap

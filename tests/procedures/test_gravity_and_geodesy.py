@@ -3,8 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from procedures.earth.geodesy import EARTH_RATE, LocalLevel, earth_rate_n, normal_gravity
-from procedures.earth.gnss_records import FixType, GnssFix, averaged_site
+from procedures.geodesy import EARTH_RATE, LocalLevel, earth_rate_n, normal_gravity
+from procedures.gnss_records import FixType, GnssFix, averaged_site
 
 
 @pytest.mark.parametrize(

@@ -5,16 +5,16 @@ from functools import cache
 import numpy as np
 import pytest
 
-from procedures.history.drift import (
+from procedures.statistics.calibration_drift import (
     MIN_CALIBRATIONS,
     TAIL_PROBABILITY,
+    CalibrationSeries,
     NormalMixture,
     ProcessHypotheses,
     filtered,
     forecast,
 )
-from procedures.history.repeatability import CalibrationSeries
-from tests.procedures.history.worlds import WORLDS
+from tests.procedures.statistics.worlds import WORLDS
 
 UNITS = 40
 

@@ -6,7 +6,7 @@ moved to and fro than for what is turned in place. In a vehicle it is not: an un
 its velocity stays. The noise density of the velocity over some seconds distinguishes the two, and is N itself
 where it does (adaptive estimation from innovations: Mehra 1970).
 
-At rest the Earth's rate gives the heading (gyrocompassing, `procedures.earth.gyrocompass.attitude_at_rest`). Its
+At rest the Earth's rate gives the heading (gyrocompassing, `procedures.gyrocompass.attitude_at_rest`). Its
 level part is Omega cos(lat): the standard deviation of the heading is the gyros' bias over that.
 """
 
@@ -17,12 +17,12 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.complementary_filter import start_down
-from procedures.attitude.kalman_filter import AttitudeKalmanFilter
-from procedures.attitude.kalman_state import KalmanSettings
+from procedures.attitude.kalman.kalman_filter import AttitudeKalmanFilter
+from procedures.attitude.kalman.kalman_state import KalmanSettings
 from procedures.attitude.sensor_noise import gyro_noise
-from procedures.earth.geodesy import EARTH_RATE
-from procedures.earth.gyrocompass import attitude_at_rest
 from procedures.free_positions.rest_detection import second_means
+from procedures.geodesy import EARTH_RATE
+from procedures.gyrocompass import attitude_at_rest
 
 MIN_MOTION_S = 10.0  # of motion that says something
 ROOM_SPEED_NOISE_BOUNDS = 0.11, 0.6  # m/s*sqrt(s)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm, t
 
-from procedures.history.repeatability import (
+from procedures.statistics.calibration_drift import (
     MIN_EARLIER,
     CalibrationSeries,
     control_chart,

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.recordings.time_unit import DAY_S, TIME_UNITS, TimeUnit, is_clock, minute_jumps
+from procedures.counts.time_unit import DAY_S, TIME_UNITS, TimeUnit, is_clock, minute_jumps
 
 WINNING_ODDS = 100.0  # against the next: a wrong unit costs more than some ten questions, and the priors are rough
 LIE_ODDS = 1e4  # a header that states a unit is wrong once in so many logs

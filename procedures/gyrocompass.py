@@ -10,12 +10,12 @@ prior. With ``s = 1 / k``, one gyro's dwells so far and the one in question obey
 
 so that -2 log likelihood is ``chi2(s) - 6 n log s`` for n dwells, chi2 a quadratic form; its least value over
 ``s > 0`` judges a candidate heading. Dwells whose position is certain make the bias drop out. Earth rate and
-signs: `procedures.earth.geodesy`, `procedures.frames`. The rule of decision is this project's own
+signs: `procedures.geodesy`, `procedures.frames`. The rule of decision is this project's own
 (docs/explanation/guiding.md).
 
 Which way a resting cube points, at any angle: the level part of the Earth's rate points North.
 A gyro at rest counts ``r = k (u + b)``. Dwells whose position is certain say its bias: ``r / k - u`` is b, each
-to within its noise and what `procedures.earth.gyrocompass` grants to scale factors that differ and cubes a degree
+to within its noise and what `procedures.gyrocompass` grants to scale factors that differ and cubes a degree
 off; b has its normal prior in addition. What is left of the rate in question, in the slab's axes as the cube is
 thought to stand, should be the Earth's ``(0, W cos lat, W sin lat)``: the angle from its level part to North is
 how far the cube's heading is off. Where the parts are not as long as the Earth's, it is not the Earth's rate that
@@ -30,8 +30,8 @@ import numpy as np
 from scipy.special import chdtri
 
 from procedures.arrays import FloatArray
-from procedures.earth.geodesy import EARTH_RATE, earth_rate_n
 from procedures.frames import ATTITUDES, face_normal, face_of, nominal_C_lb, vertical_rotation
+from procedures.geodesy import EARTH_RATE, earth_rate_n
 from procedures.units import RAD_S_PER_DEG_H
 
 BIAS_STD_RAD_S = RAD_S_PER_DEG_H  # rad/s

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import t as student_t
 
-from procedures.history.population import GroupShift, group_shift, judge_fleet, significant
+from procedures.statistics.population import GroupShift, group_shift, judge_fleet, significant
 
 INSIDE = np.array([False, False, True, True])
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.history.repeatability import CalibrationSeries
+from procedures.statistics.calibration_drift import CalibrationSeries
 
 
 @dataclass(frozen=True)

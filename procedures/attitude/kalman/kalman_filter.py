@@ -12,7 +12,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.kalman_measurements import (
+from procedures.attitude.kalman.kalman_measurements import (
     measure_airspeed,
     measure_gnss_velocity,
     measure_heading,
@@ -20,7 +20,7 @@ from procedures.attitude.kalman_measurements import (
     measure_rest,
     remember_update,
 )
-from procedures.attitude.kalman_state import (
+from procedures.attitude.kalman.kalman_state import (
     AIDED_SETTINGS,
     SINCE_UPDATE,
     KalmanSettings,
@@ -28,14 +28,14 @@ from procedures.attitude.kalman_state import (
     new_state,
     propagate,
 )
-from procedures.attitude.kernel_options import inlined, kernel
-from procedures.attitude.strapdown_integration import (
+from procedures.attitude.kalman.strapdown_integration import (
     LOST_ANGLE,
     align,
     apply_correction,
     integrate_sample,
     unseen_rate,
 )
+from procedures.attitude.kernel_options import inlined, kernel
 from procedures.counts.sample_times import GAP_PERIODS
 
 WANDER_S = 5.0  # over which the velocity's wandering is summed: noise is gone by then, a vehicle's speed is not

@@ -9,14 +9,14 @@ from drivers.simulated.bench_in_memory import SimulatedBench
 from drivers.simulated.truth import Truth, imu_from_cube
 from procedures.arrays import FloatArray
 from procedures.campaign.plan_steps import Dwell
-from procedures.earth.geodesy import EARTH_RATE
-from procedures.earth.gyrocompass import (
+from procedures.frames import FACES, TURN_START, face_of, rotation
+from procedures.geodesy import EARTH_RATE
+from procedures.gyrocompass import (
     CertainDwell,
     find_heading,
     first_position,
     heading_change,
 )
-from procedures.frames import FACES, TURN_START, face_of, rotation
 from procedures.units import RAD_S_PER_DEG_H
 from tests.procedures.independent import body_from_level
 

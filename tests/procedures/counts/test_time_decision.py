@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from procedures.recordings.time_decision import (
+from procedures.counts.time_decision import (
     LIE_ODDS,
     TimeEvidence,
     decide,
     evidence_rows,
     usual_step,
 )
-from procedures.recordings.time_unit import BY_NAME, clock_seconds, is_clock, minute_jumps, unit_called
+from procedures.counts.time_unit import BY_NAME, clock_seconds, is_clock, minute_jumps, unit_called
 
 N = np.arange(3000.0)
 
