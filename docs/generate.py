@@ -29,12 +29,11 @@ from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
 from procedures.errors import ErrorCode
 from station import cli
-from station.exit_codes import EXIT_CODES, MEANINGS
-from station.files.anchor_file import AnchorTable
+from station.errors import EXIT_CODES, MEANINGS
 from station.files.campaign_folder.campaign_schema import CampaignTable
 from station.files.campaign_folder.plan_file import PlanTable
+from station.files.database_files import TABLES, AnchorTable
 from station.files.effect_file import EffectTable
-from station.files.fixture_files import TABLES
 from station.files.fusion_folder.fusion_schema import FusionTable
 from station.files.limits_file import LimitsTable
 from station.files.scenario_schema import ScenarioTable

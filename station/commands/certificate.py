@@ -9,7 +9,7 @@ import typer
 
 from station.commands import Database
 from station.commands._options import argument, day_option, option
-from station.commands._signatures import (
+from station.commands._tamper_evidence import (
     Copy,
     check_copy,
     check_out,

@@ -140,7 +140,7 @@ def try_(
     """
     from station.files.campaign_folder.campaign_reading import read_for_solve
     from station.files.effect_file import read_effect
-    from station.results.effect_tried import tried_text
+    from station.results.user_defined_effects import tried_text
 
     effect = read_effect(file)
     typer.echo(tried_text(effect, read_for_solve(campaigns)))

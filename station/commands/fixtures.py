@@ -106,7 +106,7 @@ def import_(
     from fixtures_db.errors import DatabaseError
     from fixtures_db.fixture_measurements import restore
     from station.errors import DataRefused
-    from station.files.fixture_files import read_csv, read_toml_file
+    from station.files.database_files import read_csv, read_toml_file
 
     tables = read_toml_file(file) if file.suffix == ".toml" else read_csv(file)
     try:
@@ -131,8 +131,7 @@ def _certificate(
     from station.files.xml_document import read_document
     from station.results.certificate.signing.key_certificate import read_trust
     from station.results.certificate.signing.verification import verify_xml
-    from station.results.fixtures.certificate_import import refuse_unproven, take_in
-    from station.results.fixtures.fixture_document import read_fixture
+    from station.results.fixtures.certificate_import import read_fixture, refuse_unproven, take_in
 
     found = verify_xml(read_document(file), file, read_trust(roots, lists))
     proven = refuse_unproven(found, file, unsigned)
@@ -160,7 +159,7 @@ def export(
     from fixtures_db.database import open_db
     from fixtures_db.fixture_measurements import dump
     from station.files.atomic_file import replace_file
-    from station.files.fixture_files import to_toml, write_csv
+    from station.files.database_files import to_toml, write_csv
 
     with open_db(db) as database, database.read() as session:
         rows = dump(session)

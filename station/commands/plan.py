@@ -111,7 +111,7 @@ def _continue(sigmas: "DesignSigmas", asked: "WantedSigmas", so_far: Path) -> No
     from procedures.planning.campaign_design import usual_design
     from procedures.planning.design_sigmas import with_all_solved
     from procedures.planning.least_time import next_placement
-    from station.results.continued_campaign import continued_text, placements_of
+    from station.results.plan_document import continued_text, placements_of
 
     whole = with_all_solved(asked, sigmas.of(usual_design()))
     found = next_placement(sigmas, whole, placements_of(so_far))

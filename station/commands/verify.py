@@ -7,9 +7,16 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from station.commands import Database
-from station.commands._anchors import anchor_faults, keep, read_kept, witness_text
 from station.commands._options import argument, option, signing_libraries
-from station.commands._signatures import check_time_service, refuse_missing, verify_signed
+from station.commands._tamper_evidence import (
+    anchor_faults,
+    check_time_service,
+    keep,
+    read_kept,
+    refuse_missing,
+    verify_signed,
+    witness_text,
+)
 from station.text import plural
 
 if TYPE_CHECKING:
@@ -95,7 +102,7 @@ def verify(
 
 
 def _file(file: Path, db: str | None) -> str:
-    from station.files.fixture_files import seal_of
+    from station.files.database_files import seal_of
 
     if file.suffix not in {".json", ".html"}:
         return f"{file}: as written, sha256 {seal_of(file)[1]}"
@@ -133,7 +140,7 @@ def _stored(session: "Session", kind: str, sha256: str) -> str:
 
 def _folder(folder: Path, db: str | None) -> None:
     from fixtures_db.database import default_path, open_db
-    from station.files.fixture_files import verify_csv
+    from station.files.database_files import verify_csv
 
     names = verify_csv(folder)
     typer.echo(f"{folder}: {plural(len(names), 'file')} as recorded")

@@ -17,7 +17,7 @@ from station.calibrated.rates_and_forces import Sensors
 from station.errors import DataRefused
 from station.files.fusion_folder.fusion_writing import FusionRecording, WheelColumn, write_fusion
 from station.files.mcap_files.gnss_file import Record
-from station.locate.imu_noise import MIN_REST_S, Rest, longest_rest, noise_densities
+from station.locate.imu_source import MIN_REST_S, Rest, longest_rest, noise_densities
 from station.locate.live_alignment import joined_series
 from station.locate.monitor_interface import in_imu_axes
 from station.stream.camera import recorded_tracks

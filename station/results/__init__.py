@@ -2,6 +2,5 @@
 
 `campaign_results` makes the results of a campaign: `solution_json`, `verdict`, `report` and `diagnosis`.
 `history`, `resolve`, `fixtures` and `certificate` follow from stored results. `known_from_campaigns`,
-`required_uncertainty`, `plan_document` and `continued_campaign` plan the next campaign. `result_formats` describes
-every file.
+`required_uncertainty` and `plan_document` plan the next campaign. `result_formats` describes every file.
 """

@@ -8,7 +8,7 @@ from textual.containers import Grid, Horizontal, Vertical
 from textual.screen import Screen
 
 from station.monitor.view import MonitorSession, MonitorVerb, MonitorView
-from station.tui.common_app import CommonApp
+from station.tui.app import CommonApp
 from station.tui.monitor_widgets import (
     CalibrationLine,
     Horizon,

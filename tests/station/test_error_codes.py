@@ -13,8 +13,18 @@ from drivers.errors import BadDeviceUrl, DriverError
 from fixtures_db.errors import DatabaseError
 from procedures.errors import ErrorCode, NotObservable, ProcedureError, WrongFace
 from station.cli import run
-from station.errors import Altered, CannotWrite, DataRefused, StationError
-from station.exit_codes import BUG, EXIT_CODES, error_code, exit_code, explain, one_line
+from station.errors import (
+    BUG,
+    EXIT_CODES,
+    Altered,
+    CannotWrite,
+    DataRefused,
+    StationError,
+    error_code,
+    exit_code,
+    explain,
+    one_line,
+)
 from tests.paths import ROOT
 
 FAMILIES = (StationError, DriverError, ProcedureError, DatabaseError)  # each the base of what a layer raises

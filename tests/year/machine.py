@@ -25,7 +25,7 @@ LAZY = (  # what the station imports when it wants it: before the clocks are put
     "station.guide.campaign.interrupted_campaigns",
     "station.guide.campaign.verdict", "station.guide.campaign.port_check", "station.guide.campaign.readiness",
     "station.stream.reader.reader", "station.stream.gnss_feed",
-    "station.guide.campaign.gnss_receiver",
+    "station.guide.campaign.port_check",
     "station.guide.stages.monitor_stage", "station.guide.campaign.folder_recorder", "station.device_probe",
     "station.results.campaign_results", "station.results.diagnosis.model_refinement",
     "station.results.solution_json", "station.results.user_defined_effects",

@@ -22,7 +22,7 @@ from procedures.campaign.plan_steps import Step
 from station.errors import megabytes
 from station.files.campaign_folder.campaign_schema import GRAVITY_STD
 from station.files.campaign_setup import Setup
-from station.guide.campaign.disk_space import disk_free, disk_needed
+from station.guide.campaign.folder_recorder import disk_free, disk_needed
 from station.guide.setup_view import PortCheck, Readiness, ReadyLine, ReadyState
 from station.results.certificate.missing_statements import missing_before
 

@@ -28,7 +28,7 @@ from station.results.diagnosis.diagnosis_wording import (
 )  # fmt: skip
 from station.results.diagnosis.uncalibrated import channel_lines, rests_and_moves_lines, turns_lines
 from station.results.parameters_by_name import Parameter, shown, shown_sigma, title_of
-from station.results.report.noise_text import noise_summary
+from station.results.report.noise_document import noise_summary
 from station.results.solution_text import effect_lines, measured
 
 READINGS_SHOWN = 6  # readings

@@ -14,9 +14,14 @@ from procedures.frames import TRIADS
 from procedures.statistics.allan_deviation import noise_shapes
 from station.files.atomic_file import replace_file
 from station.results.html_templates import html_template
-from station.results.report.noise_figure import decade
-from station.results.report.noise_json import units_of
-from station.results.report.noise_text import MAX_LINES_SAID, condition_texts, is_undetermined, line_text
+from station.results.report.noise_document import (
+    MAX_LINES_SAID,
+    condition_texts,
+    is_undetermined,
+    line_text,
+    units_of,
+)
+from station.results.report.report_figures import decade
 from station.results.report.svg import AXIS_STYLE, RULE, draw_png, draw_svg
 
 WIDTH_IN, ROW_IN = 7.0, 2.7

@@ -90,7 +90,7 @@ def attempt(function: Callable[[I], Result], item: I, code: str | None = None) -
     ``code`` is the `code_hash` of whoever asks from another machine: a worker with other code would give other
     numbers, and refuses. None asks no such thing.
     """
-    from station.exit_codes import explain, one_line
+    from station.errors import explain, one_line
 
     host = socket.gethostname()
     try:

@@ -21,7 +21,7 @@ from fixtures_db.database import Database, open_db
 from fixtures_db.migrations import HEAD
 from fixtures_db.verification import alterations
 from station import cli
-from station.exit_codes import exit_code
+from station.errors import exit_code
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.mcap_files import read_step
 from station.files.sha256sums import SHA256SUMS, verify_folder

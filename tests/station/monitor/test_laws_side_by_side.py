@@ -12,7 +12,7 @@ from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.truth import Truth
 from procedures.attitude.filter_choice import Gains, parse_filters
 from station import cli
-from station.attitude.live_complementary_filter import ComplementaryFilterTrack
+from station.attitude.live_filters import ComplementaryFilterTrack
 from station.attitude.live_kalman_filter import AidValues
 from station.calibrated.rates_and_forces import RatesAndForces
 from station.monitor.monitor import MonitorOptions

@@ -8,8 +8,7 @@ import pytest
 from procedures.arrays import FloatArray
 from procedures.errors import ErrorCode
 from station.applying.log_source import LogSource
-from station.errors import ClocksContradict
-from station.exit_codes import exit_code
+from station.errors import ClocksContradict, exit_code
 from station.files.logs.log_columns import ColumnOptions, LogColumns, choose_columns
 from station.files.tables.reader import read_table
 from tests.refusals import refused

@@ -23,7 +23,7 @@ from procedures.errors import ErrorCode
 from station import cli
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_campaign
-from station.guide.campaign.gnss_receiver import SampleRateWatch
+from station.guide.campaign.port_check import SampleRateWatch
 from station.stream.gnss_feed import GnssFeed
 from station.stream.live.live_feed import open_feed
 from station.stream.reader import Chunk, StreamGap

@@ -1,7 +1,29 @@
-"""``fixtures/1``: the fixtures of a database as one TOML file, or as a folder of CSV files.
+"""Files of what a database holds: its fixtures (``fixtures/1``), and the heads of its hash chains (``anchor/1``).
 
-A table of the file is a table of the database, a key one of its columns, with its type and unit
-(`fixtures_db.fixture_measurements.CARRIED_TABLES`). The last line of an export is the SHA-256 of all above it.
+``fixtures/1`` is one TOML file, or a folder of CSV files. A table of the file is a table of the database, a key
+one of its columns, with its type and unit (`fixtures_db.fixture_measurements.CARRIED_TABLES`). The last line of an
+export is the SHA-256 of all above it.
+
+``anchor/1`` has the heads of all hash chains and is kept where the database is not.
+
+```toml
+format = "anchor/1"
+written_utc = 2026-03-04T12:00:00Z
+calibration = "5f0c..."             # the newest one's SHA-256
+certificate = "91ab..."
+level = "0000..."                   # 64 zeros: there was none
+measurement = "0000..."             # of a cube by IMUs; may be missing
+issued = "7c31..."                  # the newest calibration certificate handed out
+signed = "0000..."                  # the newest signed file of one
+effect = "0000..."                  # of a user-defined effect, added or withdrawn
+journal = "3a7d..."                 # the newest entry of the journal of all rows; not in older files
+entries = 412                       # and its number
+[[manifest]]
+folder = "/data/campaigns/2026-03-04"
+steps = 18
+sha256 = "77de..."                  # head of the chain over them
+# sha256 ...                        # of all above
+```
 """
 
 import csv
@@ -9,20 +31,22 @@ import hashlib
 import io
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, ValidationError, create_model
 
 from fixtures_db.fixture_measurements import CARRIED_TABLES, CarriedTable, Rows, Value
 from fixtures_db.folder_on_disk import make_folder
-from fixtures_db.hash_chain import digest, utc_text
+from fixtures_db.hash_chain import GENESIS, digest, utc_text
 from fixtures_db.schema import UtcDateTime
+from fixtures_db.verification import Anchor
 from station.errors import Altered, CannotWrite, DataRefused, cannot_write
 from station.files.atomic_file import replace_file
 from station.files.sha256sums import SHA256SUMS, append_hash, verify_folder
-from station.files.toml_file import expected_of, read_tables, read_text_file, toml_text, unseen
+from station.files.toml_file import Sha256, TomlTable, expected_of, read_tables, read_text_file, toml_text, unseen
 
 
 def _aware(moment: datetime) -> datetime:
@@ -208,3 +232,55 @@ def _rows(path: Path) -> list[BaseModel]:
     except csv.Error as error:
         raise DataRefused(path, reader.line_num, f"no CSV ({error})", "values with commas between them") from None
     return rows
+
+
+class ManifestTable(TomlTable):
+    """``[[manifest]]``."""
+
+    folder: str
+    steps: int
+    sha256: Sha256
+
+
+class AnchorTable(TomlTable):
+    """The whole of an ``anchor/1``."""
+
+    format: Literal["anchor/1"]
+    written_utc: datetime
+    calibration: Sha256
+    certificate: Sha256
+    level: Sha256
+    measurement: Sha256 = GENESIS  # these are not in older files
+    issued: Sha256 = GENESIS
+    signed: Sha256 = GENESIS
+    effect: Sha256 = GENESIS
+    journal: Sha256 = GENESIS
+    entries: int = 0
+    manifest: list[ManifestTable] = []
+
+
+def write_anchor(path: Path, anchor: Anchor) -> None:
+    """Write an anchor; raise `CannotWrite` if the place cannot be written."""
+    heads = asdict(anchor)
+    manifests = [
+        {"folder": name, "steps": n, "sha256": head} for name, (n, head) in heads.pop("manifests").items()
+    ]
+    tables = {"format": "anchor/1", "written_utc": datetime.now(UTC), **heads, "manifest": manifests}
+    replace_file(path, sealed(toml_text(tables)).encode())
+
+
+def read_anchor(path: Path) -> tuple[Anchor, datetime]:
+    """Return the heads in a file, and when it was written.
+
+    Raises
+    ------
+    Altered
+        If it was changed since it was written.
+    DataRefused
+        If it is no ``anchor/1``.
+    """
+    content, _ = seal_of(path)
+    tables, _ = read_tables(content, path, AnchorTable)
+    manifests = {one.folder: (one.steps, one.sha256) for one in tables.manifest}
+    heads = tables.model_dump(exclude={"format", "written_utc", "manifest"})
+    return Anchor(**heads, manifests=manifests), tables.written_utc
