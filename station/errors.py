@@ -11,6 +11,9 @@ StationError
 ├── NoPdf              the extra that makes PDF is not installed
 ├── NoXml              a certificate was issued without the XML that is asked for
 ├── BadXml             a digital certificate breaks its schema
+├── SignatureBroken    what is signed, or how, does not hold
+├── NotVerified        a certificate's file is not what it should be; what was checked is reported before
+├── NoTimeStamp        a time-stamping service gave none
 ├── Altered            a recorded file or its row no longer is what was recorded
 └── DatabaseAltered    a database disagrees with its own journal, or with what was kept elsewhere
 
@@ -20,7 +23,8 @@ what another needs.
 
 import errno
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 from procedures.errors import ErrorCode
@@ -230,9 +234,9 @@ EXIT_CODES = {
     "station.errors.NoPdf": 2,
     "station.errors.NoXml": 3,
     "station.errors.BadXml": 3,
-    "station.results.certificate.signing.errors.SignatureBroken": 1,
-    "station.results.certificate.signing.errors.NotVerified": 1,
-    "station.results.certificate.signing.errors.NoTimeStamp": 4,
+    "station.errors.SignatureBroken": 1,
+    "station.errors.NotVerified": 1,
+    "station.errors.NoTimeStamp": 4,
     "station.results.resolve.work_item.NoCluster": 2,
     "station.results.resolve.work_item.ClusterLost": 4,
     "station.sending.outputs.BadAddress": 2,
@@ -295,3 +299,52 @@ def one_line(text: str) -> str:
     """Return text as one printable line, cut where a value in it is longer than anybody reads."""
     seen = "".join(c if c.isprintable() else " " for c in text[: LONGEST_LINE + 1]).strip()
     return seen if len(text) <= LONGEST_LINE else f"{seen[:LONGEST_LINE]} ..."
+
+
+class SignatureBroken(StationError, ValueError):
+    """A signature does not hold, or is no signature that is accepted; ``reason`` says why."""
+
+    code = ErrorCode.SIGNATURE
+
+    def __init__(self, reason: str) -> None:
+        self.reason = reason
+        super().__init__(f"signature: {reason}; get the file again from whoever issued it")
+
+
+class NotVerified(StationError, ValueError):
+    """Of what was looked at, ``faults`` do not hold, by name."""
+
+    code = ErrorCode.SIGNATURE
+
+    def __init__(
+        self, file: str | Path, faults: dict[str, str], remedy: str = "get it again from whoever issued it"
+    ) -> None:
+        self.file, self.faults = str(file), faults
+        said = "; ".join(f"{name} {words.removeprefix('found ')}" for name, words in faults.items())
+        super().__init__(f"{file}: found {said}; do not use it, {remedy}")
+
+
+class NoTimeStamp(StationError, OSError):
+    """A time-stamping service was asked and gave none; what was issued or written stays, without."""
+
+    code = ErrorCode.TIME_STAMP
+
+    def __init__(self, url: str, reason: str) -> None:
+        self.url, self.reason = url, reason
+        super().__init__(f"{url}: no time stamp ({reason}), expected one by RFC 3161; try again, or do without")
+
+
+def first_line(error: BaseException) -> str:
+    """Return the first line of what an error says, its name where it says nothing."""
+    return next(iter(str(error).splitlines()), "").rstrip(": ") or type(error).__name__
+
+
+@contextmanager
+def refused_as(what: str) -> Iterator[None]:
+    """Take whatever a reader of PDF, XML, deflate or ASN.1 stumbles over as `SignatureBroken`."""
+    try:
+        yield
+    except SignatureBroken:
+        raise
+    except Exception as error:  # libraries name no base of what a changed file makes them raise
+        raise SignatureBroken(f"{what} ({first_line(error)})") from error

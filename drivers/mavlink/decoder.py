@@ -18,8 +18,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from drivers.mavlink import frames as mavlink
-from drivers.mavlink.frames import NAMES, READ, Frame, MavlinkFramer, fields
-from drivers.mavlink.signing import SignatureCheck
+from drivers.mavlink.frames import NAMES, READ, Frame, MavlinkFramer, SignatureCheck, fields
 from procedures.gnss_records import AirData, Ambient, FixType, GnssFix, TimeMark
 
 EPOCH_US = 10**15  # us; what is beyond is UTC (2001), what is below since boot (32 years)

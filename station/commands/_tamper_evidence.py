@@ -3,29 +3,26 @@
 import hashlib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 from urllib.parse import urlsplit
 
 import typer
 
 from procedures.errors import ErrorCode
 from station.commands._options import signing_libraries
-
-if TYPE_CHECKING:
-    from station.results.certificate.signing.signing_key import SigningKey
-    from station.results.certificate.signing.verification import Finding, Verified
-from datetime import datetime
-from typing import TYPE_CHECKING, NamedTuple
-
 from station.text import plural
 
 if TYPE_CHECKING:
     from sqlalchemy.orm import Session
 
+    from fixtures_db.database import Database
     from fixtures_db.hash_chain import ChainFault
     from fixtures_db.verification import Anchor
     from station.results.certificate.signing.key_certificate import Trust
+    from station.results.certificate.signing.signing_key import SigningKey
+    from station.results.certificate.signing.verification import Finding, Verified
 
 
 def verify_signed(
@@ -43,8 +40,8 @@ def verify_signed(
         If the libraries for signatures are not installed.
     """
     signing_libraries()
+    from station.errors import NotVerified
     from station.files.xml_document import read_document
-    from station.results.certificate.signing.errors import NotVerified
     from station.results.certificate.signing.key_certificate import read_trust
     from station.results.certificate.signing.verification import verify_pdf, verify_xml
 
@@ -159,12 +156,43 @@ def signer(db: str | None, number: str, key: "SigningKey", time_service: str | N
 
     def sign(path: Path, content: bytes) -> bytes:
         from fixtures_db.database import open_db
-        from station.results.certificate.signing.signed_copies import signed_copy
 
         with open_db(db) as database:
-            return signed_copy(database, number, path, content, key, time_service)
+            return _signed_copy(database, number, path, content, key, time_service)
 
     return sign
+
+
+def _signed_copy(
+    database: "Database", number: str, path: Path, content: bytes, key: "SigningKey", time_service: str | None
+) -> bytes:
+    """Return the XML or PDF of a certificate signed, for ``path``, whose ending says which it is.
+
+    Raises
+    ------
+    DataRefused
+        If it cannot be signed, or is signed already.
+    NoTimeStamp
+        If the service gives none.
+    """
+    from cryptography.hazmat.primitives import hashes
+
+    from fixtures_db.issued_certificates import record_signed
+    from station.files.xml_document import parse_xml
+    from station.results.certificate.signing.pdf_signature import open_pdf, sign_pdf, verified_pdf
+    from station.results.certificate.signing.xml_signature import sign_xml, verified_xml
+
+    kind = path.suffix.removeprefix(".")
+    if kind == "pdf":
+        signed = sign_pdf(content, key, time_service)
+        verified_pdf(signed, open_pdf(signed))
+    else:
+        signed = sign_xml(content, key, time_service)
+        verified_xml(parse_xml(signed, path))
+    sha256 = hashlib.sha256(signed).hexdigest()
+    with database.write() as session:
+        record_signed(session, number, kind, sha256, key.certificate.fingerprint(hashes.SHA256()).hex())
+    return signed
 
 
 def write_copies(copies: Iterable[Copy], sign: Sign | None) -> None:
@@ -307,7 +335,7 @@ def _stamp_text(file: Path, trust: "Trust | None") -> str:
     if not stamp.exists():
         return ""
     signing_libraries()
-    from station.results.certificate.signing.errors import NotVerified, SignatureBroken
+    from station.errors import NotVerified, SignatureBroken
     from station.results.certificate.signing.key_certificate import standing
     from station.results.certificate.signing.time_stamp import read_time_stamp
 

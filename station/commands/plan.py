@@ -76,8 +76,14 @@ def plan(
     from procedures.planning.design_sigmas import DesignSigmas
     from procedures.planning.step_information import StepInformation
     from station.guide.campaign.campaign_tables import planned_bench
-    from station.results.known_from_campaigns import hand_times, known_noise
-    from station.results.required_uncertainty import last_values, limits_named, wanted_by, wanted_by_name
+    from station.results.plan_inputs import (
+        hand_times,
+        known_noise,
+        last_values,
+        limits_named,
+        wanted_by,
+        wanted_by_name,
+    )
 
     with refused_as("--sigma"):
         asked = wanted_by_name(sigma or [])

@@ -76,7 +76,7 @@ def stream(
     from drivers.addresses import whole_url
     from station.calibrated.output_frame import body_axes
     from station.sending.outputs import kind_of
-    from station.sending.stream_command import StreamRequest, run
+    from station.sending.sender import StreamRequest, run
 
     with refused_as("--axes"):
         C = body_axes(axes)

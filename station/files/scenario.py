@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from drivers.errors import DriverError, TruthRefused, UnknownEffect
-from drivers.mavlink.signing import read_key
+from drivers.mavlink.frames import read_key
 from drivers.simulated.companions.camera_server import SimulatedCamera
 from drivers.simulated.companions.gnss_server import SimulatedGnss
 from drivers.simulated.companions.truths import AutopilotTruth, CameraTruth

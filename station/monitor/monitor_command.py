@@ -73,8 +73,7 @@ def calibrated_output(
     if not to:
         return lambda: None
     from station.sending.chosen_calibration import refuse_unfit
-    from station.sending.sender import opened_sender
-    from station.sending.stream_command import FIT_S
+    from station.sending.sender import FIT_S, opened_sender
 
     assert feed.unit is not None, "identify first"
     refuse_unfit(applied, "--calibration", feed.unit, feed.wire)

@@ -15,8 +15,7 @@ from station.monitor.view import LATE_S, ChartPoint, MonitorView
 from station.stream.stream_events import StreamState
 from station.text import plural
 from station.tui.monitor_pictures import horizon_picture, map_picture
-from station.tui.widgets.canvas import Canvas
-from station.tui.widgets.common import ValueWidget
+from station.tui.widgets.common import Canvas, ValueWidget
 
 CHART_POINTS = 600  # points in a chart: a minute
 MOTION_LOOKS: dict[MotionState, tuple[str, str]] = {

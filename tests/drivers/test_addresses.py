@@ -21,7 +21,7 @@ from drivers.addresses import (
     with_absolute_paths,
 )
 from drivers.errors import BadDeviceUrl
-from drivers.mavlink.signing import read_key
+from drivers.mavlink.frames import read_key
 from drivers.wire import FORMATS
 
 

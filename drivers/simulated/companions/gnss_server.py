@@ -15,7 +15,7 @@ import numpy as np
 from pymavlink.dialects.v20 import all as dialect
 
 from drivers.mavlink import frames as mavlink
-from drivers.mavlink.signing import signing_time
+from drivers.mavlink.frames import signing_time
 from drivers.simulated.companions.companion_device import CompanionDevice
 from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.faults import TimedFault, active

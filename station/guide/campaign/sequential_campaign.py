@@ -33,9 +33,16 @@ from station.guide.campaign.accepted_steps import NO_ACCEPTED_STEPS, AcceptedDwe
 from station.guide.campaign.campaign_tables import bench_of
 from station.guide.options import TargetUncertainties
 from station.guide.view import LimitView
-from station.results.known_from_campaigns import hand_times, noise_in_database, noise_of
 from station.results.plan_document import NO_ATTITUDE_LEFT, SigmaSoFar, all_else, sigmas_so_far
-from station.results.required_uncertainty import last_values, limits_named, wanted_by, wanted_by_name
+from station.results.plan_inputs import (
+    hand_times,
+    last_values,
+    limits_named,
+    noise_in_database,
+    noise_of,
+    wanted_by,
+    wanted_by_name,
+)
 from station.stream.connected_unit import Unit
 
 NOISE_S = 120.0  # s at rest that show a unit's noise

@@ -9,7 +9,7 @@ from procedures.units import S_PER_MIN
 from station.guide.view import GatesView, LimitView, MonitoredView, SoakView, StepView, TurnView, WarmUpView
 from station.guide.wording import rounded
 from station.tui.widgets.common import ValueWidget, against_limit, bar, duration_in_words, pointer
-from station.tui.widgets.orientation import short_step_title
+from station.tui.widgets.cube import short_step_title
 
 
 class AcceptedBar(ValueWidget[tuple[float, float]]):

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from drivers.can.can_format import can_format
-from drivers.can.frame_record import pack
-from drivers.can.j1939 import ALL_BITS, pgn_mask, pgn_of
+from drivers.can.frame_record import ALL_BITS, pack, pgn_mask, pgn_of
 from drivers.can.wheel_signal import WheelDecoder, wheel_signal
 from drivers.errors import BadCanFile
 from drivers.framing import Decoder

@@ -9,9 +9,8 @@ import pytest
 
 from drivers.address_parsing import parse_device_url
 from drivers.mavlink.decoder import MavlinkDecoder, Record
-from drivers.mavlink.frames import GLOBAL_POSITION_INT, GPS2_RAW
+from drivers.mavlink.frames import GLOBAL_POSITION_INT, GPS2_RAW, SignatureCheck, read_key
 from drivers.mavlink.session import MavlinkPort
-from drivers.mavlink.signing import SignatureCheck, read_key
 from drivers.ports import open_port
 from drivers.simulated.companions.gnss_server import SimulatedGnss
 from drivers.simulated.companions.truths import EPOCH_UTC, AutopilotTruth

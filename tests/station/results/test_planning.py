@@ -16,9 +16,8 @@ from procedures.planning.design_sigmas import NAMES
 from procedures.planning.step_information import UnitNoise
 from station.errors import DataRefused
 from station.files.campaign_folder.plan_file import write_plan
-from station.results.known_from_campaigns import hand_times, known_noise
 from station.results.plan_document import noise_table
-from station.results.required_uncertainty import wanted_by, wanted_by_name
+from station.results.plan_inputs import hand_times, known_noise, wanted_by, wanted_by_name
 from tests.refusals import refused
 
 BIAS = "gyroscope.bias.x"

@@ -18,7 +18,7 @@ from pyhanko.sign.validation.generic_cms import validate_sig_integrity
 from rfc3161_client import TimestampRequestBuilder
 from rfc3161_client.base import HashAlgorithm
 
-from station.results.certificate.signing.errors import NoTimeStamp, SignatureBroken, first_line, refused_as
+from station.errors import NoTimeStamp, SignatureBroken, first_line, refused_as
 
 TIMEOUT_S = 30.0
 MOST_BYTES = 1_000_000  # of an answer: tokens with their certificates have some 5 kB

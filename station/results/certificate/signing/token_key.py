@@ -14,8 +14,7 @@ from cryptography.hazmat.primitives import hashes
 from cryptography.hazmat.primitives.asymmetric import rsa, utils
 
 from procedures.errors import ErrorCode
-from station.errors import DataRefused
-from station.results.certificate.signing.errors import first_line
+from station.errors import DataRefused, first_line
 from station.results.certificate.signing.signing_key import SigningKey, check_signing_key
 
 SCHEME = "pkcs11:"

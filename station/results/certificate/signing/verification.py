@@ -22,10 +22,9 @@ from fixtures_db.journal import Head, read_code
 from fixtures_db.journal_verification import missing_entry
 from fixtures_db.schema import CalibrationRow, IssuedCertificateRow, SignedFileRow
 from fixtures_db.stored_calibrations import calibration, verify_chain
-from station.errors import DataRefused
+from station.errors import DataRefused, NotVerified, SignatureBroken
 from station.files.sha256sums import sha256_of
 from station.files.xml_document import parse_xml
-from station.results.certificate.signing.errors import NotVerified, SignatureBroken
 from station.results.certificate.signing.key_certificate import Trust, standing, subject
 from station.results.certificate.signing.pdf_signature import (
     attached_files,

@@ -21,9 +21,8 @@ from signxml.exceptions import InvalidDigest, InvalidSignature
 from signxml.xades import XAdESDataObjectFormat, XAdESSignatureConfiguration, XAdESSigner, XAdESVerifier
 
 from procedures.errors import ErrorCode
-from station.errors import DataRefused
+from station.errors import DataRefused, SignatureBroken, refused_as
 from station.files.xml_document import parse_xml
-from station.results.certificate.signing.errors import SignatureBroken, refused_as
 from station.results.certificate.signing.signing_key import SigningKey
 from station.results.certificate.signing.time_stamp import request_time_stamp
 from station.results.certificate.signing.xml_schema import (

@@ -5,7 +5,7 @@ from pymavlink.dialects.v20 import all as dialect
 
 from drivers.address_parsing import parse_device_url
 from drivers.mavlink.decoder import MavlinkDecoder
-from drivers.mavlink.signing import SignatureCheck
+from drivers.mavlink.frames import SignatureCheck
 from drivers.simulated.companions.gnss_server import Autopilot
 from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.truth import Truth
