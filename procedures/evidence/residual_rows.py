@@ -8,7 +8,7 @@ A row's residual obeys, to first order,
 with ``A`` the model's own Jacobian (of residual by parameter, so it falls as the model rises), dx what its
 parameters are off by, and H c an effect. Prior knowledge of the parameters is rows too, of no step.
 
-Within a dwell the rate's slope and curvature are rows as well: the model says they are nought, and relaxation,
+Within a dwell the rate's slope and curvature are rows as well: the model predicts zero for both, and relaxation,
 drift and temperature show nowhere better.
 """
 
@@ -30,7 +30,7 @@ from procedures.evidence.excitation import (
     on_face,
     stepped_rows,
 )
-from procedures.evidence.row_sums import MoveWeights, NodeWeights, move_parts, row_sums
+from procedures.evidence.row_sums import MoveWeights, NodeWeights, curvature_weights, move_parts, row_sums
 from procedures.evidence.thermal_soaks import SoakBlock, SoakLevel, levels, soaks_seen
 from procedures.frames import TRIADS, face_of
 from procedures.twelve_positions.accelerometer_fit import RestFit, TriadFit
@@ -264,7 +264,7 @@ def _dwells(
         builder.add(residual, joint.expected[i] / k, jacobian, triad, "mean", step)
         builder.weigh(nodes)
         x, half = (2 * np.arange(size) + 1) / size - 1, part.seconds.sum() / 2
-        shapes = (("slope", x / np.sum(x**2) / half), ("curvature", _bend(x) / half**2))
+        shapes = (("slope", x / np.sum(x**2) / half), ("curvature", curvature_weights(x) / half**2))
         estimates = joint.seen.estimates[i]
         if any(e.interval is not None for e in estimates):
             continue  # too few counts to tell a shape
@@ -274,13 +274,6 @@ def _dwells(
             builder.add(value, std, none, triad, kind, step)
             builder.weigh(nodes, w)
     return found
-
-
-def _bend(x: FloatArray) -> FloatArray:
-    """Return the weights by which values at x in [-1, 1] give their parabola's second derivative."""
-    P2 = (3 * x**2 - 1) / 2
-    P2 -= P2.mean()
-    return 3 * P2 / np.sum(P2**2)
 
 
 def _rests(builder: _Builder, fits: CampaignFits, places: NodeBuilder, joint: TriadFit, found: RestFit) -> None:
