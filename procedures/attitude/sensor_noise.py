@@ -140,7 +140,6 @@ def frozen_rows_warning(log: AttitudeLog, stretches: list[FrozenStretch]) -> str
 
 GATE_SIGMA = 4.0
 MIN_RANGE = np.radians(90.0), 15.0  # rad/s, m/s2: below, only a channel whose noise is seen is said to clip
-CLIPPED_ROWS = 3
 MIN_GYRO_NOISE = 1e-7  # rad/sqrt(s)
 MIN_BIAS_WALK = 3e-6  # rad/s/sqrt(s), of a FOG's bias: three times what it does
 WALK_PER_NOISE = 1.0  # 1/s
@@ -174,7 +173,7 @@ def range_limit(samples: FloatArray, least: float) -> float:
     """Return the value at which samples (n, 3), of any unit, clip; infinity where they do not.
 
     They clip where the largest size, above ``least`` or in a channel of more noise than
-    resolution, stands for `CLIPPED_ROWS` rows running in a channel.
+    resolution, stands for three rows running in a channel.
     """
     top = float(np.abs(samples).max(initial=0.0))
     at_top = np.abs(samples) >= top

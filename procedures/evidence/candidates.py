@@ -165,10 +165,6 @@ class Candidates(Mapping[str, Sequence[Candidate]]):
     def __len__(self) -> int:
         return sum(1 for _ in self)
 
-    def scatters(self) -> Iterator[Candidate]:
-        """Yield the ways of effects that scatter; no other effect's are made."""
-        return (way for effect in self._effects.values() if effect.is_scatter for way in self._ways(effect.name))
-
     def _ways(self, name: str) -> Sequence[Candidate]:
         if name not in self._effects:
             return ()

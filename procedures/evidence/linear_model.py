@@ -22,9 +22,6 @@ MIN_INFORMATION_SHARE = (
 )
 SINGULAR = 1e-12
 SAYS_NOTHING = "the rows say nothing of some unknown"
-MIN_EXPECTED_SIGMAS = (
-    1.645  # sigmas by which a coefficient must be expected to stand for rows to say anything of it
-)
 MOST_BY_NORMAL_EQUATIONS = 1e4  # of the largest weight over the least: its square takes half of the digits
 WIDENED_LOG_P = np.log(0.05)  # ln p of a class's scatter, below which counting noise is not all of it
 NORMS_WIDENED_LOG_P = np.log(1e-3)  # of it, below which norms need no means to bear them out
@@ -261,34 +258,6 @@ def widening(squares: FloatArray, left: FloatArray) -> tuple[FloatArray, FloatAr
     return factor, dof
 
 
-def coefficients_beside(
-    evidence: Evidence, fit: LinearFit, others: Sequence[Term]
-) -> list[tuple[FloatArray, FloatArray]]:
-    """Return what the last term's coefficients (k,) and their covariance would be with each other term beside it.
-
-    The other's columns, as far as the fit leaves them, are all that it adds; the rows' sigmas stay.
-    """
-    sizes = np.array([other.H.shape[1] for other in others])
-    W = np.zeros((len(fit.Q), int(sizes.sum())))
-    W[: len(fit.white)] = -np.hstack([other.H for other in others]) / (evidence.sigma * fit.factor)[:, None]
-    taken, at = fit.Q.T @ W, fit.span(-1)
-    left = W - fit.Q @ taken
-    along, gains = left.T @ fit.whole, np.linalg.solve(fit.R[at, at], taken[at])
-    c, C = fit.coefficients()
-    found, begin = dict[int, tuple[FloatArray, FloatArray]](), np.cumsum(sizes) - sizes
-    for size in np.unique(sizes).tolist():  # those of one size at once
-        which = np.flatnonzero(sizes == size)
-        columns = begin[which][:, None] + np.arange(size)
-        own = np.moveaxis(left[:, columns], 0, 2)  # (j, size, m)
-        G = np.moveaxis(gains[:, columns], 0, 1)  # (j, k, size)
-        plausible = np.array([others[i].plausible for i in which.tolist()])
-        information = own @ np.swapaxes(own, 1, 2) + np.eye(size) / plausible[:, :, None] ** 2
-        told = np.concatenate((along[columns][:, :, None], np.swapaxes(G, 1, 2)), axis=2)
-        change = G @ np.linalg.solve(information, told)
-        found |= {i: (c + each[:, 0], C + each[:, 1:]) for i, each in zip(which.tolist(), change, strict=True)}
-    return [found[i] for i in range(len(others))]
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Significance:
     """ln p of a term: jointly, and of its best single coefficient, both counted; coefficients, sigmas, dof."""
@@ -319,19 +288,6 @@ def significance_of(c: FloatArray, C: FloatArray, dof: float) -> Significance:
         single = log_f_sf(float(np.max((c / std) ** 2)), 1, dof) + np.log(k)
         log_p = min(log_p, single) + np.log(2)
     return Significance(min(log_p, 0.0), joint / k, c, std, dof)
-
-
-def borne_out(told: Significance, again: Significance) -> float:
-    """Return by how many sigmas the best coefficient, seen by fewer rows, exceeds what chance would leave of it.
-
-    Of a value c with 1 sigma s, fewer rows leave c' with s', and c' - c scatters by sqrt(s'^2 - s^2) [sigma]
-    (Hausman 1978); what they could not tell, c < `MIN_EXPECTED_SIGMAS` s', is borne out by nothing.
-    """
-    i = int(np.argmax(np.abs(told.value / told.std)))
-    c, left = float(abs(told.value[i])), float(again.value[i] * np.sign(told.value[i]))
-    if c < MIN_EXPECTED_SIGMAS * again.std[i]:
-        return -np.inf
-    return (left - c) / float(np.sqrt(max(again.std[i] ** 2 - told.std[i] ** 2, SINGULAR * c**2)))
 
 
 def _dof(evidence: Evidence, fit: LinearFit, term: int) -> float:

@@ -121,18 +121,6 @@ def global_log_p(evidence: Evidence, fit: LinearFit) -> float:
     return min(min(found) + np.log(len(found)), 0.0) if found else 0.0
 
 
-def excess_squares(
-    evidence: Evidence, fit: LinearFit, triad: str | None = None, *, with_stated: bool = False
-) -> float:
-    """Return by how much the data's sum of squares exceeds what noise leaves, of a triad or both; >= 0.
-
-    ``with_stated``: what was stated counts as well, as headings and closures were.
-    """
-    rows = evidence.is_data | (evidence.is_stated & with_stated)
-    rows = rows if triad is None else rows & (evidence.triad == TRIADS.index(triad))
-    return max(float(np.sum(fit.white[rows] ** 2) - np.sum((1 - fit.leverage)[rows])), 0.0)
-
-
 def within_dwells(evidence: Evidence, fit: LinearFit) -> dict[str, Unexplained]:
     """Return by triad the variance that wanders within its dwells, in squares of the mean's counting noise.
 

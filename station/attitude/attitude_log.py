@@ -38,7 +38,6 @@ class LogPlace:
     file: Path | str
     line: Callable[[int], int | None] = lambda _row: None
     rate_unit: str = "rad/s"
-    force_unit: str = "m/s2"
     units_by_option: bool = False
     rate_names: tuple[str, ...] = ("p", "q", "r")
     outputs_per_deg_s: float | None = None  # stated as N/(deg/s)
