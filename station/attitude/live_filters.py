@@ -39,10 +39,10 @@ class ComplementaryFilterTrack:
     """
 
     def __init__(
-        self, law: str, aid: str, gains: Gains = PAPER_GAINS, gravity: float = STANDARD_GRAVITY,
+        self, name: str, aid: str, gains: Gains = PAPER_GAINS, gravity: float = STANDARD_GRAVITY,
         force_std: float = np.nan, gyro_std: float = np.nan,
     ) -> None:  # fmt: skip
-        self._law, self._form, self._gains, self._gravity = law, FORMS[law][aid], gains, gravity
+        self._name, self._form, self._gains, self._gravity = name, FORMS[name][aid], gains, gravity
         self._stds = force_std, gyro_std
         self._first: list[AttitudeLog] = []  # seconds to learn the noise from
         self._mixer: ComplementaryFilter | None = None
@@ -81,15 +81,15 @@ class ComplementaryFilterTrack:
             *np.degrees([said.roll, said.pitch, said.roll_std, said.pitch_std]).tolist()
         )  # fmt: skip
         return FilterReading(
-            self._law, FORM_DESCRIPTIONS[self._form], float(np.degrees(roll)), float(np.degrees(pitch)),
+            self._name, FORM_DESCRIPTIONS[self._form], float(np.degrees(roll)), float(np.degrees(pitch)),
             (d0, d1, d2), (x, y, z), settles, self._note(mixer),
         )  # fmt: skip
 
     def _note(self, mixer: ComplementaryFilter) -> str:
         if mixer.is_printed and abs(mixer.attitude[1]) > STEEP_PITCH:
-            return f"{self._law}: pitch beyond 80 deg, its Euler angles fail there; use joint or mixer"
+            return f"{self._name}: pitch beyond 80 deg, its Euler angles fail there; use joint or mixer"
         if self._form == "paper-filter" and self._turning_s > MAX_FILTERED_TURN_S:
-            return f"{self._law}: rotating for more than {MAX_FILTERED_TURN_S:.0f} s, it diverges then; use joint"
+            return f"{self._name}: rotating for more than {MAX_FILTERED_TURN_S:.0f} s, it diverges then; use joint"
         return ""
 
     def _log(self, t: FloatArray, inputs: RatesAndForces, aiding: AidValues) -> AttitudeLog:
@@ -114,17 +114,17 @@ class LiveFilters:
     """The filters asked for, alongside a joint filter; ``calibration`` says the sigma of the sensors' biases."""
 
     def __init__(
-        self, laws: Sequence[str], aid: str, joint: AttitudeEstimator, calibration: Mapping[str, Any] | None,
+        self, filters: Sequence[str], aid: str, joint: AttitudeEstimator, calibration: Mapping[str, Any] | None,
         gravity: float, gains: Gains | None = None,
     ) -> None:  # fmt: skip
-        self._laws, self._aid, self._joint = tuple(laws), aid, joint
+        self._filters, self._aid, self._joint = tuple(filters), aid, joint
         stds = (np.nan, np.nan)
         if calibration is not None:
             stds = force_bias_std(calibration), gyro_bias_std(calibration)
         self._tracks = {
-            law: ComplementaryFilterTrack(law, aid, gains or PAPER_GAINS, gravity, *stds)
-            for law in self._laws
-            if law != JOINT
+            name: ComplementaryFilterTrack(name, aid, gains or PAPER_GAINS, gravity, *stds)
+            for name in self._filters
+            if name != JOINT
         }
 
     def reset(self) -> None:
@@ -141,19 +141,21 @@ class LiveFilters:
         The tuple is empty where only the joint filter was asked for.
         """
         found = self._joint.take(t, inputs, aiding)
-        read = {law: track.take(t, inputs, aiding) for law, track in self._tracks.items()}
+        read = {name: track.take(t, inputs, aiding) for name, track in self._tracks.items()}
         if found is None:
             return None
-        beside = [joint_filter_reading(found, self._aid) if law == JOINT else read[law] for law in self._laws]
-        laws = tuple(law for law in beside if law is not None)
-        if not self._tracks or len(laws) < len(self._laws):
+        all_read = [
+            joint_filter_reading(found, self._aid) if name == JOINT else read[name] for name in self._filters
+        ]
+        readings = tuple(one for one in all_read if one is not None)
+        if not self._tracks or len(readings) < len(self._filters):
             return found, ()
-        return (found if laws[0].law == JOINT else self._read_by(laws[0], found)), laws
+        return (found if readings[0].name == JOINT else self._read_by(readings[0], found)), readings
 
-    def _read_by(self, law: FilterReading, found: AttitudeReading) -> AttitudeReading:
+    def _read_by(self, one: FilterReading, found: AttitudeReading) -> AttitudeReading:
         """Return the reading with a filter's attitude in the place of the joint filter's; it has no sigma."""
-        residual = float(np.degrees(inclination(-self._joint.smoothed_force, np.array(law.down))))
-        return replace(found, roll=law.roll, pitch=law.pitch, bias=law.bias, sigma=float("nan"), residual=residual)
+        residual = float(np.degrees(inclination(-self._joint.smoothed_force, np.array(one.down))))
+        return replace(found, roll=one.roll, pitch=one.pitch, bias=one.bias, sigma=float("nan"), residual=residual)
 
 
 def compile_filters() -> None:

@@ -131,10 +131,10 @@ class SoakView(FrozenValue):
     left_s: float = 0.0
 
 
-class LawView(FrozenValue):
+class FilterView(FrozenValue):
     """What a filter reads [deg], of the axes that lie north, east, down where the cube is to stand."""
 
-    law: str
+    name: str
     roll_deg: float
     pitch_deg: float
 
@@ -142,7 +142,7 @@ class LawView(FrozenValue):
 class MonitoredView(FrozenValue):
     """A monitor step: what each filter reads, the angle between two, by which calibration; ``text``: why not."""
 
-    laws: tuple[LawView, ...] = ()
+    filters: tuple[FilterView, ...] = ()
     difference_deg: float | None = None
     calibration: str = ""
     text: str = ""

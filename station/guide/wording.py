@@ -89,11 +89,13 @@ def instruction(step: Step, *, way: UpDirection = (1, 1, 0)) -> str:
     return f"put the cube in position {where}; do not turn it before you are asked to"
 
 
-def laws_in_words(seen: MonitoredView) -> str:
+def filters_in_words(seen: MonitoredView) -> str:
     """Return it for people: ``joint roll 0.003 pitch -0.001, mixer ..., 0.002 deg apart``."""
-    if not seen.laws:
+    if not seen.filters:
         return seen.text
-    parts = [f"{law.law} roll {law.roll_deg:+.3f} pitch {law.pitch_deg:+.3f}" for law in seen.laws]
+    parts = [
+        f"{reading.name} roll {reading.roll_deg:+.3f} pitch {reading.pitch_deg:+.3f}" for reading in seen.filters
+    ]
     apart = "" if seen.difference_deg is None else f"; {seen.difference_deg:.3f} deg apart"
     return f"{', '.join(parts)}{apart}"
 

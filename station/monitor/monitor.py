@@ -57,7 +57,7 @@ class MonitorOptions:
     """
 
     aid: str = "none"
-    laws: tuple[str, ...] = (JOINT,)
+    filters: tuple[str, ...] = (JOINT,)
     gains: Gains | None = None  # of the complementary filters; those printed where None
     C: FloatArray | None = None
     latitude: float | None = None
@@ -96,8 +96,8 @@ class Monitor:
             self._compass if can_compass else None,
             partial(in_a_vehicle, calibration=applied.document),
         )
-        self._laws = LiveFilters(
-            options.laws, options.aid, self._track, applied.document, options.gravity, options.gains
+        self._filters = LiveFilters(
+            options.filters, options.aid, self._track, applied.document, options.gravity, options.gains
         )
         self._notes: dict[str, str] = {}  # by filter, what is against it
         self._rest = ErrorAtRest(options.gravity, options.latitude, options.heading, self._sensors.quantum(TICK_S))
@@ -215,7 +215,7 @@ class Monitor:
         buffer = self._feed.buffer
         if buffer.begin != self._begin:
             self._at, self._begin = buffer.begin, buffer.begin
-            self._laws.reset()
+            self._filters.reset()
             self._moments.reset()
             self._rest.reset()
             if self._options.locating is not None:
@@ -253,34 +253,36 @@ class Monitor:
             self._in_use = InUse(self._in_use.text, "not corrected: " + "; ".join(tick.not_applied))
         if said := self._silence.look(aiding, float(tick.t[-1])):
             self._say("rejected", "aid silent", said)
-        read = self._laws.take(tick.t, tick.calibrated, aiding)
+        read = self._filters.take(tick.t, tick.calibrated, aiding)
         if read is None:
             self._change(line="keep it still for 2 s: measuring the noise")
             return
-        found, laws = read
+        found, filters = read
         self._rest.take(tick, TICK_S, rests=found.mode == "at rest")
         temperature = tick.temperature if np.isfinite(tick.temperature) else None
         reading = replace(found, speed=self._speed, temperature=temperature, sample=self._at - 1)
-        self._change(reading=reading, laws=laws, at_rest=self._rest.comparison, line="", location=self._location())
+        self._change(
+            reading=reading, filters=filters, at_rest=self._rest.comparison, line="", location=self._location()
+        )
         speed = np.nan if self._speed is None else self._speed
         point = reading.t, reading.roll, reading.pitch, *reading.rate, speed, reading.residual, reading.sigma
-        apart = difference(laws)
+        apart = difference(filters)
         self._history.append(ChartPoint(*point, np.nan if apart is None else apart.angle))
         self._report_north()
         self._report_vehicle()
-        self._report_notes(laws)
+        self._report_notes(filters)
         self._ring(reading)
         if self._recording is not None:
             self._recording.take_filters(self.view)
         for sink in self._sinks:
             sink(self.view)
 
-    def _report_notes(self, laws: Sequence[FilterReading]) -> None:
+    def _report_notes(self, filters: Sequence[FilterReading]) -> None:
         """Say what is against a filter as it appears."""
-        for law in laws:
-            if law.note and law.note != self._notes.get(law.law):
-                self._say("rejected", "law", law.note)
-            self._notes[law.law] = law.note
+        for reading in filters:
+            if reading.note and reading.note != self._notes.get(reading.name):
+                self._say("rejected", "law", reading.note)
+            self._notes[reading.name] = reading.note
 
     def _location(self) -> Location | None:
         """Return where the unit is, if that is asked for; what is new about it is said once."""

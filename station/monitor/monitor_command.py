@@ -109,7 +109,7 @@ class MonitorRequest:
     url: str
     C: FloatArray
     aid: str = ""  # gnss with a receiver; in a replay as it was then
-    laws: tuple[str, ...] = ()  # joint; in a replay as it was then
+    filters: tuple[str, ...] = ()  # joint; in a replay as it was then
     tau_s: float | None = None  # of the complementary filters
     gnss: str = ""
     mavlink_out: str = ""
@@ -163,7 +163,7 @@ def _opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], 
     if described is not None:
         opencv()  # said before anything is begun
     rolling = _wheel_described(wanted)
-    laws, gains = _laws(wanted)
+    filters, gains = _filters(wanted)
     folder = _folder(wanted, stack)
     beside = folder or Path(stack.enter_context(tempfile.TemporaryDirectory()))
     source, reader = _source(wanted, beside, stack)
@@ -176,7 +176,7 @@ def _opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], 
     applied = find_calibration(wanted.calibration, wanted.database, unit, feed.wire)
     aid, aid_name = _aid(wanted, source, beside, stack)
     try:
-        refuse_without_velocity(laws, aid_name)
+        refuse_without_velocity(filters, aid_name)
     except ValueError as error:
         raise DataRefused(feed.address.name, None, str(error), "a recording that includes a receiver") from None
     camera = None if described is None else _camera(described, source, beside, stack)
@@ -190,7 +190,7 @@ def _opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], 
     if recording is not None:
         recording.note("begin", wanted.url, float("nan"), 0)
         recording.note("aid", aid_name, float("nan"), 0)
-        recording.note("laws", ",".join(laws), float("nan"), 0)
+        recording.note("laws", ",".join(filters), float("nan"), 0)
         if gains is not None:
             recording.note("gains", f"{gains.k1!r} {gains.k2!r}", float("nan"), 0)
         if wanted.records:
@@ -199,7 +199,7 @@ def _opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], 
     return Monitor(
         feed, applied,
         MonitorOptions(
-            aid=aid_name, laws=laws, gains=gains, C=wanted.C, latitude=latitude,
+            aid=aid_name, filters=filters, gains=gains, C=wanted.C, latitude=latitude,
             heading=None if wanted.heading_deg is None else float(np.radians(wanted.heading_deg)),
             gravity=wanted.gravity or (STANDARD_GRAVITY if latitude is None else normal_gravity(latitude)),
             alarms=wanted.alarms, restart_reader=None if reader is None else reader.restart, locating=where,
@@ -237,19 +237,19 @@ def _aid(
     return stack.enter_context(open_gnss(wanted.gnss, beside)), wanted.aid or "gnss"
 
 
-def _laws(wanted: MonitorRequest) -> tuple[tuple[str, ...], Gains | None]:
+def _filters(wanted: MonitorRequest) -> tuple[tuple[str, ...], Gains | None]:
     """Return the filters and their gains, in a replay as they were unless others are asked for."""
-    address, laws = parse_device_url(wanted.url), wanted.laws
+    address, filters = parse_device_url(wanted.url), wanted.filters
     gains = None if wanted.tau_s is None else Gains.of_time_constant(wanted.tau_s)
     if address.scheme == "replay":
         file = Path(address.path)
         try:
-            laws = laws or parse_filters(recorded_choice(file, "laws"))
+            filters = filters or parse_filters(recorded_choice(file, "laws"))
             if gains is None and (said := recorded_choice(file, "gains")):
                 gains = Gains(*map(float, said.split()))
         except (ValueError, TypeError) as error:
             raise DataRefused(file.parent / EVENTS_FILE, None, str(error), "laws and gains of a run") from None
-    return laws or (JOINT,), gains
+    return filters or (JOINT,), gains
 
 
 def _locating(

@@ -50,7 +50,7 @@ class MonitorView:
     reading: AttitudeReading | None = None
     history: tuple[ChartPoint, ...] = ()
     at_rest: RestErrorComparison | None = None
-    laws: tuple[FilterReading, ...] = ()  # empty where the joint filter runs alone
+    filters: tuple[FilterReading, ...] = ()  # empty where the joint filter runs alone
     streams: tuple[StreamState, ...] = ()
     in_use: InUse = field(default_factory=InUse)
     location: Location | None = None  # None: not asked for

@@ -197,8 +197,8 @@ def step_of(table: StepTable) -> Step | None:
             return FreePosition(int(numbered[2]), 0.0)
         case SoakTable(number=position, up=up) if numbered and numbered[1] == "soak":
             return Soak(int(numbered[2]), 0.0, position or 0, up or "")
-        case MonitorTable(position=int(position), laws=laws) if numbered and numbered[1] == "monitor":
-            return Monitor(int(numbered[2]), 0.0, position, tuple(laws))
+        case MonitorTable(position=int(position), laws=filters) if numbered and numbered[1] == "monitor":
+            return Monitor(int(numbered[2]), 0.0, position, tuple(filters))
     return None
 
 
@@ -259,8 +259,8 @@ def _table(step: Step, file: str) -> tuple[str, StepTable]:
         case Soak(position=position, up=up):
             where = attitude(position) if position else {"up": up} if up else {"attitude": "free"}
             return "soak", SoakTable.model_validate({**where, "file": file})
-        case Monitor(position=position, laws=laws):
-            return "monitor", MonitorTable(position=position, laws=list(laws), file=file)
+        case Monitor(position=position, filters=filters):
+            return "monitor", MonitorTable(position=position, laws=list(filters), file=file)
         case Turn():
             own = {name: getattr(step, name) for name in ("axis", "direction", "revolutions", "start_position")}
             return "turn", TurnTable.model_validate({**own, "file": file})

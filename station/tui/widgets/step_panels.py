@@ -63,11 +63,13 @@ class MonitoredLines(ValueWidget[MonitoredView]):
     DEFAULT_CSS = "MonitoredLines { height: 3; }"
 
     def _drawn(self, seen: MonitoredView) -> Content:
-        if not seen.laws:
+        if not seen.filters:
             return Content.assemble((" LAWS  ", "bold"), seen.text)
         lines = [
-            Content.assemble((f" {law.law:7}", "bold"), f"roll {law.roll_deg:+.3f} pitch {law.pitch_deg:+.3f} deg")
-            for law in seen.laws
+            Content.assemble(
+                (f" {reading.name:7}", "bold"), f"roll {reading.roll_deg:+.3f} pitch {reading.pitch_deg:+.3f} deg"
+            )
+            for reading in seen.filters
         ]
         if seen.difference_deg is not None:
             lines.append(Content.assemble((" APART ", "bold"), f" {seen.difference_deg:.3f} deg"))

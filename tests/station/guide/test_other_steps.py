@@ -25,7 +25,7 @@ from station.guide.campaign.accepted_steps import read_accepted_steps
 from station.guide.campaign.folder_recorder import interim_calibration
 from station.guide.campaign.interrupted_campaigns import reopen
 from station.guide.view import CalibrationView
-from station.guide.wording import instruction, laws_in_words
+from station.guide.wording import filters_in_words, instruction
 from station.stream.connected_unit import Unit
 from tests.refusals import refused
 from tests.station.campaign_writing import write_campaign
@@ -168,8 +168,8 @@ def test_a_monitor_reads_a_cube_level_in_any_position_and_keeps_what_it_read(rig
     seen = shown[-1].monitored
     assert seen is not None
     assert seen.calibration == "by hand"
-    assert [law.law for law in seen.laws] == ["joint", "mixer"]
-    assert "deg apart" in laws_in_words(seen)
+    assert [one.name for one in seen.filters] == ["joint", "mixer"]
+    assert "deg apart" in filters_in_words(seen)
     [table] = read_campaign(guided.folder).tables.monitor
     assert (table.position, table.laws, table.calibration) == (position, ["joint", "mixer"], "by hand")
     for angle in (*table.roll_deg, *table.pitch_deg):
