@@ -118,7 +118,8 @@ class DriveRig:
         if recording is not None:
             recording.begin()
         self.monitor = Monitor(
-            self.feed, applied, MonitorOptions(C=C, aid=aid, filters=filters, locating=where, camera=sight), recording,
+            self.feed, applied, MonitorOptions(C=C, aid=aid, filters=filters, locating=where, camera=sight),
+            recording,
             receiver, (self.lines.append,),
         )  # fmt: skip
 
