@@ -38,7 +38,7 @@ def grade_factor(evidence: Evidence, effect: Effect) -> float:
     return noise_in_navigation_grade(evidence, _triad_of(effect), _is_measured(effect))
 
 
-def as_it_wanders(evidence: Evidence, effect: Effect, H: FloatArray) -> FloatArray:
+def as_it_drifts(evidence: Evidence, effect: Effect, H: FloatArray) -> FloatArray:
     """Return coefficients (k,) of columns H (n, k) that move rests as far as they wander; else nought.
 
     Of a unit that is known by rests alone, what goes by time may be all that is seen: a MEMS gyroscope jumps and
@@ -63,8 +63,8 @@ def _sizes(evidence: Evidence, rows: BoolArray, moved: FloatArray, least: float)
 
     What moves them by no more than ``least`` is nought but for rounding, as a turn about the vertical is.
     """
-    wandering = float(np.sqrt(np.mean(evidence.residual[rows] ** 2)))
-    found: FloatArray = np.divide(wandering, moved, out=np.zeros(len(moved)), where=moved > least)
+    drift = float(np.sqrt(np.mean(evidence.residual[rows] ** 2)))
+    found: FloatArray = np.divide(drift, moved, out=np.zeros(len(moved)), where=moved > least)
     return found
 
 
@@ -88,8 +88,8 @@ def noise_in_navigation_grade(evidence: Evidence, triad: int, is_measured: bool)
     if not is_measured:
         return max(float(np.median(evidence.sigma[rows])) / NAVIGATION_GRADE_STD[triad], 1.0)
     sensors = [evidence.residual[rows & (evidence.axis == axis)] for axis in np.unique(evidence.axis[rows])]
-    wandering = max(STD_PER_MAD * float(np.median(np.abs(of))) for of in sensors)  # of the one that moves most
-    return max(max(float(np.median(evidence.sigma[rows])), wandering) / NAVIGATION_GRADE_STD[triad], 1.0)
+    drift = max(STD_PER_MAD * float(np.median(np.abs(of))) for of in sensors)  # of the one that moves most
+    return max(max(float(np.median(evidence.sigma[rows])), drift) / NAVIGATION_GRADE_STD[triad], 1.0)
 
 
 SAME, TINY = 1e-9, 1e-300
@@ -226,7 +226,7 @@ def term_of(evidence: Evidence, effect: Effect, columns: Columns) -> Term:
     ranges, H = effect.plausible_of(columns)[kept], evidence.column(columns)[:, kept]
     if effect.is_scatter:
         return Term(H, ranges)
-    return Term(H, np.maximum(ranges * grade_factor(evidence, effect), as_it_wanders(evidence, effect, H)))
+    return Term(H, np.maximum(ranges * grade_factor(evidence, effect), as_it_drifts(evidence, effect, H)))
 
 
 def _of_model(fits: CampaignFits, width: int) -> dict[str, tuple[Columns, IntArray]]:

@@ -62,7 +62,7 @@ class GyroscopeFit:
     """The gyroscopes' joint fit, the turns in it and 1 sigma (t, 3) of their totals, closure not in it.
 
     ``broken`` names turns left out for a gap while turning; ``moves`` is what the moves between placements show;
-    ``leans`` (t) how the cube tilted in each turn, None where nothing determines it.
+    ``tilts`` (t) how the cube tilted in each turn, None where nothing determines it.
     """
 
     joint: TriadFit
@@ -71,7 +71,7 @@ class GyroscopeFit:
     geometry: tuple[RotationGeometry, ...]
     broken: tuple[str, ...]
     moves: MovesSeen | None = None
-    leans: tuple[RotationTilt | None, ...] = ()
+    tilts: tuple[RotationTilt | None, ...] = ()
 
 
 def solve_gyroscope(
@@ -79,11 +79,11 @@ def solve_gyroscope(
     seen: TriadDwells,
     turns: Sequence[TurnTotal],
     accelerometer: TriadFit | None,
-    leans: Sequence[RotationTilt | None] = (),
+    tilts: Sequence[RotationTilt | None] = (),
 ) -> GyroscopeFit | None:
     """Solve k, E and D of the gyroscopes; None if dwells, turns and moves do not determine them.
 
-    Face and slab tilts come from the accelerometers' fit, with its covariance, where there is one. ``leans`` are
+    Face and slab tilts come from the accelerometers' fit, with its covariance, where there is one. ``tilts`` are
     those of the turns as the accelerometers saw them; none: the cube sat well in all.
     """
     refuse_disagreeing(campaigns, turns)
@@ -92,10 +92,10 @@ def solve_gyroscope(
         return None
     K, b = guess
     histories = [_history(campaigns, turn, K, b) for turn in turns]
-    turned = list(zip(turns, histories, leans or [None] * len(turns), strict=True))
+    turned = list(zip(turns, histories, tilts or [None] * len(turns), strict=True))
     broken = tuple(turn.record.name for turn, heading, _ in turned if is_broken(turn, heading))
     turned = [each for each in turned if not is_broken(*each[:2])]
-    turns, kept = [turn for turn, _, _ in turned], tuple(lean for _, _, lean in turned)
+    turns, kept = [turn for turn, _, _ in turned], tuple(tilt for _, _, tilt in turned)
     if broken and _guess(campaigns, seen, turns) is None:
         return None
     shapes = tuple(geometry(turn, heading, campaigns[turn.campaign].sigma.closure) for turn, heading, _ in turned)

@@ -60,7 +60,7 @@ class GyroscopeModel:
     def __init__(
         self, campaigns: Sequence[Campaign], seen: TriadDwells, turns: Sequence[TurnTotal],
         shapes: Sequence[RotationGeometry], accelerometer: TriadFit | None, moves: PlacementTransfers | None,
-        leans: Sequence[RotationTilt | None] = (),
+        tilts: Sequence[RotationTilt | None] = (),
     ) -> None:  # fmt: skip
         self.bench = gyroscope_bench(campaigns, seen, turns, moves is not None)
         self.seen, self.turns, self.moves = seen, turns, moves
@@ -75,14 +75,14 @@ class GyroscopeModel:
         self.unsettled_deg_s = np.degrees([each.unsettled_gyro for each in sigmas])
         seat = np.array([each.seat for each in sigmas]) if moves else np.zeros(0)
         self._tilts = seating_rotations([at.position for at in self.bench.placements])
-        self._lean = np.zeros((len(of), 2))  # rad, of cubes that tilted as they were turned
-        self.lean_std = np.zeros((len(of), 3))  # deg, 1 sigma of a turn by its axis, IMU axes
-        for i, lean in enumerate(leans, start=len(seen.dwells)):
-            if lean is not None and lean.is_off:
-                seat[i : i + 1] = lean.std.max()
-                self._lean[i] = lean.mean
+        self._tilt = np.zeros((len(of), 2))  # rad, of cubes that tilted as they were turned
+        self.tilt_std = np.zeros((len(of), 3))  # deg, 1 sigma of a turn by its axis, IMU axes
+        for i, tilt in enumerate(tilts, start=len(seen.dwells)):
+            if tilt is not None and tilt.is_off:
+                seat[i : i + 1] = tilt.std.max()
+                self._tilt[i] = tilt.mean
                 across = np.abs(self.bench.C_sb[i][:, list(cross_axes(face_of(of[i].position)))])
-                self.lean_std[i] = abs(self.angle[i - len(seen.dwells)]) * (across @ lean.axis_std)
+                self.tilt_std[i] = abs(self.angle[i - len(seen.dwells)]) * (across @ tilt.axis_std)
         self.prior = _prior(self.bench, seen.dwells, accelerometer, seat)
         self._total = np.array([t.total for t in turns]).reshape(-1, 3)
         self._total_std = np.array([t.std for t in turns]).reshape(-1, 3)
@@ -98,7 +98,7 @@ class GyroscopeModel:
         bench, closed = x[..., 12:closures], x[..., closures : closures + len(self.turns)]
         u = self.bench.seen(bench, self.earth, self.motion)
         normal = self.bench.to_cube(bench)[..., n:, :, 2]
-        if self.moves is not None or self._lean.any():
+        if self.moves is not None or self._tilt.any():
             # a cube tilts by its seat while it is turned, and turns about the slab's normal
             normal = (rotation(self._seats(x, 0.5)[..., n:, :]) @ normal[..., None])[..., 0]
         u[..., n:, :] += (self.angle + closed)[..., None] * normal
@@ -116,9 +116,9 @@ class GyroscopeModel:
         turned = slab @ rotation(closed[..., None] * [0.0, 0.0, -1.0]) @ np.swapaxes(slab, -1, -2)
         return self.moves.carried(attitudes, turned @ attitudes[..., n:, :, :])
 
-    def _seats(self, x: FloatArray, lean: float = 1.0) -> FloatArray:
-        """Return rotation vectors (..., m, 3) [rad] of placements' seats, with a share ``lean`` of tilts."""
-        seats = lean * self._lean
+    def _seats(self, x: FloatArray, tilt: float = 1.0) -> FloatArray:
+        """Return rotation vectors (..., m, 3) [rad] of placements' seats, with a share ``tilt`` of tilts."""
+        seats = tilt * self._tilt
         if self.moves is not None:
             seats = seats + x[..., 12 + self.bench.size + len(self.turns) :].reshape(*x.shape[:-1], -1, 2)
         rotated: FloatArray = (self._tilts @ seats[..., None])[..., 0]
@@ -128,7 +128,7 @@ class GyroscopeModel:
         """1 sigma (n + t, 3) of every dwell's rate and every turn's total; k, ``excess`` (3,) [output/s]."""
         std = np.vstack((self.seen.std, self._total_std))
         expected = np.hypot(std, self.unsettled(k) * self.seconds)
-        total: FloatArray = np.sqrt(expected**2 + (excess * self.seconds) ** 2 + (k * self.lean_std) ** 2)
+        total: FloatArray = np.sqrt(expected**2 + (excess * self.seconds) ** 2 + (k * self.tilt_std) ** 2)
         return total
 
     def unsettled(self, k: FloatArray) -> FloatArray:
@@ -147,7 +147,7 @@ class GyroscopeModel:
         observed = np.vstack((self.seen.rate, self._total))
         sigma, size, turns = self.sigma(excess, k), self.bench.size, len(self.turns)
         model = MovesModel(self.moves, start[:12], self.seen.noise) if self.moves else None
-        wander = self.wander(excess, k)
+        instability = self.instability(excess, k)
         turn_ons = [(number, dwell.turn_on) for number, dwell in self.seen.dwells]
         turn_ons += [(turn.campaign, turn.record.turn_on) for turn in self.turns]
 
@@ -155,7 +155,7 @@ class GyroscopeModel:
             rows = [(observed - steps * self.seconds - self.output(x)) / sigma]
             rows.append(x[..., 12 : 12 + size] @ self.prior.bench.matrix.T - self.prior.bench.mean)
             if model is not None and self.moves is not None:
-                moved = np.sqrt(model.variance.sum(axis=1) + wander)
+                moved = np.sqrt(model.variance.sum(axis=1) + instability)
                 bias = steps[..., self.moves.after, :]
                 error = model.errors(x[..., :12], self.carried(x), bias)
                 rows[-1] += x[..., 12 + size + turns :] @ self.prior.seats.T
@@ -174,7 +174,7 @@ class GyroscopeModel:
         )
         return fit_with_turn_ons(residual, start, scale, turn_ons, TURN_ON_STEP_STD_DEG_S * k)
 
-    def wander(self, excess: FloatArray, k: FloatArray) -> FloatArray:
+    def instability(self, excess: FloatArray, k: FloatArray) -> FloatArray:
         """Return the variance (m,) [rad2] of the moves by the scatter ``excess`` (3,) [output/s] of the bias.
 
         ``k`` (3,) are the scale factors [output/deg].
@@ -195,7 +195,7 @@ class GyroscopeModel:
         return MovesSeen(
             self.moves,
             model.errors(fit.x[:12], self.carried(fit.x), found.steps[self.moves.after]),
-            np.column_stack((model.variance, self.wander(excess, k))),
+            np.column_stack((model.variance, self.instability(excess, k))),
             slice(end - 3 * len(self.moves.records), end),
             self.prior.told,
         )

@@ -290,12 +290,12 @@ def seated(accelerometer: TriadFit, seat: FloatArray) -> tuple[FloatArray, Float
     bench, seen = accelerometer.bench, accelerometer.seen
     shared, n, size = 12 + bench.shared, len(seat), len(accelerometer.fit.x)
     prior, sigma = bench.priors(), accelerometer.sigma
-    leans = seating_rotations([at.position for at in bench.placements])
+    tilts = seating_rotations([at.position for at in bench.placements])
     spread = np.repeat(seat, 2)
 
     def residual(x: FloatArray, steps: FloatArray) -> FloatArray:
         at, K = x[..., 12:size], x[..., :9].reshape(*x.shape[:-1], 3, 3)
-        turned = bench.attitudes(at, (leans @ x[..., size:].reshape(*x.shape[:-1], n, 2, 1))[..., 0])
+        turned = bench.attitudes(at, (tilts @ x[..., size:].reshape(*x.shape[:-1], n, 2, 1))[..., 0])
         up = np.stack(gravity_n(bench, at), axis=-2)[..., [place.campaign for place in bench.placements], :]
         u = (bench.C_sb @ turned @ up[..., None])[..., 0]
         off = (seen.rate - steps - u @ np.swapaxes(K, -1, -2) - x[..., None, 9:12]) / sigma

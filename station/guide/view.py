@@ -241,7 +241,7 @@ class CalibrationView(FrozenValue):
 
     ``line`` is the state as one plain sentence. ``hint`` says what hinders or what comes next. ``wanted`` and
     ``live`` name steps; ``live`` is empty while none is being recorded. ``remaining_s`` is the time still needed
-    with no break. ``can_redo`` names the step that "redo" would do again. ``lean`` is which way of the cube, in
+    with no break. ``can_redo`` names the step that "redo" would do again. ``tilt`` is which way of the cube, in
     its axes, is to be up where a free attitude is wanted. ``time_s`` is the device's time up to which the stream
     was looked at; None where it sends none that goes on. ``limits`` are the sigmas that a campaign goes on
     for; where all are met one placing more ``can_do_more``.
@@ -269,7 +269,7 @@ class CalibrationView(FrozenValue):
     soak: SoakView | None = None
     monitored: MonitoredView | None = None
     limits: tuple[LimitView, ...] = ()
-    lean: tuple[int, int, int] | None = None
+    tilt: tuple[int, int, int] | None = None
     warm_up: WarmUpView | None = None
     link: LinkView = LinkView()
     question: OperatorQuestion | None = None

@@ -99,7 +99,7 @@ def noise_table(noise: UnitNoise) -> dict[str, Any]:
     return {
         "accelerometer_g_sqrt_s": dict(zip(AXES, noise.accel_white.tolist(), strict=True)),
         "gyroscope_deg_sqrt_h": dict(zip(AXES, (noise.gyro_white * np.sqrt(S_PER_H)).tolist(), strict=True)),
-        "wander_deg_h": noise.wander * S_PER_H,
+        "wander_deg_h": noise.instability * S_PER_H,
     }
 
 

@@ -127,7 +127,7 @@ def mean_noise(found: Sequence[UnitNoise]) -> UnitNoise:
     return UnitNoise(
         rms(one.accel_white for one in found), rms(one.gyro_white for one in found),
         np.mean([one.accel_scale for one in found], axis=0), np.mean([one.gyro_scale for one in found], axis=0),
-        float(rms(np.array([one.wander]) for one in found)[0]),
+        float(rms(np.array([one.instability]) for one in found)[0]),
     )  # fmt: skip
 
 

@@ -38,7 +38,7 @@ from procedures.attitude.kalman.strapdown_integration import (
 from procedures.attitude.kernel_options import inlined, kernel
 from procedures.counts.sample_times import GAP_PERIODS
 
-WANDER_S = 5.0  # over which the velocity's wandering is summed: noise is gone by then, a vehicle's speed is not
+DRIFT_S = 5.0  # over which the velocity's drift is summed: noise is gone by then, a vehicle's speed is not
 NO_AID, AIRSPEED, GNSS = 0, 1, 2
 
 
@@ -94,20 +94,20 @@ def update(s: KalmanState, c: KalmanSettings, aid: int, fixed: bool, vel: FloatA
 
 @inlined
 def watch_motion(s: KalmanState) -> None:
-    """Sum up how the velocity spreads about the zero that it is measured as, and how it wanders from it.
+    """Sum up how the velocity spreads about the zero that it is measured as, and how it drifts from it.
 
     The integral that fades, ``I' = v - I/T``, of white noise of density N has a mean square of N^2 T / 2: two axes
     of it over T are N^2, whatever the filter expects.
     """
     memory = s.memory[0]
     T = memory.time
-    left = math.exp(-T / WANDER_S)
+    left = math.exp(-T / DRIFT_S)
     squared = 0.0
     for i in range(2):
-        memory.wander[i] = left * memory.wander[i] + T * s.v_n[i]
-        squared += memory.wander[i] ** 2 / WANDER_S
-    memory.wander_squared += squared * T
-    memory.wander_time += T
+        memory.drift[i] = left * memory.drift[i] + T * s.v_n[i]
+        squared += memory.drift[i] ** 2 / DRIFT_S
+    memory.drift_squared += squared * T
+    memory.drift_time += T
     for i in range(3):
         memory.speed_squared += s.v_n[i] ** 2 * T
 
@@ -194,8 +194,8 @@ class AttitudeKalmanFilter:
     def forget_motion(self) -> None:
         """Reset the sums of how the velocity moves about zero."""
         memory = self.state.memory[0]
-        memory.wander[:] = 0.0
-        memory.wander_squared = memory.wander_time = memory.speed_squared = 0.0
+        memory.drift[:] = 0.0
+        memory.drift_squared = memory.drift_time = memory.speed_squared = 0.0
 
     @property
     def down(self) -> FloatArray:

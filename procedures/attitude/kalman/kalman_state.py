@@ -32,7 +32,7 @@ MEMORY = np.dtype((np.record, [
     ("velocity_known", "f8"), ("newest", "f8"),
     # how the velocity moves about zero without aid: its integral that fades, the sums of that squared, of time,
     # and of the velocity squared
-    ("wander", "f8", 2), ("wander_squared", "f8"), ("wander_time", "f8"), ("speed_squared", "f8"),
+    ("drift", "f8", 2), ("drift_squared", "f8"), ("drift_time", "f8"), ("speed_squared", "f8"),
     # sums over the span that rest is judged by
     ("unseen_run", "f8"),  # rad: the unseen angle of the updates running before this one
     ("span_time", "f8"), ("span_rate", "f8", 3), ("span_force", "f8", 3),
@@ -97,7 +97,7 @@ class KalmanSettings(NamedTuple):
 
 AIDED_SETTINGS = KalmanSettings()
 
-# Without aid the tilt is what the last seconds of specific force say: a bias may wander, as MEMS ones do in
+# Without aid the tilt is what the last seconds of specific force say: a bias may drift, as MEMS ones do in
 # motion, at no cost, and the scale factor's share of fast motion counts more than anything slow. All noises by one
 # factor leave the attitude as it is: that factor makes sigma what the error is.
 UNAIDED_SETTINGS = KalmanSettings(

@@ -26,9 +26,9 @@ from procedures.gyrocompass import attitude_at_rest
 
 MIN_MOTION_S = 10.0  # of motion that says something
 ROOM_SPEED_NOISE_BOUNDS = 0.11, 0.6  # m/s*sqrt(s)
-WANDER_LIMIT = 1.2  # of the noise that is assumed: beyond, the velocity is no noise about zero
+DRIFT_LIMIT = 1.2  # of the noise that is assumed: beyond, the velocity is no noise about zero
 FIRST_SPEED_NOISE = 100.0  # m/s*sqrt(s): 30 m/s that last for five seconds
-WANDER_GAIN = 2.0  # the velocity that the filter lets stand is less than the true one
+DRIFT_GAIN = 2.0  # the velocity that the filter lets stand is less than the true one
 VEHICLE_SPEED_NOISE_BOUNDS = 5.0, 300.0
 WALK_PER_NOISE = 0.4  # 1/s: of a gyro's bias, in motion
 BIAS_WALK_BOUNDS = 1e-5, 1e-4  # rad/s/sqrt(s): bounds of that
@@ -54,7 +54,7 @@ def run_unaided(log: AttitudeLog, settings: KalmanSettings) -> tuple[AttitudeKal
         for _ in range(VEHICLE_RUNS):
             kept, out = _run(log, settings_in_vehicle(kept))
         return kept, out, True
-    if kept.state.memory[0].wander_time >= MIN_MOTION_S:
+    if kept.state.memory[0].drift_time >= MIN_MOTION_S:
         kept, out = _run(log, settings_in_hand(kept))
     return kept, out, False
 
@@ -64,21 +64,21 @@ def _run(log: AttitudeLog, settings: KalmanSettings) -> tuple[AttitudeKalmanFilt
     return kept, kept.run(log)
 
 
-def wander_density(kept: AttitudeKalmanFilter) -> float:
+def drift_density(kept: AttitudeKalmanFilter) -> float:
     """Return the noise density [m/s*sqrt(s)] that the velocity showed over seconds, where nothing rested."""
     memory = kept.state.memory[0]
-    return float(np.sqrt(memory.wander_squared / memory.wander_time)) if memory.wander_time > 0.0 else 0.0
+    return float(np.sqrt(memory.drift_squared / memory.drift_time)) if memory.drift_time > 0.0 else 0.0
 
 
 def moves_far(kept: AttitudeKalmanFilter) -> bool:
-    """Say whether the velocity wandered further than the filter's settings admit."""
-    return wander_density(kept) > WANDER_LIMIT * kept.settings.speed_noise
+    """Say whether the velocity drifted further than the filter's settings admit."""
+    return drift_density(kept) > DRIFT_LIMIT * kept.settings.speed_noise
 
 
 def settings_in_hand(kept: AttitudeKalmanFilter) -> KalmanSettings:
     """Return a room's settings with the noise of the velocity that it showed: its spread, for a known time."""
     memory = kept.state.memory[0]
-    spread = math.sqrt(memory.speed_squared / (3.0 * memory.wander_time))
+    spread = math.sqrt(memory.speed_squared / (3.0 * memory.drift_time))
     noise = spread * math.sqrt(2.0 * kept.settings.speed_s)
     return kept.settings._replace(speed_noise=float(np.clip(noise, *ROOM_SPEED_NOISE_BOUNDS)))
 
@@ -101,7 +101,7 @@ def vehicle_settings(settings: KalmanSettings) -> KalmanSettings:
 
 def settings_in_vehicle(kept: AttitudeKalmanFilter) -> KalmanSettings:
     """Return a vehicle's settings with the speed noise that it showed."""
-    shown = WANDER_GAIN * wander_density(kept)
+    shown = DRIFT_GAIN * drift_density(kept)
     return kept.settings._replace(speed_noise=float(np.clip(shown, *VEHICLE_SPEED_NOISE_BOUNDS)))
 
 

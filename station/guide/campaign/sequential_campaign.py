@@ -68,8 +68,8 @@ def measured_noise(
         for name in ("accel_std", "gyro_std")
     )
     scales = (one_g, per_deg) if counts else (np.inf, np.inf)
-    wander = float(np.sqrt(np.mean((gyro / per_deg) ** 2) / NOISE_S))
-    return UnitNoise(accel / one_g, gyro / per_deg, np.full(3, scales[0]), np.full(3, scales[1]), wander)
+    instability = float(np.sqrt(np.mean((gyro / per_deg) ** 2) / NOISE_S))
+    return UnitNoise(accel / one_g, gyro / per_deg, np.full(3, scales[0]), np.full(3, scales[1]), instability)
 
 
 LEAST_FACTOR, MOST_FACTOR = 0.5, 3.0  # by which white noise may differ from what was known: more is no noise
@@ -202,7 +202,7 @@ class SequentialCampaign:
     def _ratios(self, dwell: AcceptedDwell, seconds: float) -> tuple[float, float]:
         """Return by what factor the variances of both triads' rates are above those that were known."""
         assert self._known is not None
-        known, T = replace(self._known, wander=0.0), np.array([seconds])
+        known, T = replace(self._known, instability=0.0), np.array([seconds])
         return (
             _ratio(dwell.accel_std, known.accel_scale, known.accel_variance(T)[0]),
             _ratio(dwell.gyro_std, known.gyro_scale, known.gyro_variance(T)[0]),
@@ -273,7 +273,7 @@ def target_record(database: Database, unit: Unit, asked: TargetUncertainties) ->
         update={
             "accel_white": tuple(noise.accel_white.tolist()), "gyro_white": tuple(noise.gyro_white.tolist()),
             "accel_scale": _counted(noise.accel_scale), "gyro_scale": _counted(noise.gyro_scale),
-            "wander": noise.wander,
+            "wander": noise.instability,
         }
     ), remarks  # fmt: skip
 

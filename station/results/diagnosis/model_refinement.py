@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from procedures.calibration.joint_calibration import CampaignFits, leans_of
+from procedures.calibration.joint_calibration import CampaignFits, undetectable_tilts_of
 from procedures.calibration.solution_values import Solution
 from procedures.calibration.undetectable_tilt import undetectable_tilt_warnings
 from procedures.diagnosis.diagnose import diagnose
@@ -121,7 +121,7 @@ def _with_tilts(solution: Solution, fits: CampaignFits, seatings: Collection[tup
     if not seatings:
         return solution
     tilts, before = (
-        leans_of(fits, solution.quality, seatings),
+        undetectable_tilts_of(fits, solution.quality, seatings),
         undetectable_tilt_warnings(solution.undetectable_tilts),
     )
     kept = [each for each in solution.warnings if each not in before]

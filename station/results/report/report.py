@@ -244,9 +244,9 @@ def _detectable_seating(tilts: Sequence[UndetectableTilt]) -> str:
     """Say which seating error of the cube the residuals show, and what a smaller one does; nothing without one."""
     if not tilts:
         return ""
-    shown = [f"{each.lean / RAD_PER_ARCSEC:.0f}" for each in sorted(tilts, key=attrgetter("lean"))]
-    shown = shown[: sum(each.lean <= ANY_TILT_RAD for each in tilts)]
-    hidden = sorted({each.position for each in tilts if each.lean > ANY_TILT_RAD})
+    shown = [f"{each.tilt / RAD_PER_ARCSEC:.0f}" for each in sorted(tilts, key=attrgetter("tilt"))]
+    shown = shown[: sum(each.tilt <= ANY_TILT_RAD for each in tilts)]
+    hidden = sorted({each.position for each in tilts if each.tilt > ANY_TILT_RAD})
     worst = max(tilts, key=attrgetter("sigmas"))
     said = []
     if shown:
@@ -255,7 +255,7 @@ def _detectable_seating(tilts: Sequence[UndetectableTilt]) -> str:
         said.append(
             f"No seating error is detected in position{'s' * (len(hidden) > 1)} {', '.join(map(str, hidden))}."
         )
-    is_any = worst.lean > ANY_TILT_RAD
+    is_any = worst.tilt > ANY_TILT_RAD
     which = f"One of {ANY_TILT_RAD / RAD_PER_ARCSEC:.0f} arcsec" if is_any else "A smaller one"
     said.append(
         f"{which} in position {worst.position} can shift {worst.value} by up to {worst.sigmas:.1f} times its "

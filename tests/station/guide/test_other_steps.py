@@ -46,10 +46,10 @@ def up_of(rig: GuideRig, name: str) -> np.ndarray:
 def test_leaning_cubes_are_recorded_each_where_it_is_asked_for(rig: Make) -> None:
     guided = rig(free(3))
     for count in (1, 2, 3):
-        lean = guided.rest(2).lean
-        guided.hands("lean {} {} {} 8".format(*lean))
+        tilt = guided.rest(2).tilt
+        guided.hands("lean {} {} {} 8".format(*tilt))
         guided.run(guided.done(count))
-        assert angle_deg(up_of(guided, f"free_{count:02d}"), up_vector(lean)) < 15  # 3 deg an axis, and biases
+        assert angle_deg(up_of(guided, f"free_{count:02d}"), up_vector(tilt)) < 15  # 3 deg an axis, and biases
     loaded = read_campaign(guided.folder)
     assert [(table.attitude, table.file) for table in loaded.tables.dwell] == [
         ("free", "free_01.mcap"), ("free", "free_02.mcap"), ("free", "free_03.mcap"),
@@ -138,7 +138,7 @@ def test_what_is_gone_on_with_knows_the_attitudes_taken_and_the_soaks(rig: Make)
 
 
 def test_the_ways_wanted_are_far_from_faces_and_from_each_other() -> None:
-    ups = [up_vector(lean) for lean in UP_DIRECTIONS]
+    ups = [up_vector(tilt) for tilt in UP_DIRECTIONS]
     assert len(ups) == 20
     assert min(angle_deg(up, face * sign) for up in ups for face in np.eye(3) for sign in (1, -1)) > 44
     assert min(angle_deg(one, other) for i, one in enumerate(ups) for other in ups[:i]) > 35
