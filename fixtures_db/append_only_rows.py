@@ -48,7 +48,7 @@ ROW_TITLES: dict[type[Any], str] = {
     EffectEventRow: "effect",
 }
 NOT_HASHED = frozenset({"id", "sha256"})
-HASHED_WHERE_SAID = frozenset({"dcc", "dcc_sha256"})  # columns younger than rows that were hashed without them
+HASHED_WHERE_GIVEN = frozenset({"dcc", "dcc_sha256"})  # columns younger than rows that were hashed without them
 
 
 def append(session: Session, row: Measured) -> Measured:
@@ -151,7 +151,7 @@ def row_text(row: Base) -> str:
         column.key: getattr(row, column.key)
         for column in type(row).__table__.columns
         if column.key not in NOT_HASHED
-        and not (column.key in HASHED_WHERE_SAID and getattr(row, column.key) is None)
+        and not (column.key in HASHED_WHERE_GIVEN and getattr(row, column.key) is None)
     }
     return canonical(
         {key: value.isoformat() if isinstance(value, date) else value for key, value in hashed.items()}

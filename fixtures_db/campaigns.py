@@ -257,12 +257,12 @@ def _certified(rows: Sequence[FaceCertificateRow | CubeMeasurementRow | SlabLeve
     newest = max(rows, key=lambda row: (row.measured_utc, row.id))
     sources = dict.fromkeys(BY_IMUS if isinstance(row, CubeMeasurementRow) else row.source for row in rows)
     due = [row.due_date for row in rows if row.due_date is not None]
-    said = {
+    text = {
         "certificate": newest.sha256,
         "source": "; ".join(sources),
         "measured_utc": utc_text(newest.measured_utc),
     }
-    return said | _dates(None, min(due, default=None))
+    return text | _dates(None, min(due, default=None))
 
 
 def _dates(measured: date | None, due: date | None) -> dict[str, Any]:

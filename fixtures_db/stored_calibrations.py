@@ -274,13 +274,13 @@ def _campaign_fault(row: CalibrationRow, document: Any) -> ChainFault | None:
     """Return what is wrong with a calibration's campaign: its steps must be those it was made from."""
     kept, campaign = _get(document, "manifest"), row.campaign
     if campaign is None:
-        is_right, said = kept is None and row.campaign_id is None, "no campaign"
+        is_right, stated = kept is None and row.campaign_id is None, "no campaign"
     elif kept is None:  # stored before calibrations named a manifest
         inputs = (_get(document, "inputs") or {}).values()
-        is_right, said = any(step.sha256 in inputs for step in campaign.steps), f"campaign {campaign.folder}"
+        is_right, stated = any(step.sha256 in inputs for step in campaign.steps), f"campaign {campaign.folder}"
     else:
-        is_right, said = kept in manifest_heads(campaign.steps), f"campaign {campaign.folder} as it is"
-    return None if is_right else ChainFault(f"calibration {row.id}", said, f"that of manifest {kept or 'none'}")
+        is_right, stated = kept in manifest_heads(campaign.steps), f"campaign {campaign.folder} as it is"
+    return None if is_right else ChainFault(f"calibration {row.id}", stated, f"that of manifest {kept or 'none'}")
 
 
 def _get(document: Any, key: str) -> Any:
@@ -340,8 +340,8 @@ def _run(row: CalibrationRow, campaign: CampaignRow | None) -> Run:
 
 def _ended(document: dict[str, Any], accepted: datetime) -> datetime:
     """Return when the measuring ended; calibrations stored before that was kept say when they were accepted."""
-    said = document.get("procedure", {}).get("ended_utc")
-    return accepted if said is None else datetime.fromisoformat(said).astimezone(UTC)
+    stated = document.get("procedure", {}).get("ended_utc")
+    return accepted if stated is None else datetime.fromisoformat(stated).astimezone(UTC)
 
 
 def _made_with(document: dict[str, Any], campaign: CampaignRow | None) -> dict[str, str]:

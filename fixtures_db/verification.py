@@ -121,8 +121,8 @@ def _as_found(known: Inspector, name: str, dialect: Dialect) -> Declared:
         found[f"unique {_names(unique['column_names'])}"] = f"yes{_options(unique.get('dialect_options'))}"
     for key in known.get_foreign_keys(name):
         to = ", ".join(key["referred_columns"])
-        said = f"{key['referred_table']} ({to}){_options(key.get('options'))}"
-        found[f"reference {_names(key['constrained_columns'])}"] = said
+        wording = f"{key['referred_table']} ({to}){_options(key.get('options'))}"
+        found[f"reference {_names(key['constrained_columns'])}"] = wording
     for index in indices:
         if not index.get("duplicates_constraint"):
             unique_too = " UNIQUE" if index["unique"] else ""
@@ -153,8 +153,8 @@ def _names(columns: list[str]) -> str:
     return ", ".join(sorted(columns))
 
 
-def _options(said: Any) -> str:
-    return "".join(f" {name} {value}" for name, value in sorted((said or {}).items()) if value)
+def _options(wording: Any) -> str:
+    return "".join(f" {name} {value}" for name, value in sorted((wording or {}).items()) if value)
 
 
 def _unseen_options(declared: tuple[tuple[str, ...], ...]) -> Iterator[ChainFault]:
@@ -196,9 +196,9 @@ def _views(connection: Connection) -> Iterator[ChainFault]:
 
 
 def _damage(connection: Connection) -> Iterator[ChainFault]:
-    for said in connection.execute(text("PRAGMA integrity_check(3)")).scalars():
-        if said != "ok":
-            yield ChainFault("database file", said, "a whole one")
+    for wording in connection.execute(text("PRAGMA integrity_check(3)")).scalars():
+        if wording != "ok":
+            yield ChainFault("database file", wording, "a whole one")
     for row in connection.execute(text("PRAGMA foreign_key_check")):
         yield ChainFault(f"{row[0]} {row[1]}", f"a row of {row[2]} that is not there", "one that is")
     if (mode := connection.execute(text("PRAGMA journal_mode")).scalar()) not in {"wal", "memory"}:

@@ -185,8 +185,8 @@ class CalibrationStream:
 
         ``spans`` and their sigmas are of minutes that are full, with ``last`` of the one that is not, too.
         """
-        f, omega, spans, said = self._stream.take(counts, t, temperature, auxiliary, magnetic, is_last=last)
-        return Calibrated(numbers(t, "t"), f, omega, spans.span, spans.force_std, spans.rate_std, said)
+        f, omega, spans, text = self._stream.take(counts, t, temperature, auxiliary, magnetic, is_last=last)
+        return Calibrated(numbers(t, "t"), f, omega, spans.span, spans.force_std, spans.rate_std, text)
 
 
 def _period(t: NDArray[np.float64], told: float | None) -> float:
@@ -203,8 +203,8 @@ def _period(t: NDArray[np.float64], told: float | None) -> float:
         return told
     pace = own_period(t)
     if told is not None and abs(pace / told - 1) > RATE_TOLERANCE:
-        said = f"samples {pace:.6g} s apart"
-        raise DataRefused("t", None, said, f"{told:.6g} s within 1 %, as stated by period=", "correct one of them")
+        text = f"samples {pace:.6g} s apart"
+        raise DataRefused("t", None, text, f"{told:.6g} s within 1 %, as stated by period=", "correct one of them")
     return pace if told is None else told
 
 

@@ -172,10 +172,10 @@ def port_lines(found: SurveyedPort) -> list[str]:
     if found.rate_hz is not None:
         rates.append(f"{found.rate_hz:.6g} Hz by its own time")
     bad = [f"{count} {name.replace('_', ' ')}" for name, count in found.errors.items() if count]
-    said = [", ".join(part for part in [*named, *rates] if part)]
-    said += [f"system {system}: {rate:.1f} frames/s" for system, rate in found.systems.items()]
+    wording = [", ".join(part for part in [*named, *rates] if part)]
+    wording += [f"system {system}: {rate:.1f} frames/s" for system, rate in found.systems.items()]
     if found.position:
-        said.append(f"receiver: {found.position}")
+        wording.append(f"receiver: {found.position}")
     if found.messages:
-        said.append(", ".join(f"{name} {rate:.1f} Hz" for name, rate in found.messages.items()))
-    return [*lines, *(f"{'':{INDENT_CHARS}}{text}" for text in [*said, f"errors: {', '.join(bad) or 'none'}"])]
+        wording.append(", ".join(f"{name} {rate:.1f} Hz" for name, rate in found.messages.items()))
+    return [*lines, *(f"{'':{INDENT_CHARS}}{text}" for text in [*wording, f"errors: {', '.join(bad) or 'none'}"])]

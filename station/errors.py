@@ -59,10 +59,10 @@ class TimeUnitAsked(DataRefused):
 
     def __init__(self, file: str | Path, column: str, candidates: Sequence[tuple[str, float, float]]) -> None:
         self.column, self.candidates = column, tuple(candidates)
-        said = ", ".join(f"{unit} ({rate:.4g} Hz, {seconds:.4g} s)" for unit, rate, seconds in candidates)
+        text = ", ".join(f"{unit} ({rate:.4g} Hz, {seconds:.4g} s)" for unit, rate, seconds in candidates)
         remedy = f"type --unit-time {candidates[0][0]}, or another of them"
         super().__init__(
-            file, None, f"time column {column} in an ambiguous unit", f"one of {said}", remedy, ErrorCode.TIME_UNIT
+            file, None, f"time column {column} in an ambiguous unit", f"one of {text}", remedy, ErrorCode.TIME_UNIT
         )
 
 
@@ -71,10 +71,10 @@ class ClocksContradict(DataRefused):
 
     def __init__(self, file: str | Path, clocks: Sequence[tuple[str, float, float]]) -> None:
         self.clocks = tuple(clocks)
-        said = ", ".join(f"{name} ({rate:.5g} Hz, {seconds:.4g} s)" for name, rate, seconds in clocks)
+        text = ", ".join(f"{name} ({rate:.5g} Hz, {seconds:.4g} s)" for name, rate, seconds in clocks)
         remedy = f"type --time {clocks[0][0]} or --time {clocks[1][0]}"
         super().__init__(
-            file, None, f"clocks that contradict each other: {said}", "one of them", remedy, ErrorCode.TIME_UNIT
+            file, None, f"clocks that contradict each other: {text}", "one of them", remedy, ErrorCode.TIME_UNIT
         )
 
 
@@ -320,8 +320,8 @@ class NotVerified(StationError, ValueError):
         self, file: str | Path, faults: dict[str, str], remedy: str = "get it again from whoever issued it"
     ) -> None:
         self.file, self.faults = str(file), faults
-        said = "; ".join(f"{name} {words.removeprefix('found ')}" for name, words in faults.items())
-        super().__init__(f"{file}: found {said}; do not use it, {remedy}")
+        text = "; ".join(f"{name} {words.removeprefix('found ')}" for name, words in faults.items())
+        super().__init__(f"{file}: found {text}; do not use it, {remedy}")
 
 
 class NoTimeStamp(StationError, OSError):

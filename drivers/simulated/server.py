@@ -231,8 +231,8 @@ class SimulatedDevice:
 
     def _wait_for_guide(self) -> None:
         while self._speed and self._seen is not None and not self._stop.is_set():
-            seen, said = self._seen
-            if self.time < seen + MAX_AHEAD_S or time.monotonic() > said + MAX_WAIT_S:
+            seen, text = self._seen
+            if self.time < seen + MAX_AHEAD_S or time.monotonic() > text + MAX_WAIT_S:
                 return
             self._stop.wait(CHUNK_S)
 

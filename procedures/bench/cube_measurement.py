@@ -123,8 +123,8 @@ def _joined(
     measurement = CubeMeasurement(found, noise, shares, chi2, dof, p_value, tuple(warnings))
     if p_value >= DOUBTFUL_P_VALUE:
         return measurement
-    said = f"the units, or K2 and its range, disagree: chi-square {chi2:.4g} at {dof} degrees of freedom"
-    return replace(measurement, warnings=(*warnings, f"{said}, p {p_value:.2g}"))
+    text = f"the units, or K2 and its range, disagree: chi-square {chi2:.4g} at {dof} degrees of freedom"
+    return replace(measurement, warnings=(*warnings, f"{text}, p {p_value:.2g}"))
 
 
 def _plausible(units: int, quadratic_std: float) -> FloatArray:

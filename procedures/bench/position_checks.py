@@ -167,7 +167,7 @@ def heading_errors(
 
 def heading_warnings(campaigns: Sequence[Campaign], joint: TriadFit) -> tuple[list[str], list[str]]:
     """Return the dwells that stood turned against the marks, campaign by campaign: each in words; sure names."""
-    K, said, sure = np.degrees(joint.fit.x[:9].reshape(3, 3)), list[str](), list[str]()
+    K, text, sure = np.degrees(joint.fit.x[:9].reshape(3, 3)), list[str](), list[str]()
     for number, campaign in enumerate(campaigns):
         rows = [i for i, (of, _) in enumerate(joint.seen.dwells) if of == number]
         records = [joint.seen.dwells[i][1] for i in rows]
@@ -180,9 +180,9 @@ def heading_warnings(campaigns: Sequence[Campaign], joint: TriadFit) -> tuple[li
         )
         for error in errors:
             named = " or ".join(f"{records[i].position} ({records[i].name})" for i in sorted(error.dwells))
-            said.append(f"position {named} {heading_error_text(error)}: record it again")
+            text.append(f"position {named} {heading_error_text(error)}: record it again")
             sure += [records[i].name for i in error.dwells if len(error.dwells) == 1]
-    return said, sure
+    return text, sure
 
 
 def heading_error_text(error: HeadingError) -> str:

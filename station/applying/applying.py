@@ -220,8 +220,8 @@ def _run(
         f"{plural(samples.lost, 'row')} without a number in time or outputs: discarded" if samples.lost else "",
         f"repeated rows discarded: {samples.repeated}" if samples.repeated else "",
     ]
-    said = (*filter(None, left), *doubts(calibration.document, datetime.now(UTC)), *last.warnings)
-    return Applied(count, found.period, document_of(source, calibration, found, asked, count, spans, said), said)
+    text = (*filter(None, left), *doubts(calibration.document, datetime.now(UTC)), *last.warnings)
+    return Applied(count, found.period, document_of(source, calibration, found, asked, count, spans, text), text)
 
 
 def _refuse_unlike(source: Source, calibration: Calibration) -> None:

@@ -108,7 +108,7 @@ class LogSource:
         notes = tuple(guess for guess in found.guesses if "reference" not in guess)
         period = 1 / stated.rate_hz if stated.rate_hz else None
         has_temperature = found.temperature is not None
-        said = Stated(
+        text = Stated(
             str(file), rates_in=rates[0] if rates else "", period=period, temperature=has_temperature,
             auxiliary=tuple(auxiliary), notes=notes, units=tuple((n, u) for n, u in own_units if u is not None),
             triads=tuple(n for n, own in (("accelerometer", found.accel), ("gyroscope", found.gyro)) if any(own)),
@@ -119,7 +119,7 @@ class LogSource:
                 block = next(read)
             unit = unit_of_time(table.head, column, stated.unit_time, stated.rate_hz, [], partial(_stamps, table))
             refuse_other_rate(unit.linear(block.columns[column]) * unit.seconds, column, stated.rate_hz, str(file))
-        return cls(table, found, auxiliary, stated.rate_hz, said)
+        return cls(table, found, auxiliary, stated.rate_hz, text)
 
     def times(self) -> Generator[Times]:
         """Yield the times (n,) [s] of all rows, as `Source`."""
@@ -215,8 +215,8 @@ def step_source(file: Path, stated: Stated) -> LogSource:
     if not any(found.found.gyro) and not any(found.found.accel):
         raise DataRefused(file, 1, "no outputs", "gx, gy, gz or ax, ay, az", code=ErrorCode.COLUMNS)
     own = found.stated
-    said = replace(
+    text = replace(
         stated, name=own.name, temperature=own.temperature, auxiliary=own.auxiliary, triads=own.triads,
         accelerometers=own.accelerometers,
     )  # fmt: skip
-    return replace(found, stated=said)
+    return replace(found, stated=text)

@@ -54,11 +54,11 @@ class RecordingSource:
             raise DataRefused(file, None, f"{found.output} messages", f"{stated.output}, as imu.output says")
         triads = tuple(name for name in TRIADS if name in found.triads)
         beside = channels_by_column(sorted(found.channels - {"utc_s"}), str(file))
-        said = replace(
+        text = replace(
             stated, name=str(file), output=stated.output or found.output, temperature=found.temperature,
             auxiliary=tuple(beside), triads=triads, damage=" ".join(found.damage),
         )  # fmt: skip
-        return cls(file, said, tuple(beside.values()))
+        return cls(file, text, tuple(beside.values()))
 
     def times(self) -> Generator[Times]:
         """Yield the times (n,) [s] of all samples, as `Source`."""
@@ -150,14 +150,14 @@ class RawSource:
         assert feed.unit is not None
         kind, output = feed.stream.decoder.kind, "increments" if feed.wire.output == "increments" else "rate"
         triads = tuple(name for name in ("accelerometer", "gyroscope") if TRIAD_WORDS[name] in kind.triads)
-        said = replace(
+        text = replace(
             stated, name=str(file), output=output, model=stated.model or feed.unit.model,
             serial=stated.serial or feed.unit.serial, triads=triads,
         )  # fmt: skip
         warm, samples, damage = False, 0, list[str]()
-        for block, _ in _blocks(file, said, damage.append):
+        for block, _ in _blocks(file, text, damage.append):
             warm, samples = warm or bool(np.isfinite(block.temperature).any()), samples + len(block)
-        return cls(file, replace(said, temperature=warm, damage=" ".join(damage)), samples)
+        return cls(file, replace(text, temperature=warm, damage=" ".join(damage)), samples)
 
     def times(self) -> Generator[Times]:
         """Yield the times (n,) [s] of all samples, as `Source`."""

@@ -264,13 +264,13 @@ def _check_size(table: Table) -> None:
             _check_column(table, name, most, f"beyond any sensor's range: looks like {guess}", unit)
     for name, (most, guess) in MAX_AID_VALUES.items():
         if name in table.columns:
-            said = f"beyond {most:.4g}" + (f": looks like {guess}" if guess else "")
-            _check_column(table, name, most, said, "rad" if guess else "m/s")
+            text = f"beyond {most:.4g}" + (f": looks like {guess}" if guess else "")
+            _check_column(table, name, most, text, "rad" if guess else "m/s")
 
 
-def _check_column(table: Table, name: str, most: float, said: str, unit: str) -> None:
+def _check_column(table: Table, name: str, most: float, text: str, unit: str) -> None:
     values = table.columns[name]
     beyond = np.flatnonzero(np.abs(values) > most)
     if len(beyond):
-        found = f"{name} = {values[beyond[0]]:g}, {said}"
+        found = f"{name} = {values[beyond[0]]:g}, {text}"
         raise DataRefused(table.file, table.line(int(beyond[0])), found, unit, f"convert the column to {unit}")

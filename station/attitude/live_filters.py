@@ -76,9 +76,9 @@ class ComplementaryFilterTrack:
         roll, pitch = mixer.attitude
         x, y, z = (mixer.gyro_bias * DEG_H_PER_RAD_S).tolist()
         d0, d1, d2 = down_of(np.array(roll), np.array(pitch)).tolist()
-        said = mixer.final_bias(*self._stds)
-        settles = None if said is None else SettlesAt(
-            *np.degrees([said.roll, said.pitch, said.roll_std, said.pitch_std]).tolist()
+        text = mixer.final_bias(*self._stds)
+        settles = None if text is None else SettlesAt(
+            *np.degrees([text.roll, text.pitch, text.roll_std, text.pitch_std]).tolist()
         )  # fmt: skip
         return FilterReading(
             self._name, FORM_DESCRIPTIONS[self._form], float(np.degrees(roll)), float(np.degrees(pitch)),

@@ -204,7 +204,7 @@ def write_copies(copies: Iterable[Copy], sign: Sign | None) -> None:
     from station.files.atomic_file import replace_file
 
     failed: StationError | None = None
-    for path, make, said in copies:
+    for path, make, text in copies:
         signed = None
         if sign is not None and failed is None:
             try:
@@ -215,26 +215,26 @@ def write_copies(copies: Iterable[Copy], sign: Sign | None) -> None:
             typer.echo(f"{path}: not changed, it was signed before")
             continue
         replace_file(path, make(False) if signed is None else signed)
-        typer.echo(f"{path}: written{said}")
+        typer.echo(f"{path}: written{text}")
         if signed is not None:
             typer.echo(f"{path}: signed, sha256 {hashlib.sha256(signed).hexdigest()}")
     if failed is not None:
         raise failed
 
 
-BESIDE = (".xml", ".pdf")  # what is written beside the HTML, under its name
+COPY_SUFFIXES = (".xml", ".pdf")  # what is written beside the HTML, under its name
 
 
 def check_copy(order: Mapping[str, object]) -> None:
     """Raise if anything of an order, by option, stands beside --copy: a copy says what was issued."""
     if given := [option for option, value in order.items() if value is not None]:
-        said = ", ".join(given)
-        raise typer.BadParameter(f"--copy writes the issued certificate unchanged: found {said}; omit one")
+        text = ", ".join(given)
+        raise typer.BadParameter(f"--copy writes the issued certificate unchanged: found {text}; omit one")
 
 
 def check_out(out: Path | None) -> None:
     """Raise if the HTML would be written where the XML or the PDF belongs."""
-    if out is not None and out.suffix.lower() in BESIDE:
+    if out is not None and out.suffix.lower() in COPY_SUFFIXES:
         expected = out.with_suffix(".html").name
         raise typer.BadParameter(f"--out names the HTML: found {out.name!a}, expected such as {expected!a}")
 
@@ -362,8 +362,8 @@ def _certificate(file: Path, trust: "Trust | None") -> Kept:
 
     head, found = stamped_head(file, read_document(file), trust or Trust())
     assert found.stamped is not None
-    said = "; ".join(one.words for one in found.findings if one.name.endswith("time stamp"))
-    return Kept(file, Anchor(journal=head.sha256, entries=head.entries), found.stamped, f", stamped {said}")
+    text = "; ".join(one.words for one in found.findings if one.name.endswith("time stamp"))
+    return Kept(file, Anchor(journal=head.sha256, entries=head.entries), found.stamped, f", stamped {text}")
 
 
 def witness_text(kept: Sequence[Kept], entries: int) -> str:

@@ -169,8 +169,8 @@ def adopt(
 
     effect, why = adopted(diagnosis, finding, out)
     typer.echo(f"{out}: {effect.name}, effect/1, sha256 {effect.sha256}")
-    if said := confidence_text(effect, why):
-        typer.echo(said)
+    if text := confidence_text(effect, why):
+        typer.echo(text)
 
 
 def withdraw(

@@ -138,12 +138,12 @@ def _certificate(
     read = read_fixture(found.document, file)
     try:
         with open_db(db) as database, database.write() as session:
-            said = take_in(session, read, proven, None if due is None else due.date(), file)
+            text = take_in(session, read, proven, None if due is None else due.date(), file)
     except ValueError as error:
         if isinstance(error, DatabaseError | DataRefused):
             raise
         raise DataRefused(file, None, str(error), "possible values") from error
-    typer.echo(f"{file}: added {said}")
+    typer.echo(f"{file}: added {text}")
 
 
 def export(

@@ -101,8 +101,8 @@ def plan(
     if so_far is not None:
         _continue(sigmas, asked.and_also(by_limits), so_far)
         return
-    said = {"noise": known.source, "hands": timed}
-    _plan(sigmas, asked.and_also(by_limits), minutes, said, json, out, turns=not no_turns)
+    stated = {"noise": known.source, "hands": timed}
+    _plan(sigmas, asked.and_also(by_limits), minutes, stated, json, out, turns=not no_turns)
 
 
 def _refuse_with_continue(*, has_wanted: bool, others: tuple[object, ...]) -> None:
@@ -127,8 +127,8 @@ def _continue(sigmas: "DesignSigmas", asked: "WantedSigmas", so_far: Path) -> No
 
 
 def _plan(
-    sigmas: "DesignSigmas", asked: "WantedSigmas", minutes: float | None, said: dict[str, str], json: Path | None,
-    out: Path | None, *, turns: bool,
+    sigmas: "DesignSigmas", asked: "WantedSigmas", minutes: float | None, stated: dict[str, str],
+    json: Path | None, out: Path | None, *, turns: bool,
 ) -> None:  # fmt: skip
     import numpy as np
 
@@ -146,7 +146,7 @@ def _plan(
     else:
         with refused_as("--minutes"):
             found = most_in_time(sigmas, whole, minutes, turns=turns)
-    document = plan_document(found, asked, sigmas, said)
+    document = plan_document(found, asked, sigmas, stated)
     write_result(document, plan_text(document), json, "planned/1")
     if out is not None:
         write_plan(out, found.design.steps())

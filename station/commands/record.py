@@ -104,7 +104,7 @@ def record(
             raise no_recording(error, feed.wire.name) from error
         finally:
             if (folder / plain_recording.RECORDING_FILE).exists():
-                _say(out / plain_recording.RECORDING_FILE, feed, receiver, rate.said if receiver else "")
+                _say(out / plain_recording.RECORDING_FILE, feed, receiver, rate.text if receiver else "")
                 for each in auxiliary:
                     typer.echo(each.summary)
         typer.echo(f"{done.seconds:.3f} s of device time, {plural(done.samples, 'sample')}")

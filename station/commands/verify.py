@@ -115,10 +115,10 @@ def _file(file: Path, db: str | None) -> str:
     found, kind = sha256_of(file), "calibration" if file.suffix == ".json" else "certificate"
     with open_db(db) as database, database.read() as session:
         try:
-            said = _stored(session, kind, found)
+            text = _stored(session, kind, found)
         except NotInDatabase as error:
             raise Altered(file, f"sha256 {found}", f"that of a {kind} in {database.url}") from error
-        return f"{file}: as stored in {database.url}, {said}"
+        return f"{file}: as stored in {database.url}, {text}"
 
 
 def _stored(session: "Session", kind: str, sha256: str) -> str:
@@ -174,7 +174,7 @@ def _database(
         elif head is not None:
             _refuse(missing_head(session, _whole(session, head)))
         now = take_anchor(session)
-        said = [
+        text = [
             f"{database.url}: as stored{' and as in ' if anchors else ''}{', '.join(map(str, anchors))}; "
             f"newest calibration {'none' if now.calibration == GENESIS else now.calibration}",
             _journal_text(session, now.code),
@@ -183,10 +183,10 @@ def _database(
         ]
     if to is not None:
         keep(to, now, stamp)
-        said.append(
+        text.append(
             f"{to}: written{'' if stamp is None else ' and stamped'}; keep it in another place than this database"
         )
-    return "\n".join(said)
+    return "\n".join(text)
 
 
 def _journal_text(session: "Session", code: str) -> str:

@@ -231,8 +231,8 @@ def is_of_counts(document: Mapping[str, Any]) -> bool:
 def doubts(document: Mapping[str, Any], now: datetime) -> list[str]:
     """Say why a calibration/1 is ambiguous at a time: it expired, or is not what it was stored as."""
     until, status = document.get("valid_until"), document.get("status", "calibrated")
-    said = [f"it expired on {until[:10]}"] if until is not None and datetime.fromisoformat(until) < now else []
-    return said + ([str(document.get("status_reason", "") or status)] if status != "calibrated" else [])
+    text = [f"it expired on {until[:10]}"] if until is not None and datetime.fromisoformat(until) < now else []
+    return text + ([str(document.get("status_reason", "") or status)] if status != "calibrated" else [])
 
 
 def _check_beside(document: Mapping[str, Any], where: str) -> None:

@@ -219,7 +219,7 @@ class Verdict(FrozenValue):
     """
 
     word: Literal["PASS", "FAIL", "NOT_MEASURED"]
-    said: str = ""  # the word as people read it, where that is another one
+    in_words: str = ""  # the word as people read it, where that is another one
     sentence: str
     doubt: str = ""
     status: Literal["calibrated", "measured"]

@@ -74,8 +74,8 @@ def suspected_offset(log: FusionLog) -> str:
         if isinstance(found, CameraTimeOffset):
             if abs(found.offset) < max(SIGNIFICANT_SIGMAS * found.std, HARMLESS_OFFSET_S):
                 return ""
-            said = f"{found.offset * 1e3:.1f} +- {found.std * 1e3:.1f} ms"
-            return f"the camera's time stamps seem to be wrong by {said}: state time_offset_s in [tracks]"
+            text = f"{found.offset * 1e3:.1f} +- {found.std * 1e3:.1f} ms"
+            return f"the camera's time stamps seem to be wrong by {text}: state time_offset_s in [tracks]"
     return ""
 
 

@@ -101,8 +101,8 @@ def of_gaps(log: FusionLog, gaps: tuple[ImuGap, ...]) -> tuple[str, ...]:
     if not gaps or log.table.imu is None:
         return ()
     longest = max(gaps, key=lambda gap: gap.length)
-    said = f"{plural(len(gaps), 'gap')}, the longest of {longest.length:.2f} s at {longest.first:.2f} s"
-    return (f"{log.table.imu.file}: {said}; bridged by straight lines",)
+    text = f"{plural(len(gaps), 'gap')}, the longest of {longest.length:.2f} s at {longest.first:.2f} s"
+    return (f"{log.table.imu.file}: {text}; bridged by straight lines",)
 
 
 def with_constants(given: PoseGraphSettings, aligned: AlignmentState) -> PoseGraphSettings:

@@ -204,7 +204,7 @@ class LiveCamera:
         return no_frame(last + FRAME_SPACING_S) if until - last > 1.5 * FRAME_SPACING_S else None
 
     @property
-    def said(self) -> str:
+    def text(self) -> str:
         """How the camera does, as text."""
         silent = self._now - self._came_at
         if silent > SILENT_S >= self._now - self._spoilt_at:

@@ -169,7 +169,7 @@ class LiveWheel:
         self._aid = WheelAid(self._mount, self._speeds, noise)
         return self._aid
 
-    def said(self, window: InnerWindow | None) -> str:
+    def text(self, window: InnerWindow | None) -> str:
         """How the wheel does, as text."""
         if self._newest == -np.inf:
             return "no speed yet"

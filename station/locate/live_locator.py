@@ -104,12 +104,12 @@ class LiveLocator:
         camera.dropped += taken.images_dropped
         if camera.is_due:
             camera.learn(joined_series(list(self._imu)))
-        self.location = replace(self.location, camera=camera.said, images_dropped=camera.dropped)
+        self.location = replace(self.location, camera=camera.text, images_dropped=camera.dropped)
 
     def _roll(self, wheel: LiveWheel, taken: LocatorTick, now: float) -> None:
         wheel.mark(taken.marks)
         wheel.take(taken.wheel, now)
-        self.location = replace(self.location, wheel=wheel.said(self._window))
+        self.location = replace(self.location, wheel=wheel.text(self._window))
 
     def _try_to_begin(self, fixes: GnssFixes) -> None:
         imu = joined_series(list(self._imu))
@@ -198,7 +198,7 @@ class LiveLocator:
         for fix in passed:
             place = antenna - velocity * (pose.t - fixes.t[fix])
             self._told.look_at(place, float(fixes.position_std[fix]), fixes.p_n[fix])
-        camera, dropped = ("", 0) if self._camera is None else (self._camera.said, self._camera.dropped)
-        wheel = "" if self._wheel is None else self._wheel.said(self._window)
+        camera, dropped = ("", 0) if self._camera is None else (self._camera.text, self._camera.dropped)
+        wheel = "" if self._wheel is None else self._wheel.text(self._window)
         told = self._told.location(pose, velocity, origin, self._given)
         self.location = replace(told, camera=camera, images_dropped=dropped, wheel=wheel)

@@ -251,8 +251,8 @@ class Monitor:
         self._health.unhealthy += not tick.is_healthy
         if tick.not_applied and not self._in_use.note:
             self._in_use = InUse(self._in_use.text, "not corrected: " + "; ".join(tick.not_applied))
-        if said := self._silence.look(aiding, float(tick.t[-1])):
-            self._say("rejected", "aid silent", said)
+        if text := self._silence.look(aiding, float(tick.t[-1])):
+            self._say("rejected", "aid silent", text)
         read = self._filters.take(tick.t, tick.calibrated, aiding)
         if read is None:
             self._change(line="keep it still for 2 s: measuring the noise")

@@ -77,17 +77,17 @@ def calibrated_output(
 
     assert feed.unit is not None, "identify first"
     refuse_unfit(applied, "--calibration", feed.unit, feed.wire)
-    said = list[str]()
+    wording = list[str]()
 
     def say(text: str) -> None:
-        said.append(text)
-        del said[:-1]
+        wording.append(text)
+        del wording[:-1]
         if recording is not None:
             recording.note("stream", text, float("nan"), 0)
 
     rate = host_sample_rate(feed, FIT_S)
-    sender = opened_sender(feed, applied, to, C, say, utc=utc, clock_off=lambda: rate.said)
-    stack.callback(lambda: sys.stderr.writelines(f"{text}\n" for text in said))
+    sender = opened_sender(feed, applied, to, C, say, utc=utc, clock_off=lambda: rate.text)
+    stack.callback(lambda: sys.stderr.writelines(f"{text}\n" for text in wording))
     stack.enter_context(sender)
 
     def take() -> None:
@@ -245,8 +245,8 @@ def _filters(wanted: MonitorRequest) -> tuple[tuple[str, ...], Gains | None]:
         file = Path(address.path)
         try:
             filters = filters or parse_filters(recorded_choice(file, "laws"))
-            if gains is None and (said := recorded_choice(file, "gains")):
-                gains = Gains(*map(float, said.split()))
+            if gains is None and (text := recorded_choice(file, "gains")):
+                gains = Gains(*map(float, text.split()))
         except (ValueError, TypeError) as error:
             raise DataRefused(file.parent / EVENTS_FILE, None, str(error), "laws and gains of a run") from None
     return filters or (JOINT,), gains

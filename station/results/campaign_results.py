@@ -66,7 +66,7 @@ def make_results(
     loaded = read_for_solve([folder])[0]
     from station.files.atomic_file import write_json
     from station.results.diagnosis.diagnosis_html import section_html
-    from station.results.diagnosis.diagnosis_wording import left_said, verdict_sentence
+    from station.results.diagnosis.diagnosis_wording import left_in_words, verdict_sentence
     from station.results.diagnosis.model_refinement import (
         NAME as DIAGNOSIS,  # scipy and kernels: not before the data are right
     )
@@ -82,7 +82,7 @@ def make_results(
         reasons = _why_measured(session, str(folder.resolve()))
     budgets = closed.budgets()
     outcome = judge(document, limits, {one.name: one.std for one in budgets})
-    if left := left_said(closed.document, budgets):
+    if left := left_in_words(closed.document, budgets):
         outcome = replace(outcome, reason=f"{outcome.reason}. Note: {left}")
     is_certified = len(loaded.campaign.fixture.faces) == len(FACES)
     doubt = kept_tilt_warning(loaded.tables) or contradiction_of(closed.document, is_certified=is_certified)

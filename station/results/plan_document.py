@@ -28,9 +28,9 @@ PPM = "ppm"
 
 
 def plan_document(
-    found: PlannedCampaign, asked: WantedSigmas, sigmas: DesignSigmas, said: dict[str, str]
+    found: PlannedCampaign, asked: WantedSigmas, sigmas: DesignSigmas, stated: dict[str, str]
 ) -> dict[str, Any]:
-    """Return a plan; ``said`` has where noise and hands' times are from, in words.
+    """Return a plan; ``stated`` has where noise and hands' times are from, in words.
 
     Scale factors are in ppm, the rest as files have it.
     """
@@ -42,8 +42,8 @@ def plan_document(
         "steps": [_step(at, sigmas) for at in found.design.placements],
         "effects": effect_table(sigmas, found.design),
         "sigmas": sigma_table(found.sigmas, asked, sigmas.of(usual)),
-        "noise": noise_table(sigmas.steps.noise) | {"source": said["noise"]},
-        "hands_s": asdict(hands) | {"source": said["hands"]},
+        "noise": noise_table(sigmas.steps.noise) | {"source": stated["noise"]},
+        "hands_s": asdict(hands) | {"source": stated["hands"]},
     }
 
 

@@ -152,8 +152,8 @@ def hand_times(database: Database) -> tuple[HandTimes, str]:
         )
     placement = float(np.median(placements))
     turn = float(np.median(turns)) if len(turns) >= FEWEST_TIMES else usual.turn
-    said = f"{placement:.0f} s per placement, the median of {len(placements)} of this station"
-    return HandTimes(placement, placement * usual.move / usual.placing, turn), said
+    stated = f"{placement:.0f} s per placement, the median of {len(placements)} of this station"
+    return HandTimes(placement, placement * usual.move / usual.placing, turn), stated
 
 
 def _timed(row: CampaignRow) -> Sequence[tuple[Step, float]]:
@@ -213,20 +213,20 @@ def wanted_by(limits: Iterable[Limit], values: Mapping[str, float]) -> tuple[Wan
 
     Limits of a single side ask for something only where the value is known.
     """
-    found, said = dict[str, float](), list[str]()
+    found, stated = dict[str, float](), list[str]()
     for limit in limits:
         if limit.parameter not in NAMES:
             continue
         value = values.get(limit.parameter)
         low, high = limit.accepted(0.0)
         if value is not None and not low <= value <= high:
-            said.append(
+            stated.append(
                 f"{limit.parameter} was {value:.6g} {limit.unit} at last, outside its limits: no plan helps"
             )
         elif (sigma := _sigma(limit, low, high, value)) is not None:
             centre = abs((low + high) / 2 if value is None else value)
             found[limit.parameter] = sigma / (centre if ".scale_factor" in limit.parameter else 1.0)
-    return wanted(found), said
+    return wanted(found), stated
 
 
 def _sigma(limit: Limit, low: float, high: float, value: float | None) -> float | None:

@@ -45,7 +45,7 @@ def why_not_confirmed(document: Mapping[str, Any], entry: Mapping[str, Any], ori
     be what is left with it. ``entry`` is the solution's of the effect.
     """
     # two campaigns by one plan have one campaign.toml: it decides only where an origin names no recordings
-    tomls = set[str]() if origin.data else {said.split()[-1] for said in origin.campaigns}
+    tomls = set[str]() if origin.data else {text.split()[-1] for text in origin.campaigns}
     if set(recordings(document)) & set(origin.data) or set(_files(document).values()) & tomls:
         return "it was found in some of these recordings"
     if "coefficients" not in entry:
@@ -200,8 +200,8 @@ def file_text(file: EffectFile) -> str:
         lines.append(
             f"  adopted on {origin.date} from {', '.join(origin.campaigns)}, diagnosis {origin.diagnosis_sha256}"
         )
-    if said := confidence_text(file):
-        lines.append(f"  {said}")
+    if text := confidence_text(file):
+        lines.append(f"  {text}")
     return "\n".join(lines)
 
 
@@ -244,6 +244,6 @@ def _findings(file: EffectFile, found: Diagnosis) -> list[str]:
         for name, value in finding_document(one)["coefficients"].items():
             lines.append(f"  {name:<10} {measured(value['value'], value['std'], units.get(name, one.unit))}")
         values = dict(zip(one.coefficients, one.value.tolist(), strict=True))
-        lines += [f"  {said}" for said in file.term.at_ends(values)]
+        lines += [f"  {text}" for text in file.term.at_ends(values)]
         lines += [f"  it may also be {', '.join(one.aliases)}"] if one.aliases else []
     return lines

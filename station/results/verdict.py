@@ -39,14 +39,14 @@ class LimitVerdict:
     reason: str
 
     @property
-    def said(self) -> str:
+    def in_words(self) -> str:
         """The verdict's word as people read it."""
-        return word_said(self.word, has_limits=bool(self.judged))
+        return verdict_in_words(self.word, has_limits=bool(self.judged))
 
     @property
     def sentence(self) -> str:
         """The verdict and its reason."""
-        return f"{self.said}: {self.reason}"
+        return f"{self.in_words}: {self.reason}"
 
     @property
     def exit_code(self) -> int:
@@ -54,7 +54,7 @@ class LimitVerdict:
         return int(self.word == "FAIL")
 
 
-def word_said(word: str, *, has_limits: bool) -> str:
+def verdict_in_words(word: str, *, has_limits: bool) -> str:
     """Return a stored verdict's word as people read it: without limits values were measured and not judged."""
     return "NO LIMITS" if word == "NOT_MEASURED" and not has_limits else word.replace("_", " ")
 
@@ -151,14 +151,14 @@ def limit_in_words(limit: Limit) -> str:
 
 def judged_in_words(judged: JudgedLimit) -> str:
     """Return a limit and, where it is guarded, what of it the value's own uncertainty leaves."""
-    said, known = limit_in_words(judged.limit), judged.parameter
+    text, known = limit_in_words(judged.limit), judged.parameter
     if not judged.limit.guard_band or known is None or known.std is None:
-        return said
+        return text
     low, high = judged.limit.accepted(known.std)
     if low > high:
-        return f"{said} (u is too large: no value is accepted)"
+        return f"{text} (u is too large: no value is accepted)"
     ends = _ends(judged.limit, *(end if math.isfinite(end) else None for end in (low, high)))
-    return f"{said}: {ends}"
+    return f"{text}: {ends}"
 
 
 def _ends(limit: Limit, low: float | None, high: float | None) -> str:

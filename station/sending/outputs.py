@@ -119,7 +119,7 @@ class Output(Protocol):
         """Stream samples."""
         ...
 
-    def said(self) -> str:
+    def status(self) -> str:
         """Return who listens and what was dropped, in a few words."""
         ...
 

@@ -90,7 +90,7 @@ class Sender:
         samples = self._samples
         counted = f"{plural(samples.sent, 'sample')}, {samples.lost} lost, {plural(samples.gaps, 'gap')}"
         counted += f", {samples.unsettled} unsettled" if samples.unsettled else ""
-        return "; ".join([counted, *(output.said() for output in self._outputs)])
+        return "; ".join([counted, *(output.status() for output in self._outputs)])
 
     def _status(self, now: float) -> str:
         then, sent = self._since
@@ -169,7 +169,7 @@ def run(wanted: StreamRequest, say: Say) -> None:
         rate = _rate(feed, receiver)
         utc = None if receiver is None else receiver.utc
         sender = opened_sender(
-            feed, applied, wanted.to, wanted.C, say, frd=wanted.frd, utc=utc, clock_off=lambda: rate.said
+            feed, applied, wanted.to, wanted.C, say, frd=wanted.frd, utc=utc, clock_off=lambda: rate.text
         )
         _follow(feed, stack.enter_context(sender), _watch(feed, receiver, rate, say), wanted.seconds)
 

@@ -75,7 +75,7 @@ class FoxgloveServer:
             )  # fmt: skip
             self._channel.log(message.SerializeToString(), log_time=taken_ns)
 
-    def said(self) -> str:
+    def status(self) -> str:
         """Return how many listen, and who is slow."""
         slow = ", ".join(self._slow.met)
         dropped = f", samples dropped for {slow}: too slow" if slow else ""
@@ -158,10 +158,10 @@ def open_output(where: str, about: About) -> FoxgloveServer:
     return FoxgloveServer(foxglove, host.strip("[]"), int(port), about)
 
 
-def _refusal(host: str, port: int, said: str) -> PortBusy | PortNotFound:
-    if "in use" in said:
+def _refusal(host: str, port: int, text: str) -> PortBusy | PortNotFound:
+    if "in use" in text:
         return PortBusy(f"{port}/tcp")
-    reason = re.sub(r" \(os error \d+\)", "", said).rpartition(": ")[2]
+    reason = re.sub(r" \(os error \d+\)", "", text).rpartition(": ")[2]
     return PortNotFound(f"{host}:{port}", reason, "use an address of this machine")
 
 

@@ -85,7 +85,7 @@ class StdoutLines:
             self._samples += n
             self._changed.notify()
 
-    def said(self) -> str:
+    def status(self) -> str:
         """Return what was dropped, and whether somebody reads."""
         if self._is_over:
             return "stdout: its reader has left"

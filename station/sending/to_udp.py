@@ -78,7 +78,7 @@ class UdpDatagrams:
                 self._sleep(PAUSE_S)
             self._port.write(datagram)
 
-    def said(self) -> str:
+    def status(self) -> str:
         """Return how many datagrams this machine did not take; what a reader misses only the reader can count."""
         return f"{self.name}: {plural(self.dropped, 'sample')} not taken by this machine"
 

@@ -118,8 +118,8 @@ def loaded_campaign(
         *_doubts(tables),
         *(w for step in steps if step.data for w in step.data.warnings),
     ]
-    steps, period_std, said = with_one_period(steps)
-    warnings += said
+    steps, period_std, text = with_one_period(steps)
+    warnings += text
     used = [step for step in steps if isinstance(step.table, DwellTable | TurnTable | MoveTable | SequenceTable)]
     campaign = replace(
         _campaign(tables, used),

@@ -184,10 +184,10 @@ def bare_axes(names: Sequence[str], file: Path) -> tuple[str, tuple[str | None, 
     kinds = [kind for kind, words in _KINDS.items() if words.search(file.stem)]
     if len(kinds) != 1 or not all(axis in by_name for axis in AXES):
         return None
-    said = [f"{','.join(by_name[axis] for axis in AXES)} are the {kinds[0]} x,y,z, by the name of the file"]
+    text = [f"{','.join(by_name[axis] for axis in AXES)} are the {kinds[0]} x,y,z, by the name of the file"]
     if kinds[0] == "accel" and _MARK in by_name and _NO_GRAVITY.fullmatch(file.stem):
-        said.append("Sensor Logger's Accelerometer has no gravity in it; TotalAcceleration.csv has")
-    return kinds[0], tuple(by_name[axis] for axis in AXES), said
+        text.append("Sensor Logger's Accelerometer has no gravity in it; TotalAcceleration.csv has")
+    return kinds[0], tuple(by_name[axis] for axis in AXES), text
 
 
 def unit_by_logger(

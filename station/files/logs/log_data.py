@@ -169,8 +169,8 @@ def _refuse_beyond_numbers(found: LogColumns) -> None:
         values = found.table.column(name)
         beyond = np.flatnonzero(np.isfinite(values) & (np.abs(values) > LARGEST))
         if len(beyond):
-            said = f"{values[beyond[0]]:.3g} in column {name}"
-            raise DataRefused(found.table.file, found.table.line(int(beyond[0])), said, f"at most {LARGEST:g}")
+            text = f"{values[beyond[0]]:.3g} in column {name}"
+            raise DataRefused(found.table.file, found.table.line(int(beyond[0])), text, f"at most {LARGEST:g}")
 
 
 def _repeated(stamps: FloatArray, outputs: Sequence[FloatArray | None]) -> BoolArray:

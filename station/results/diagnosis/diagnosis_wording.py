@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from procedures.uncertainty.budget import ParameterBudget
 
 PROPOSED = "proposed"
-PROPOSED_SAID = "proposed: it is not in the catalogue and not in the solution; confirm it with other data"
+PROPOSED_IN_WORDS = "proposed: it is not in the catalogue and not in the solution; confirm it with other data"
 SAMPLE_EFFECTS = (
     "auxiliary.periodic", "accelerometer.count_periodic", "gyroscope.count_periodic", "disturbance.line",
     "accelerometer.vibration_rectification",
@@ -26,17 +26,17 @@ BEYOND_BELIEF = 10.0  # times its expected size, from which on a coefficient is 
 MIN_LOG10_P = -300  # below which a p-value is only known to be below
 
 
-def confidence_said(finding: Mapping[str, Any]) -> str:
+def confidence_in_words(finding: Mapping[str, Any]) -> str:
     """Return in words how sure a finding's name is, and how much of the error held out it removes."""
-    said = f"{finding['confidence']}, probability {probability_text(finding['probability'])}"
+    text = f"{finding['confidence']}, probability {probability_text(finding['probability'])}"
     if finding["confidence"] == PROPOSED:
-        said = f"{PROPOSED_SAID}; probability {probability_text(finding['probability'])}"
+        text = f"{PROPOSED_IN_WORDS}; probability {probability_text(finding['probability'])}"
     if finding["aliases"]:
         joint = finding.get("joint_probability", 1.0)
-        said += f"; the data cannot separate it from the alternatives (together {probability_text(joint)})"
+        text += f"; the data cannot separate it from the alternatives (together {probability_text(joint)})"
     share = finding.get("share", 0.0)
     whole = "the samples' variance" if is_of_samples(finding) else "the squared held-out error"
-    return f"{said}; it explains {share_text(share)} of {whole}" if share >= NEGLIGIBLE else said
+    return f"{text}; it explains {share_text(share)} of {whole}" if share >= NEGLIGIBLE else text
 
 
 def probability_text(p: float) -> str:
@@ -46,7 +46,7 @@ def probability_text(p: float) -> str:
     return f"{p:.3f}" if p > 0.95 else f"{p:.2f}" if p >= NEGLIGIBLE else "< 0.01"
 
 
-def alternatives_said(finding: Mapping[str, Any]) -> str:
+def alternatives_in_words(finding: Mapping[str, Any]) -> str:
     """Return the names that a finding may have instead, each with its probability where that is known."""
     shares = finding.get("shares", {})
     return ", ".join(
@@ -54,7 +54,7 @@ def alternatives_said(finding: Mapping[str, Any]) -> str:
     )
 
 
-def unnamed_said(cause: Mapping[str, Any]) -> str:
+def unnamed_in_words(cause: Mapping[str, Any]) -> str:
     """Return what a cause without a name looks like, and how."""
     return f"{cause['what']} ({cause['note']})" if cause["note"] else str(cause["what"])
 
@@ -77,15 +77,15 @@ def other_terms(document: Mapping[str, Any]) -> list[tuple[str, str]]:
     ]
 
 
-def not_separable_said(document: Mapping[str, Any]) -> str:
+def not_separable_in_words(document: Mapping[str, Any]) -> str:
     """Return the error terms that these measurements cannot show, and what would; nothing where there are none."""
     if not (names := document.get("not_separable", {})):
         return ""
     by_way = dict[str, list[str]]()
     for name, separate_by in names.items():
         by_way.setdefault(separate_by, []).append(name)
-    said = "; ".join(f"{both(several)} ({way})" for way, several in by_way.items())
-    return f"not separable here from the calibration itself (what would separate them): {said}"
+    text = "; ".join(f"{both(several)} ({way})" for way, several in by_way.items())
+    return f"not separable here from the calibration itself (what would separate them): {text}"
 
 
 def share_text(share: float) -> str:
@@ -128,10 +128,10 @@ def left_lines(document: Mapping[str, Any]) -> list[str]:
         p = p_text(one["log10_p"])
         match one["by"]:
             case "temperature" | "time":
-                said = f"{one['what']}: {100 * one['size']:.0f} % of the residual follows {one['by']}"
+                text = f"{one['what']}: {100 * one['size']:.0f} % of the residual follows {one['by']}"
             case _:
-                said = f"{one['what']}: {one['size']:.1f} times the expected noise"
-        found.append(f"{said} ({p})")
+                text = f"{one['what']}: {one['size']:.1f} times the expected noise"
+        found.append(f"{text} ({p})")
     return found
 
 
@@ -178,23 +178,23 @@ def verdict_sentence(document: Mapping[str, Any]) -> str:
         case _:
             known = f" Found: {_named(sure)}" if sure else ""
             maybe = f" Possible: {_groups(possible)}." if possible else ""
-            return f"{_excess_said(document, chance)}.{known}{maybe} {TAKEN_FOR_SCATTER}"
+            return f"{_excess_in_words(document, chance)}.{known}{maybe} {TAKEN_FOR_SCATTER}"
 
 
 def _named(findings: Sequence[Mapping[str, Any]]) -> str:
     """Return a sentence for each finding: what it is, its probability, the error held out without and with it."""
-    said = list[str]()
+    wording = list[str]()
     for one in findings:
         what = meaning_of(one["effect"])
         name = f"{what} ({one['effect']}" if what else f"{one['effect']} ("
         text = f"{name}, probability {probability_text(one['probability'])})".replace("(, ", "(")
-        if reduced := reduction_said(one):
+        if reduced := reduction_in_words(one):
             text += f": {reduced}"
-        said.append(f"{text}.")
-    return " ".join(dict.fromkeys(said))
+        wording.append(f"{text}.")
+    return " ".join(dict.fromkeys(wording))
 
 
-def reduction_said(finding: Mapping[str, Any]) -> str:
+def reduction_in_words(finding: Mapping[str, Any]) -> str:
     """Return by how much the error held out falls with a finding in the model, where it falls most."""
     errors = [e for e in finding.get("error", ()) if e.get("held_out_before") and "held_out_after" in e]
     if not errors or finding.get("share", 0.0) < NEGLIGIBLE:
@@ -205,7 +205,7 @@ def reduction_said(finding: Mapping[str, Any]) -> str:
     return f"the error of {best['quantity']} held out falls from {before:.3g} to {after:.3g} {unit}"
 
 
-EXCESS_SAID: Mapping[str, str] = {  # of a verdict `partly` or `unexplained`
+EXCESS_IN_WORDS: Mapping[str, str] = {  # of a verdict `partly` or `unexplained`
     Because.NAMELESS: "an error is present that no known error term explains: {what} (probability {p})",
     Because.MOTION: "the unit moves while it is assumed to be at rest: within a rest the mean output changes by "
     "{mg} mg more than noise. Put it on a firm surface for each rest",
@@ -214,20 +214,20 @@ EXCESS_SAID: Mapping[str, str] = {  # of a verdict `partly` or `unexplained`
 }
 
 
-def _excess_said(document: Mapping[str, Any], chance: str) -> str:
+def _excess_in_words(document: Mapping[str, Any], chance: str) -> str:
     """Return every reason for which more than noise is left, as it is."""
-    reasons, said = document.get("reasons", ()), list[str]()
+    reasons, wording = document.get("reasons", ()), list[str]()
     if not reasons or any(each["code"] == Because.RESIDUAL for each in reasons):
-        said.append(f"residuals exceed noise ({chance})")
+        wording.append(f"residuals exceed noise ({chance})")
     for each in reasons:
-        if text := EXCESS_SAID.get(each["code"]):
+        if text := EXCESS_IN_WORDS.get(each["code"]):
             value = each.get("value", 0.0)
             of = {
                 "percent": share_text(max(value, 0.0)), "mg": significant(1e3 * value),
                 "p": probability_text(value),
             }  # fmt: skip
-            said.append(text.format(what=each.get("what", ""), **of))
-    text = "; ".join(dict.fromkeys(said))  # several findings of one name have one reason
+            wording.append(text.format(what=each.get("what", ""), **of))
+    text = "; ".join(dict.fromkeys(wording))  # several findings of one name have one reason
     return text[:1].upper() + text[1:]
 
 
@@ -236,7 +236,7 @@ def known_findings(document: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     return [finding for finding in document["findings"] if finding["confidence"] != PROPOSED]
 
 
-def left_said(document: Mapping[str, Any], budgets: Sequence["ParameterBudget"]) -> str:
+def left_in_words(document: Mapping[str, Any], budgets: Sequence["ParameterBudget"]) -> str:
     """Return what a verdict on limits must say of a residual that is unexplained; nothing of any other."""
     if document["verdict"] not in {"unexplained", "partly"}:
         return ""
@@ -293,12 +293,12 @@ def both(names: Sequence[str]) -> str:
 
 def where_text(where: Mapping[str, Any]) -> str:
     """Return what a finding is about: ``position 3 or 4, dwell_03.csv``."""
-    said = []
+    wording = []
     for name, value in where.items():
         joined = " or " if name == "position" else ", "  # one position of several, but all channels
         text = joined.join(map(str, value)) if isinstance(value, list) else str(value)
-        said.append(text if name == "file" else f"{name} {text}")
-    return ", ".join(said)
+        wording.append(text if name == "file" else f"{name} {text}")
+    return ", ".join(wording)
 
 
 def size_in_sigmas(value: float, std: float) -> str:
@@ -310,7 +310,7 @@ def size_in_sigmas(value: float, std: float) -> str:
 def _groups(findings: Sequence[Mapping[str, Any]]) -> str:
     groups = [
         f"{one['effect']} ({probability_text(one['probability'])})"
-        + (f" or {alternatives_said(one)}" if one["aliases"] else "")
+        + (f" or {alternatives_in_words(one)}" if one["aliases"] else "")
         for one in findings
     ]
     return "; and ".join(dict.fromkeys(groups))

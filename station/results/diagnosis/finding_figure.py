@@ -321,8 +321,8 @@ _ROWS = {"mean": "dwells", "turn": "turns", "move": "moves", "norm": "rests", "s
 
 def residual_svg(number: int, panel: ResidualPanel) -> str:
     """Return the plot of a finding; ``number`` keeps it apart from others on the page."""
-    said = f"Residual of the {panel.triad}, {_ROWS.get(panel.kind, panel.kind)}, without and with {panel.effect}"
-    return draw_svg(f"finding-{number}", said, SIZE_IN, lambda figure: draw_panel(figure, panel))
+    text = f"Residual of the {panel.triad}, {_ROWS.get(panel.kind, panel.kind)}, without and with {panel.effect}"
+    return draw_svg(f"finding-{number}", text, SIZE_IN, lambda figure: draw_panel(figure, panel))
 
 
 def draw_panel(figure: Figure, panel: ResidualPanel) -> None:

@@ -135,8 +135,8 @@ def is_of_unit(finding: Finding) -> bool:
 
 def _carried(finding: Finding) -> Mapping[str, Any]:
     """Return one of the ``effects`` of `calibration/1`; ``reference`` is where it vanishes, if it does."""
-    said = finding_document(finding)
-    entry = {"name": finding.effect, "coefficients": said["coefficients"], "unit": finding.unit}
+    text = finding_document(finding)
+    entry = {"name": finding.effect, "coefficients": text["coefficients"], "unit": finding.unit}
     if finding.shape:
         entry["shape"] = finding.shape
     if temperature_effect(finding.effect):

@@ -266,8 +266,8 @@ def write_plans(path: Path, wanted: Sequence[Measurement]) -> list[Path]:
     besides = [f"Besides: {one.say}" for one in wanted if one not in with_steps]
     files = [path, *(path.with_name(f"{path.stem}_{i}{path.suffix}") for i in range(2, len(with_steps) + 1))]
     for file, one in zip(files, with_steps, strict=True):
-        said = [one.say, *(besides if file == path else [])]
-        remarks = "".join(f"# {line}\n" for text in said for line in wrap(text, WIDTH))
+        wording = [one.say, *(besides if file == path else [])]
+        remarks = "".join(f"# {line}\n" for text in wording for line in wrap(text, WIDTH))
         replace_file(file, (remarks + toml_text(_tables(one))).encode())
     return files
 

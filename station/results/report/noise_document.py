@@ -105,9 +105,9 @@ def channel_document(found: ChannelNoise) -> dict[str, Any]:
 
 
 def _term(found: ChannelNoise, name: str, units: NoiseUnits) -> Mapping[str, Any]:
-    said, symbol, unit, factor = units.terms[name]
+    text, symbol, unit, factor = units.terms[name]
     term, factor = found.fit.terms[name], factor * units.factor
-    known = {"name": said, "symbol": symbol, "unit": unit}
+    known = {"name": text, "symbol": symbol, "unit": unit}
     if term.value is None and not isfinite(term.high):
         return known | {"value": None}
     if term.value is None:
@@ -138,7 +138,7 @@ def averaged(hertz: FloatArray, density: FloatArray) -> tuple[FloatArray, FloatA
     return np.add.reduceat(hertz, edges) / count, np.add.reduceat(density, edges) / count
 
 
-MAX_LINES_SAID = 6
+MAX_LINES_IN_WORDS = 6
 NO_FIT_LOG10_P = -2.0
 
 
@@ -146,10 +146,10 @@ def noise_text(document: Mapping[str, Any]) -> str:
     """Return the summary that ``station noise`` prints: every term with its 95 % interval, or its bound."""
     origin = document["provenance"]
     who, files = unit_in_words(origin["model"], origin["serial"]), plural(len(origin["files"]), "file")
-    said = [f"{who}: {files}, 95 % intervals"]
-    said += noise_lines(document["channels"])
-    said += [f"left out: {text}" for text in document["left_out"]]
-    return "\n".join([*said, *(f"warning: {text}" for text in document["warnings"])])
+    wording = [f"{who}: {files}, 95 % intervals"]
+    wording += noise_lines(document["channels"])
+    wording += [f"left out: {text}" for text in document["left_out"]]
+    return "\n".join([*wording, *(f"warning: {text}" for text in document["warnings"])])
 
 
 def noise_lines(channels: Sequence[Mapping[str, Any]]) -> Iterator[str]:
@@ -164,9 +164,9 @@ def noise_lines(channels: Sequence[Mapping[str, Any]]) -> Iterator[str]:
             yield "   count size or rounding hides the other terms"
         elif each["log10_p"] < NO_FIT_LOG10_P:
             yield "   the five terms do not fit this curve: their intervals are widened by the misfit"
-        for line in each["lines"][:MAX_LINES_SAID]:
+        for line in each["lines"][:MAX_LINES_IN_WORDS]:
             yield f"   {'line':<24}{line_text(line)}"
-        if more := each["lines"][MAX_LINES_SAID:]:
+        if more := each["lines"][MAX_LINES_IN_WORDS:]:
             yield f"   and {plural(len(more), 'weaker line')}"
 
 

@@ -34,7 +34,7 @@ from station.results.resolve.comparison import (
 from station.results.resolve.parallel_map import Engine, Progress, map_restartable
 from station.results.resolve.work_item import ItemFault
 from station.results.solution_json import software_version
-from station.results.verdict import word_said
+from station.results.verdict import verdict_in_words
 from station.text import WIDTH, plural
 
 
@@ -257,9 +257,9 @@ def resolve_text(document: Mapping[str, Any]) -> str:
     lines = _fold(f"{plural(len(entries), 'campaign')}, {document['software']}: {_counted(entries)}", "")
     lines += _shift_lines(entries)
     for entry in entries:
-        if said := list(_remarks(entry)):
+        if wording := list(_remarks(entry)):
             unit = f"  {entry['model']} {entry['serial']}" if "model" in entry else ""
-            lines += ["", f"{entry['folder']}{unit}", *(line for text in said for line in _fold(text, "  "))]
+            lines += ["", f"{entry['folder']}{unit}", *(line for text in wording for line in _fold(text, "  "))]
     return "\n".join(lines)
 
 
@@ -321,7 +321,9 @@ def _remarks(entry: Entry) -> Iterator[str]:
         yield f"{again}: {entry['reason']}"
     if _is_changed(entry):
         verdict = entry["verdict"]
-        was, now = (word_said(verdict[when], has_limits=verdict["limits"] > 0) for when in ("before", "now"))
+        was, now = (
+            verdict_in_words(verdict[when], has_limits=verdict["limits"] > 0) for when in ("before", "now")
+        )
         yield f"{was} before, {now} now: {verdict['reason']}"
     if (shift := shift_of(entry)) is not None and abs(shift.sigmas) >= MIN_SHIFT_SIGMAS:
         yield f"moved: {shift.parameter.title} {shift}"

@@ -100,5 +100,5 @@ def attempt(function: Callable[[I], Result], item: I, code: str | None = None) -
             return ItemResult(None, ItemFault(text, 2, host))
         return ItemResult(function(item))
     except Exception as error:  # the edge of a worker: an exception of ours does not survive pickling
-        said, text = explain(error)
-        return ItemResult(None, ItemFault(one_line(text), said, host))
+        wording, text = explain(error)
+        return ItemResult(None, ItemFault(one_line(text), wording, host))

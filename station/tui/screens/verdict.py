@@ -40,7 +40,7 @@ class VerdictSentence(ValueWidget[Verdict]):
 
     def _drawn(self, verdict: Verdict) -> Content:
         symbol, colour = DOUBTED if _is_doubted(verdict) else VERDICT_LOOKS[verdict.word]
-        plain = verdict.said or verdict.word.replace("_", " ")
+        plain = verdict.in_words or verdict.word.replace("_", " ")
         sentence = verdict.sentence.removeprefix(f"{plain}: ")
         return Content.assemble((f" {symbol} {plain} ", f"$background on {colour}"), f"  {sentence}")
 

@@ -30,7 +30,7 @@ from station.guide.campaign.interrupted_campaigns import cancel_campaign
 from station.guide.campaign.verdict import verdict_view
 from station.results import campaign_results as module
 from station.results.campaign_results import make_results, store
-from station.results.certificate.model_statement import diagnosis_said
+from station.results.certificate.model_statement import diagnosis_in_words
 from tests.empty_database import empty_db
 from tests.fixtures_db.factory import level_row
 from tests.procedures.diagnosis.planted import wandering
@@ -126,7 +126,7 @@ def test_an_unexplained_residual_is_in_the_uncertainty_and_a_pass_says_so(db: Da
     judged = next(one for one in document["judged"] if one["parameter"] == "accelerometer.bias.x")
     assert judged["std"] == pytest.approx(bias["std"])  # what the guard band was taken of
     assert judged["std"] > left["std"] > 0
-    assert any(text.endswith("is included in U.") for text in diagnosis_said(document))
+    assert any(text.endswith("is included in U.") for text in diagnosis_in_words(document))
 
 
 def db_document(db: Database, sha256: str) -> str:

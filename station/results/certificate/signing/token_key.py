@@ -85,8 +85,8 @@ def open_token_key(uri: str, pin: bytes) -> SigningKey:
 
 def _parts(uri: str) -> Mapping[str, str]:
     """Return the attributes of a URI; raise `DataRefused` if one that is needed is not there."""
-    said = uri.removeprefix(SCHEME).replace("?", ";").replace("&", ";").split(";")
-    parts = {name: unquote(value) for name, _, value in (one.partition("=") for one in said)}
+    text = uri.removeprefix(SCHEME).replace("?", ";").replace("&", ";").split(";")
+    parts = {name: unquote(value) for name, _, value in (one.partition("=") for one in text)}
     lacking = {"token", "object", "module-path"} - parts.keys()
     if not uri.startswith(SCHEME) or lacking:
         example = "pkcs11:token=LAB;object=NAME?module-path=/usr/lib/MODULE.so"
