@@ -284,8 +284,8 @@ def _remarks(content: CertificateContent) -> list[Element]:
     several = (
         ("fog_deviations", Bilingual("Deviations from the procedure", "Abweichungen vom Verfahren"),
          content.deviations),
-        ("fog_takenAsZero", Bilingual(TAKEN_AS_ZERO, "In diesen Schritten nicht bestimmt und null gesetzt oder gleich "
-         "denen des mittleren Würfels"), content.taken_as_zero),
+        ("fog_takenAsZero", Bilingual(TAKEN_AS_ZERO, "In diesen Schritten nicht bestimmt und null gesetzt oder "
+         "gleich denen des mittleren Würfels"), content.taken_as_zero),
         ("fog_stated", Bilingual("Stated, not measured here", "Angegeben, hier nicht gemessen"),
          [f"{label}: {text}" for label, text in content.stated]),
     )  # fmt: skip
