@@ -189,23 +189,25 @@ class CalibrationStream:
         return Calibrated(numbers(t, "t"), f, omega, spans.span, spans.force_std, spans.rate_std, text)
 
 
-def _period(t: NDArray[np.float64], told: float | None) -> float:
+def _period(t: NDArray[np.float64], stated: float | None) -> float:
     """Return the period [s] of samples at ``t`` (n,): as told, if they are within 1 % of it, else their pace."""
-    if told is not None and not _is_period(told):
-        raise DataRefused("period", None, f"{told!r}"[:60], "seconds, above 0", "correct period")
+    if stated is not None and not _is_period(stated):
+        raise DataRefused("period", None, f"{stated!r}"[:60], "seconds, above 0", "correct period")
     if t.ndim != 1:
         raise DataRefused("t", None, f"{t.ndim} dimensions", "a time for each sample, (n,)", "correct t")
     if len(t) < 2 or not np.all(np.diff(t) > 0):
-        if told is None or len(t) > 1:
+        if stated is None or len(t) > 1:
             raise DataRefused(
                 "t", None, "no times that rise", "two at least, rising from sample to sample", "correct t"
             )
-        return told
+        return stated
     pace = own_period(t)
-    if told is not None and abs(pace / told - 1) > RATE_TOLERANCE:
+    if stated is not None and abs(pace / stated - 1) > RATE_TOLERANCE:
         text = f"samples {pace:.6g} s apart"
-        raise DataRefused("t", None, text, f"{told:.6g} s within 1 %, as stated by period=", "correct one of them")
-    return pace if told is None else told
+        raise DataRefused(
+            "t", None, text, f"{stated:.6g} s within 1 %, as stated by period=", "correct one of them"
+        )
+    return pace if stated is None else stated
 
 
 def _is_period(value: object) -> bool:

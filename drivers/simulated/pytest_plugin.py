@@ -55,13 +55,13 @@ def simulated_gnss(request: pytest.FixtureRequest) -> Iterator[SimulatedGnss]:
     from drivers.simulated.faults import TimedFault, gnss_faults_from
 
     settings = _settings(request, "simulated_gnss")
-    beside = _imu_of(request)
-    truth = _truth(settings, beside.truth if beside else None)
+    imu = _imu_of(request)
+    truth = _truth(settings, imu.truth if imu else None)
     if isinstance(autopilot := settings.pop("autopilot", None), Mapping):
         autopilot = AutopilotTruth(**autopilot)
     faults = _faults(settings, TimedFault, gnss_faults_from)
     settings.setdefault("speed", ALONE_SPEED)
-    yield from _until_over(SimulatedGnss(truth, autopilot, faults, beside=beside, **settings))
+    yield from _until_over(SimulatedGnss(truth, autopilot, faults, imu=imu, **settings))
 
 
 @pytest.fixture
@@ -72,12 +72,12 @@ def simulated_camera(request: pytest.FixtureRequest) -> Iterator[SimulatedCamera
     from drivers.simulated.faults import TimedFault, camera_faults_from
 
     settings = _settings(request, "simulated_camera")
-    beside = _imu_of(request)
-    truth = _truth(settings, beside.truth if beside else None)
+    imu = _imu_of(request)
+    truth = _truth(settings, imu.truth if imu else None)
     if isinstance(camera := settings.pop("camera", None), Mapping):
         camera = CameraTruth(**camera)
     faults = _faults(settings, TimedFault, camera_faults_from)
-    yield from _until_over(SimulatedCamera(truth, camera, faults, beside=beside, **settings))
+    yield from _until_over(SimulatedCamera(truth, camera, faults, imu=imu, **settings))
 
 
 def _served(request: pytest.FixtureRequest, name: str, usual: Mapping[str, Any]) -> Iterator[SimulatedDevice]:
@@ -115,14 +115,14 @@ def _faults(
     return [fault if isinstance(fault, kind) else read([fault])[0] for fault in given]
 
 
-def _truth(settings: dict[str, Any], beside: Truth | None = None) -> Truth:
+def _truth(settings: dict[str, Any], imu: Truth | None = None) -> Truth:
     """Take ``truth`` out of the settings: a `Truth`, or keys of a truth file that differ from the usual."""
     from drivers.simulated.truth import Truth, truth_from
 
     given = settings.pop("truth", {})
     if isinstance(given, Truth):
         return given
-    return truth_from(given, beside or Truth.example(settings.get("seed") or 1))
+    return truth_from(given, imu or Truth.example(settings.get("seed") or 1))
 
 
 def _imu_of(request: pytest.FixtureRequest) -> SimulatedDevice | None:

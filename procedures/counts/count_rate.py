@@ -283,8 +283,8 @@ def _path(increments: IntArray | FloatArray, t: FloatArray, starts: IntArray) ->
     rate = _common_slope(at, count, segment)
     low = count - rate * at
     low -= (np.bincount(segment, low) / np.bincount(segment))[segment] + 0.5
-    beside = np.concatenate(([0], np.cumsum(increments - np.round(np.median(increments)))))
-    return _Path(at, low, segment, _binding(low, segment), rate, int(np.ptp(beside)), int(beside[-1]))
+    running = np.concatenate(([0], np.cumsum(increments - np.round(np.median(increments)))))
+    return _Path(at, low, segment, _binding(low, segment), rate, int(np.ptp(running)), int(running[-1]))
 
 
 def _common_slope(at: FloatArray, count: FloatArray, segment: IntArray) -> float:

@@ -100,8 +100,8 @@ def discover(found: Diagnosis, say: Say = lambda line: None) -> Discovery:
     proposals = list[Proposal]()
     for number in range(MAX_PROPOSALS):
         say(f"{len(terms)} terms are tried{f' beside {number} proposed' if number else ''}")
-        beside = [*others, *(each.columns[0] for each in proposals)]
-        one = _likeliest(rows, terms, known, beside, number)
+        included = [*others, *(each.columns[0] for each in proposals)]
+        one = _likeliest(rows, terms, known, included, number)
         if one is None:
             break
         proposals.append(one)

@@ -208,8 +208,10 @@ def _ways(
         H = term.H
         if not np.all(np.isfinite(H)):
             continue
-        told = MAX_STD_IN_PLAUSIBLE * term.plausible * np.linalg.norm(H / evidence.sigma[:, None], axis=0) > 1
-        if told.any() or effect.is_scatter:
+        is_determined = (
+            MAX_STD_IN_PLAUSIBLE * term.plausible * np.linalg.norm(H / evidence.sigma[:, None], axis=0) > 1
+        )
+        if is_determined.any() or effect.is_scatter:
             is_tried = not effect.covered_by or effect.covered_by not in of_model
             bare = replace(
                 columns, accel=None, gyro=None, rotation=None

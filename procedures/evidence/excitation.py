@@ -256,8 +256,8 @@ class NodeBuilder:
         samples = channel(series, "accelerometer")
         if samples is None or step.kind not in SHAKEN:
             return np.zeros(3)
-        told = self.campaigns[step.campaign].nominal_scale.get("accelerometer", 1.0)
-        k = np.full(3, told) if self.accel is None else self.accel.k
+        nominal = self.campaigns[step.campaign].nominal_scale.get("accelerometer", 1.0)
+        k = np.full(3, nominal) if self.accel is None else self.accel.k
         x = np.linspace(-1.0, 1.0, len(samples))
         smooth, _ = np.linalg.qr(np.stack((np.ones(len(x)), x, x**2), axis=1))
         level = samples - smooth @ (smooth.T @ samples)

@@ -294,11 +294,11 @@ def _dof(evidence: Evidence, fit: LinearFit, term: int) -> float:
     """Return the least degrees of freedom behind the variances of the rows that tell most of a term."""
     at = fit.span(term)
     Q, n = fit.Q[:, : at.stop], len(fit.white)
-    told = np.sum(Q[:n, at] ** 2, axis=1)  # share of the term's own information by row
+    information = np.sum(Q[:n, at] ** 2, axis=1)  # share of the term's own information by row
     shared, found = variance_classes(evidence), KNOWN_VARIANCE_DOF * 10
     for number in np.unique(shared[shared > 0]):
         rows = shared == number
-        if told[rows].sum() > MIN_INFORMATION_SHARE * told.sum():
+        if information[rows].sum() > MIN_INFORMATION_SHARE * information.sum():
             found = min(found, float(fit.dof[rows][0]))
     return found
 

@@ -106,10 +106,10 @@ MIN_CLASS_DOF = 2.0  # degrees of freedom of a class worth testing
 def global_log_p(evidence: Evidence, fit: LinearFit) -> float:
     """Return ln p of what a fit with unwidened sigmas leaves."""
     shared, free = variance_classes(evidence), 1 - fit.leverage
-    told = (evidence.kind != KINDS.index("prior")) | ~evidence.is_range
+    counted = (evidence.kind != KINDS.index("prior")) | ~evidence.is_range
     found = list[float]()
-    for number in np.unique(shared[told]):
-        rows = told & (shared == number)
+    for number in np.unique(shared[counted]):
+        rows = counted & (shared == number)
         dof = float(free[rows].sum())
         clear = rows & (free > MIN_ROW_FREEDOM)
         if dof < MIN_CLASS_DOF or not clear.any():

@@ -226,7 +226,7 @@ def evidence_of(fits: CampaignFits) -> Evidence:
             _moves(builder, places, fits.gyroscope.joint, fits.gyroscope.moves, placed)
         _priors(builder, fits.gyroscope.joint, 1, 3 * len(fits.gyroscope.turns), fits.gyroscope.moves)
         if fits.gyroscope.moves is not None and fits.accelerometer is not None:
-            _told(builder, fits.accelerometer.k, fits.gyroscope.moves.told, rested)
+            _accelerometer_rows(builder, fits.accelerometer.k, fits.gyroscope.moves.by_accelerometer, rested)
     _levels(builder, between, _soaks(builder, soaks), own)
     found = builder.evidence(np.concatenate((x, np.zeros(builder.width - builder.first_own))))
     return _at_one_bench(replace(found, stepped=stepped_rows(fits, found.rows)), fits)
@@ -363,13 +363,13 @@ def _moves(
         builder.weigh(nodes, part.seconds, move=weights)
 
 
-def _told(builder: _Builder, k: FloatArray, told: FloatArray, rested: Sequence[slice]) -> None:
+def _accelerometer_rows(builder: _Builder, k: FloatArray, change: FloatArray, rested: Sequence[slice]) -> None:
     """Say what the accelerometers' dwells do to what the gyroscopes know by them, the first rows taken in last.
 
-    ``k`` (3,) are the accelerometers' scale factors [output/s/g], ``told`` (j, 3 n) the rows' change [s/output].
+    ``k`` (3,) are the accelerometers' scale factors [output/s/g], ``change`` (j, 3 n) the rows' change [s/output].
     """
-    for i, nodes in enumerate(rested if len(told) else ()):
-        builder.weigh(nodes, mix=told[:, 3 * i : 3 * i + 3] * k, triad=0)
+    for i, nodes in enumerate(rested if len(change) else ()):
+        builder.weigh(nodes, mix=change[:, 3 * i : 3 * i + 3] * k, triad=0)
 
 
 def _priors(

@@ -253,8 +253,10 @@ class _MovesModel:
         self.seen, self.x0, self.scatter = seen, x0, scatter
         K, b = x0[:9].reshape(3, 3), x0[9:12]
         self.k = np.linalg.norm(K, axis=1)
-        beside = (instability[seen.before] + instability[seen.after]) / 2
-        self.carried = integrate_moves(replace(seen.samples, output=seen.samples.output - beside[:, None]), K, b)
+        mean_instability = (instability[seen.before] + instability[seen.after]) / 2
+        self.carried = integrate_moves(
+            replace(seen.samples, output=seen.samples.output - mean_instability[:, None]), K, b
+        )
         self.level = self._levels()
         self.across = _level(seen.up[seen.after])
         drift = np.radians(np.sqrt(np.mean((seen.noise / self.k) ** 2) * seen.samples.seconds))

@@ -176,7 +176,7 @@ class IdentifiableEffect:
     """An effect, whether it would show where it has its plausible size, and which others could take its place."""
 
     name: str
-    is_told: bool
+    is_identified: bool
     not_apart: tuple[str, ...] = ()
 
 
@@ -189,7 +189,7 @@ def identifiable_effects(sigmas: DesignSigmas, design: CampaignDesign) -> list[I
     names, edges = list(columns), np.cumsum([0, *(H.shape[1] for H in columns.values())])
     M = _left(np.concatenate(list(columns.values()), axis=1), A, known)
     at = {name: slice(*edges[i : i + 2]) for i, name in enumerate(names)}
-    return [_told(name, M, at) for name in names]
+    return [_identified(name, M, at) for name in names]
 
 
 def _left(H: FloatArray, A: FloatArray, known: FloatArray) -> FloatArray:
@@ -202,16 +202,16 @@ def _left(H: FloatArray, A: FloatArray, known: FloatArray) -> FloatArray:
     return left
 
 
-def _told(name: str, M: FloatArray, at: Mapping[str, slice]) -> IdentifiableEffect:
+def _identified(name: str, M: FloatArray, at: Mapping[str, slice]) -> IdentifiableEffect:
     own = at[name]
     alone = _is_determined(M[own, own])
     if not alone.any():
         return IdentifiableEffect(name, False)
     alike = list[str]()
     for other, theirs in at.items():
-        beside = M[theirs, theirs] + np.eye(theirs.stop - theirs.start)  # held to its plausible size
+        information = M[theirs, theirs] + np.eye(theirs.stop - theirs.start)  # held to its plausible size
         shared = M[theirs, own]
-        left = M[own, own] - shared.T @ np.linalg.solve(beside, shared)
+        left = M[own, own] - shared.T @ np.linalg.solve(information, shared)
         if other != name and not _is_determined(left)[alone].any():
             alike.append(other)
     return IdentifiableEffect(name, True, tuple(alike))

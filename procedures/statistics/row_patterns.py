@@ -146,8 +146,8 @@ def clipped_rows(rate: FloatArray, step: float) -> Condition | None:
     for end, name in ((rate.max(), "largest"), (rate.min(), "smallest")):
         rows = int(np.sum(rate == end))
         off = np.abs(rate - end)
-        beside = int(np.sum((off > 0) & (off < 3.5 * step))) / 3
-        if rows >= max(MIN_CLIPPED, CLIP_SHARE * len(rate)) and rows > CLIP_TIMES * (beside + 1):
+        neighbours = int(np.sum((off > 0) & (off < 3.5 * step))) / 3
+        if rows >= max(MIN_CLIPPED, CLIP_SHARE * len(rate)) and rows > CLIP_TIMES * (neighbours + 1):
             share = rows / len(rate)
             text = f"{100 * share:.3g} % of the rows stand at the {name} value: the output is clipped there."
             return Condition("clipped", text, ALL, {"share": share, "value": float(end)})

@@ -34,15 +34,15 @@ class MovesSeen:
     """The ``moves`` of a fit, and ``error`` (m, 3) [rad] by which each is off; ``rows`` are the fit's (3 m).
 
     ``variance`` (m, 4) [rad2] of a component is by white noise, rounding, coning and the bias instability.
-    ``told`` (k, 3 n) is by how much the first k whitened rows of what is known change with the rates of the
-    accelerometers' n dwells [s/output], from whose fit they are; no row where there is none.
+    ``by_accelerometer`` (k, 3 n) is by how much the first k whitened rows of what is known change with the rates
+    of the accelerometers' n dwells [s/output], from whose fit they are; no row where there is none.
     """
 
     moves: PlacementTransfers
     error: FloatArray
     variance: FloatArray
     rows: slice
-    told: FloatArray
+    by_accelerometer: FloatArray
 
     @property
     def sigma(self) -> FloatArray:
@@ -197,7 +197,7 @@ class GyroscopeModel:
             model.errors(fit.x[:12], self.carried(fit.x), found.steps[self.moves.after]),
             np.column_stack((model.variance, self.instability(excess, k))),
             slice(end - 3 * len(self.moves.records), end),
-            self.prior.told,
+            self.prior.by_accelerometer,
         )
 
     def excess(self, fit: Fit) -> FloatArray:
@@ -231,12 +231,13 @@ def gyroscope_bench(
 class _Prior:
     """Rows of what is known of bench and seats: ``bench.matrix @ x + seats @ s - bench.mean``; seats (k, 2 m).
 
-    ``told`` (j, 3 n) is the change of the first j with the rates of the accelerometers' n dwells [s/output].
+    ``by_accelerometer`` (j, 3 n) is the change of the first j with the rates of the accelerometers' n dwells
+    [s/output].
     """
 
     bench: BenchPrior
     seats: FloatArray
-    told: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+    by_accelerometer: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
 
 
 def _prior(
@@ -253,17 +254,17 @@ def _prior(
     if accelerometer is None or accelerometer.is_turned_freely:
         return _with_seating(prior, apart, np.zeros((len(prior.mean), len(apart))))
     freed = _freed(bench, accelerometer.bench) if bench.skew_seen else np.zeros(bench.size, dtype=bool)
-    told = np.flatnonzero(~freed[: bench.shared])
-    mean, own = accelerometer.fit.x[12 + told], accelerometer.fit.covariance[np.ix_(12 + told, 12 + told)]
-    columns, by_rate = told, gain(accelerometer.fit, accelerometer.sigma)[12 + told]
+    known = np.flatnonzero(~freed[: bench.shared])
+    mean, own = accelerometer.fit.x[12 + known], accelerometer.fit.covariance[np.ix_(12 + known, 12 + known)]
+    columns, by_rate = known, gain(accelerometer.fit, accelerometer.sigma)[12 + known]
     place = {(number, dwell.name): i for i, (number, dwell) in enumerate(dwells)}
     of = [place.get((number, dwell.name), -1) for number, dwell in accelerometer.seen.dwells]
     if len(seat) and -1 not in of:
         at = np.array([2 * i + k for i in of for k in (0, 1)])
         value, covariance, by_rate = seated(accelerometer, seat[of])
-        index = np.concatenate((told, bench.shared + np.arange(len(at))))
+        index = np.concatenate((known, bench.shared + np.arange(len(at))))
         mean, own, by_rate = value[index], covariance[np.ix_(index, index)], by_rate[index]
-        columns = np.concatenate((told, bench.size + at))
+        columns = np.concatenate((known, bench.size + at))
         apart = np.delete(apart, at, axis=0)
     white = np.linalg.inv(np.linalg.cholesky(own + TILT_FLOOR_RAD**2 * np.eye(len(own))))
     rows = np.zeros((len(own), bench.size + 2 * len(seat)))
@@ -274,7 +275,7 @@ def _prior(
     loose = np.concatenate((np.zeros(len(own), dtype=bool), prior.loose[kept]))
     joint = BenchPrior(np.concatenate((white @ mean, prior.mean[kept])), matrix, loose)
     seats = np.vstack((rows[:, bench.size :], np.zeros((int(kept.sum()), 2 * len(seat)))))
-    return replace(_with_seating(joint, apart, seats), told=-white @ by_rate)
+    return replace(_with_seating(joint, apart, seats), by_accelerometer=-white @ by_rate)
 
 
 def _with_seating(prior: BenchPrior, apart: FloatArray, seats: FloatArray) -> _Prior:

@@ -168,11 +168,11 @@ def apply_to(
     """
     _refuse_unlike(source, calibration)
     writer = writer_for(out)
-    refuse_own([out, _beside(out)], _read(source, known))
+    refuse_own([out, _document_path(out)], _read(source, known))
     found = survey(source)
     names = names_of(source, asked)
     columns = SampleColumns(names, found.rows, asked.frame, asked.units == SI)
-    with write_file_pair(out, _beside(out)) as (aside, beside):
+    with write_file_pair(out, _document_path(out)) as (aside, document):
         written = writer(aside, columns)
         try:
             applied = _run(source, calibration, found, asked, written.write, progress)
@@ -182,7 +182,7 @@ def apply_to(
             raise
         finally:
             progress.end()
-        write_json(beside, {**applied.document, "columns": list(names)})
+        write_json(document, {**applied.document, "columns": list(names)})
     return applied
 
 
@@ -259,7 +259,7 @@ def _of_spans(got: Calibrated) -> Calibrated:
     return Calibrated(np.empty(0), none, none, got.spans, got.specific_force_std, got.angular_rate_std)
 
 
-def _beside(out: Path) -> Path:
+def _document_path(out: Path) -> Path:
     return out.with_name(f"{out.name}.json")
 
 

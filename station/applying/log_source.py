@@ -146,10 +146,10 @@ class LogSource:
             if found.temperature is not None:
                 zero, per = TEMPERATURE_UNITS[found.temperature_unit]
                 temperature = (block.columns[found.temperature] - zero) * per
-            beside = {key: block.columns[name] for key, name in self.auxiliary.items()}
+            auxiliary = {key: block.columns[name] for key, name in self.auxiliary.items()}
             lines = _lines(block, row)
             row += n
-            yield Samples(t, values, temperature, beside, block.done, self.stated.name, lines)
+            yield Samples(t, values, temperature, auxiliary, block.done, self.stated.name, lines)
 
     @property
     def _outputs(self) -> tuple[str | None, ...]:
@@ -181,7 +181,7 @@ def _stamps(blocks: TableReader, column: str, whole: bool) -> FloatArray:
     return np.concatenate((first, last[last > first[-1:]])) if whole else first
 
 
-def _compare_clocks(blocks: TableReader, found: LogColumns, is_told: bool) -> None:
+def _compare_clocks(blocks: TableReader, found: LogColumns, is_stated: bool) -> None:
     """Compare the clocks of as many rows as of a log that is read whole."""
     if found.time is None or not found.clocks:
         return
@@ -198,7 +198,7 @@ def _compare_clocks(blocks: TableReader, found: LogColumns, is_told: bool) -> No
         return
     columns = {name: np.concatenate([block.columns[name] for block in read]) for name in names}
     found.guesses.extend(
-        compare_clocks(replace(blocks.head, columns=columns), found.time, found.unit_time, found.clocks, is_told)
+        compare_clocks(replace(blocks.head, columns=columns), found.time, found.unit_time, found.clocks, is_stated)
     )
 
 

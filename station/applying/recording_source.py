@@ -53,12 +53,12 @@ class RecordingSource:
         if stated.output is not None and (stated.output == "rate") != (found.output == "rate"):
             raise DataRefused(file, None, f"{found.output} messages", f"{stated.output}, as imu.output says")
         triads = tuple(name for name in TRIADS if name in found.triads)
-        beside = channels_by_column(sorted(found.channels - {"utc_s"}), str(file))
+        auxiliary = channels_by_column(sorted(found.channels - {"utc_s"}), str(file))
         text = replace(
             stated, name=str(file), output=stated.output or found.output, temperature=found.temperature,
-            auxiliary=tuple(beside), triads=triads, damage=" ".join(found.damage),
+            auxiliary=tuple(auxiliary), triads=triads, damage=" ".join(found.damage),
         )  # fmt: skip
-        return cls(file, text, tuple(beside.values()))
+        return cls(file, text, tuple(auxiliary.values()))
 
     def times(self) -> Generator[Times]:
         """Yield the times (n,) [s] of all samples, as `Source`."""
@@ -74,13 +74,13 @@ class RecordingSource:
             temperature = (
                 np.array([message.temperature_c for message in samples]) if self.stated.temperature else None
             )
-            beside = {
+            auxiliary = {
                 key: np.array([message.aux.get(name, np.nan) for message in samples])
                 for key, name in zip(self.stated.auxiliary, self.channels, strict=True)
             }
             t = np.array([message.device_ns for message in samples]) / 1e9
             lines = range(first, first + len(part))
-            yield Samples(t, values, temperature, beside, part[-1][1], self.stated.name, lines)
+            yield Samples(t, values, temperature, auxiliary, part[-1][1], self.stated.name, lines)
 
 
 @dataclass(slots=True)

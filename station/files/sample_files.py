@@ -128,14 +128,14 @@ COPY_BYTES = 2**20
 class SpooledColumns:
     """Doubles of each column, alongside the file that is made of them; needs as much room again."""
 
-    def __init__(self, beside: Path, count: int) -> None:
-        self._folder = beside.with_name(f"{beside.name}.columns")
+    def __init__(self, target: Path, count: int) -> None:
+        self._folder = target.with_name(f"{target.name}.columns")
         self._folder.mkdir()
         try:
             self._streams = [(self._folder / str(i)).open("w+b") for i in range(count)]
         except OSError as error:
             self.close()
-            raise cannot_write(beside, error) from error
+            raise cannot_write(target, error) from error
         self.rows = 0
 
     def write(self, columns: list[FloatArray]) -> None:

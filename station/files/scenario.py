@@ -52,7 +52,7 @@ class Scenario:
     camera: CameraTruth | None
     camera_faults: tuple[TimedFault, ...]
 
-    def beside(self, name: str) -> str:
+    def path_of(self, name: str) -> str:
         """Return the path of a file that is named in the scenario, from the folder it stands in."""
         return str(self.path.parent / name) if name else ""
 
@@ -237,7 +237,7 @@ def _device(scenario: Scenario, speed: float | None) -> SimulatedDevice:
         scenario.truth, scenario.table.seed, imu.format, scenario.table.speed if speed is None else speed,
         transport=imu.transport, link=Path(imu.link) if imu.link else None, port=imu.port,
         control_port=imu.control, faults=scenario.faults, moves=scenario.moves,
-        dbc=scenario.beside(imu.dbc), mapping=scenario.beside(imu.map),
+        dbc=scenario.path_of(imu.dbc), mapping=scenario.imu(imu.map),
     )  # fmt: skip
     if scenario.drive is not None:
         device.device.drive(scenario.drive)
@@ -249,7 +249,7 @@ def _gnss(scenario: Scenario, device: SimulatedDevice) -> SimulatedGnss:
     assert gnss is not None
     return SimulatedGnss(
         scenario.truth, scenario.autopilot, scenario.gnss_faults, scenario.track, scenario.table.seed,
-        beside=device, transport=gnss.transport, port=gnss.port, to=gnss.peer,
+        imu=device, transport=gnss.transport, port=gnss.port, to=gnss.peer,
         link=Path(gnss.link) if gnss.link else None,
     )  # fmt: skip
 
@@ -258,5 +258,5 @@ def _served_camera(scenario: Scenario, device: SimulatedDevice) -> SimulatedCame
     assert scenario.table.camera is not None
     return SimulatedCamera(
         scenario.truth, scenario.camera, scenario.camera_faults, scenario.drive, scenario.table.seed,
-        beside=device, port=scenario.table.camera.port,
+        imu=device, port=scenario.table.camera.port,
     )  # fmt: skip

@@ -52,13 +52,15 @@ class LiveCamera:
     ``why`` says what is missing.
     """
 
-    def __init__(self, camera: PinholeCamera, follow: Follow, told: CameraTimeOffset | None = None) -> None:
-        self.camera, self._follow, self._told = camera, follow, told
+    def __init__(self, camera: PinholeCamera, follow: Follow, stated: CameraTimeOffset | None = None) -> None:
+        self.camera, self._follow, self._stated_offset = camera, follow, stated
         self.reset()
 
     def reset(self) -> None:
         """Let all go that hangs on the unit's time."""
-        self.offset = self._told if self._told is not None and not self._told.std else None
+        self.offset = (
+            self._stated_offset if self._stated_offset is not None and not self._stated_offset.std else None
+        )
         self.why, self._hint = "no image yet", TURN_ADVICE
         self._times = FixTimes(STAMPS_NS, in_order=True)
         self._frames: deque[Frame] = deque()  # by the camera's stamps, without the offset
@@ -103,7 +105,7 @@ class LiveCamera:
         """Find out what the stamps are late by."""
         self._pause = min(self._pause * ATTEMPT_SPACING_GROWTH, MAX_ATTEMPT_SPACING_S)
         self._try_at = self._now + self._pause
-        known = self._told or UNKNOWN_OFFSET
+        known = self._stated_offset or UNKNOWN_OFFSET
         found = camera_offset(imu, self._tracks(-np.inf, 0.0), self.camera, known.offset, known.std, GENTLE_S)
         if isinstance(found, CameraTimeOffset):
             self.offset = found
@@ -114,7 +116,7 @@ class LiveCamera:
     @property
     def offset_std(self) -> float:
         """1 sigma [s] of what a window has to add to the offset; 0 where that was stated."""
-        return GENTLE_S if self._told is None or self._told.std else 0.0
+        return GENTLE_S if self._stated_offset is None or self._stated_offset.std else 0.0
 
     @property
     def lateness(self) -> float:

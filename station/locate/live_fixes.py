@@ -151,17 +151,17 @@ class LiveWheel:
     def take(self, readings: Sequence[WheelReading], now: float) -> None:
         """Take what was stated; ``now`` [s] is the newest sample's time."""
         self._now = now
-        told = list[tuple[float, float]]()
+        speeds = list[tuple[float, float]]()
         for reading in readings:
             t = self._times.of(reading)
             if t is not None and t - self._late > self._newest and abs(now - t) < STRANGE_S:
                 self._newest = t - self._late
-                told.append((self._newest, reading.speed))
-        self._age = now - self._newest if told else self._age
-        more = WheelSpeeds(*np.array(told).reshape(-1, 2).T)
+                speeds.append((self._newest, reading.speed))
+        self._age = now - self._newest if speeds else self._age
+        more = WheelSpeeds(*np.array(speeds).reshape(-1, 2).T)
         if self._aid is not None:
             self._aid.add(more)
-        elif len(told):
+        elif len(speeds):
             self._speeds = self._speeds.followed_by(more).since(now - KEPT_S)
 
     def aid(self, noise: ImuNoise) -> WheelAid:

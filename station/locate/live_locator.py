@@ -54,14 +54,14 @@ class LiveLocator:
         lever_arm: FloatArray | None = None, camera: LiveCamera | None = None, wheel: LiveWheel | None = None,
     ) -> None:  # fmt: skip
         self._wheel = wheel
-        self._noise_of, self._arm, self._told, self._camera = noise_of, lever_arm, LocationReport(ahead), camera
+        self._noise_of, self._arm, self._report, self._camera = noise_of, lever_arm, LocationReport(ahead), camera
         self._given = LiveFixes()
         self.reset()
 
     def reset(self) -> None:
         """Begin again: the unit's time has no relation to what came before."""
         self._given = LiveFixes(self._given.origin)
-        self._told.reset()
+        self._report.reset()
         if self._camera is not None:
             self._camera.reset()
         if self._wheel is not None:
@@ -134,10 +134,11 @@ class LiveLocator:
         window: InertialWindow | VisualInertialWindow
         if self._camera is None:
             given = with_constants(given, begun.aligned)
-            told = np.isfinite(fixes.v_n[:, :2]).all(axis=1).any()  # else nothing would hold a window's velocity
-            settings = WindowSettings(site, given.arm, 2 if told else 1, lever_std=a.lever_std)
+            # without a velocity by GNSS nothing would hold a window's velocity
+            has_velocity = np.isfinite(fixes.v_n[:, :2]).all(axis=1).any()
+            settings = WindowSettings(site, given.arm, 2 if has_velocity else 1, lever_std=a.lever_std)
             window = InertialWindow(settings, begun.imu, fixes, begun.aligned, wheel)
-            graph: Graph = LiveGraph(given) if told else NoGraph(window)
+            graph: Graph = LiveGraph(given) if has_velocity else NoGraph(window)
         else:
             given = with_lever(replace(given, lever_arm_std=a.lever_std), begun.aligned)
             offset_std, tracks = self._camera.offset_std, self._camera.tracks(begun.aligned.t0)
@@ -197,8 +198,8 @@ class LiveLocator:
         antenna = pose.p + pose.C_nb @ graph.lever_arm
         for fix in passed:
             place = antenna - velocity * (pose.t - fixes.t[fix])
-            self._told.look_at(place, float(fixes.position_std[fix]), fixes.p_n[fix])
+            self._report.look_at(place, float(fixes.position_std[fix]), fixes.p_n[fix])
         camera, dropped = ("", 0) if self._camera is None else (self._camera.text, self._camera.dropped)
         wheel = "" if self._wheel is None else self._wheel.text(self._window)
-        told = self._told.location(pose, velocity, origin, self._given)
-        self.location = replace(told, camera=camera, images_dropped=dropped, wheel=wheel)
+        location = self._report.location(pose, velocity, origin, self._given)
+        self.location = replace(location, camera=camera, images_dropped=dropped, wheel=wheel)

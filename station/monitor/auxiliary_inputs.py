@@ -123,13 +123,13 @@ class AuxiliaryReaders:
     def take(self, now_ns: int) -> AuxiliaryData:
         """Return what came since the last tick and until the end [ns] of this one."""
         until_ns = max(now_ns, self._until_ns + 1)  # a tick may seem to end before the last: a delay is learnt
-        told = AuxiliaryData(
+        data = AuxiliaryData(
             self._taken("gnss", self.gnss, until_ns),
             self._taken("camera", self.camera, until_ns),
             self._taken("wheel", self.wheel, until_ns),
         )
         self._until_ns = until_ns
-        return told
+        return data
 
     def _taken(self, name: str, each: Companion[T] | None, until_ns: int) -> Sequence[T]:
         if each is None:

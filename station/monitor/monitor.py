@@ -81,7 +81,7 @@ class Monitor:
     ) -> None:  # fmt: skip
         self._feed, self._options, self._recording = feed, options, recording
         self._sinks, self._in_use = sinks, applied.in_use
-        self._beside = AuxiliaryReaders(aid, options.camera, options.wheel, self._note_late_messages)
+        self._auxiliary = AuxiliaryReaders(aid, options.camera, options.wheel, self._note_late_messages)
         heading = np.nan if options.heading is None else options.heading
         C = self._C = np.diag([1.0, -1.0, -1.0]) if options.C is None else options.C
         counts = feed.wire.output == "increments"
@@ -137,7 +137,7 @@ class Monitor:
             if self._options.restart_reader is not None:
                 self._options.restart_reader()
         self._options.stream_out()
-        self._beside.advance()
+        self._auxiliary.advance()
         self._take()
         self._show()
 
@@ -227,18 +227,18 @@ class Monitor:
             self._noted = buffer.end
         while buffer.end - self._at >= self._size:
             first, last = self._at, self._at + self._size - 1
-            if not self._beside.has_everything(buffer.host_ns(last)):
+            if not self._auxiliary.has_everything(buffer.host_ns(last)):
                 break
             self._at += self._size
             tick = self._sensors.take(buffer.block(first, self._at))
             now_ns = self._moments.of(float(tick.t[-1]), buffer.host_ns(last))
-            told = self._beside.take(now_ns)
+            data = self._auxiliary.take(now_ns)
             if self._options.locating is not None:
                 marks = [(at, float(tick.t[sample - first])) for at, sample in buffer.marks(first, self._at)]
                 imu = in_imu_axes(tick, self._C, self._feed.period)
                 pulses = self._feed.pulses(float(tick.t[-1]))
-                self._options.locating.take(LocatorTick(imu, marks, told.records, told.images, told.wheel, pulses))
-            self._go_on(tick, told.records, now_ns)
+                self._options.locating.take(LocatorTick(imu, marks, data.records, data.images, data.wheel, pulses))
+            self._go_on(tick, data.records, now_ns)
         buffer.forget_before(self._at)
 
     def _note_late_messages(self, stream: str, read_ns: Iterable[int], counted_ns: int) -> None:
@@ -330,7 +330,7 @@ class Monitor:
             self._recording.note(event, text, reading.t if reading else float("nan"), self._at - 1)
 
     def _show(self) -> None:
-        streams = (self._health.look(), *self._beside.streams())
+        streams = (self._health.look(), *self._auxiliary.streams())
         for each in streams[1:]:
             self._hear_of(each)
         recording = self._recording.name if self._recording is not None else ""

@@ -165,8 +165,8 @@ def _opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], 
     rolling = _wheel_described(wanted)
     filters, gains = _filters(wanted)
     folder = _folder(wanted, stack)
-    beside = folder or Path(stack.enter_context(tempfile.TemporaryDirectory()))
-    source, reader = _source(wanted, beside, stack)
+    work_folder = folder or Path(stack.enter_context(tempfile.TemporaryDirectory()))
+    source, reader = _source(wanted, work_folder, stack)
     feed = open_feed(source)
     if reader is not None:
         reader.feed = feed
@@ -174,13 +174,13 @@ def _opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], 
     unit = feed.identify(wanted.model or unknown, wanted.serial or unknown)
     refuse_partial(feed.address.name, feed.stream.decoder.kind)
     applied = find_calibration(wanted.calibration, wanted.database, unit, feed.wire)
-    aid, aid_name = _aid(wanted, source, beside, stack)
+    aid, aid_name = _aid(wanted, source, work_folder, stack)
     try:
         refuse_without_velocity(filters, aid_name)
     except ValueError as error:
         raise DataRefused(feed.address.name, None, str(error), "a recording that includes a receiver") from None
-    camera = None if described is None else _camera(described, source, beside, stack)
-    wheel = None if rolling is None else _wheel(rolling, source, beside, stack)
+    camera = None if described is None else _camera(described, source, work_folder, stack)
+    wheel = None if rolling is None else _wheel(rolling, source, work_folder, stack)
     where = _locating(wanted, feed, applied, aid, described, rolling, stack)
     if wanted.mavlink_out:
         sinks = (*sinks, _mavlink_out(wanted.mavlink_out, stack))
@@ -221,7 +221,7 @@ def _folder(wanted: MonitorRequest, stack: ExitStack) -> Path | None:
 
 
 def _aid(
-    wanted: MonitorRequest, source: ChunkSource, beside: Path, stack: ExitStack
+    wanted: MonitorRequest, source: ChunkSource, work_folder: Path, stack: ExitStack
 ) -> tuple["GnssFeed | RecordedCompanion[Record] | None", str]:
     """Return the receiver, live or recorded, and by name what it aids with."""
     if isinstance(source, Replay) and not wanted.gnss:
@@ -234,7 +234,7 @@ def _aid(
         return None, wanted.aid or "none"
     from station.stream.gnss_feed import open_gnss
 
-    return stack.enter_context(open_gnss(wanted.gnss, beside)), wanted.aid or "gnss"
+    return stack.enter_context(open_gnss(wanted.gnss, work_folder)), wanted.aid or "gnss"
 
 
 def _filters(wanted: MonitorRequest) -> tuple[tuple[str, ...], Gains | None]:
@@ -278,20 +278,20 @@ def _locating(
 def _described(wanted: MonitorRequest) -> CameraDescription | None:
     """Return the camera's file that was named, or that a recording has; None where nothing is located by it."""
     address = parse_device_url(wanted.url)
-    beside = Path(address.name).parent / CAMERA_FILE
-    file = wanted.camera or (beside if address.scheme == "replay" and beside.exists() else None)
+    recorded = Path(address.name).parent / CAMERA_FILE
+    file = wanted.camera or (recorded if address.scheme == "replay" and recorded.exists() else None)
     return None if file is None or not wanted.locate else read_description(file)
 
 
 def _camera(
-    described: CameraDescription, source: ChunkSource, beside: Path, stack: ExitStack
+    described: CameraDescription, source: ChunkSource, work_folder: Path, stack: ExitStack
 ) -> Companion[CameraImage]:
     """Return the camera, live or recorded."""
     if isinstance(source, Replay):
         recorded = Path(source.address.name).parent
         _refuse_without(recorded, CAMERA_SESSION, "the images of a camera")
         return RecordedCompanion("camera", recorded_images(recorded), read_late_messages(recorded, "camera"))
-    return stack.enter_context(open_camera(described, beside))
+    return stack.enter_context(open_camera(described, work_folder))
 
 
 def _refuse_without(recorded: Path, session: str, what: str) -> None:
@@ -314,7 +314,7 @@ def _wheel_described(wanted: MonitorRequest) -> "WheelDescription | None":
 
 
 def _wheel(
-    described: "WheelDescription", source: ChunkSource, beside: Path, stack: ExitStack
+    described: "WheelDescription", source: ChunkSource, work_folder: Path, stack: ExitStack
 ) -> Companion[WheelReading]:
     """Return the wheel, live or recorded."""
     from station.stream.wheel import WHEEL_SESSION, open_wheel, recorded_wheel
@@ -325,7 +325,7 @@ def _wheel(
         return RecordedCompanion(
             "wheel", recorded_wheel(recorded, described), read_late_messages(recorded, "wheel")
         )
-    return stack.enter_context(open_wheel(described, beside))
+    return stack.enter_context(open_wheel(described, work_folder))
 
 
 def _source(

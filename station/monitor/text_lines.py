@@ -23,7 +23,7 @@ def json_line(view: MonitorView) -> str:
     """Return a reading as a line of `monitor/1`; what is not known is omitted, angles are absolute."""
     reading = view.reading
     assert reading is not None
-    told: dict[str, Any] = {
+    document: dict[str, Any] = {
         "format": MONITOR_FORMAT, "t_s": reading.t, "sample": reading.sample, "roll_deg": reading.roll,
         "pitch_deg": reading.pitch, "rate_deg_s": list(reading.rate),
         "gyro_bias_deg_h": list(reading.bias), "residual_deg": reading.residual, "mode": reading.mode,
@@ -34,20 +34,20 @@ def json_line(view: MonitorView) -> str:
         "speed_m_s": reading.speed, "temperature_c": reading.temperature,
         "zero_deg": view.zero, "alarms": view.alarms or None,
     }  # fmt: skip
-    told |= {name: value for name, value in known.items() if value is not None}
+    document |= {name: value for name, value in known.items() if value is not None}
     if (rest := view.at_rest) is not None:
         sides = {"calibrated": _side(rest.calibrated), "nominal": _side(rest.nominal)}
-        told["at_rest"] = {"seconds": rest.seconds, "earth": rest.earth, **sides}
+        document["at_rest"] = {"seconds": rest.seconds, "earth": rest.earth, **sides}
     if view.filters:
-        told |= _filters(view.filters)
+        document |= _filters(view.filters)
     if view.location is not None:
-        told["location"] = _location(view.location)
-    return json.dumps(told)
+        document["location"] = _location(view.location)
+    return json.dumps(document)
 
 
 def _filters(filters: Sequence[FilterReading]) -> dict[str, Any]:
     """Return what each filter reads, where it will settle, and how the second differs from the first, for JSON."""
-    told: dict[str, Any] = {"laws": []}
+    document: dict[str, Any] = {"laws": []}
     for reading in filters:
         one: dict[str, Any] = {
             "law": reading.name, "form": reading.form, "roll_deg": reading.roll, "pitch_deg": reading.pitch,
@@ -58,29 +58,29 @@ def _filters(filters: Sequence[FilterReading]) -> dict[str, Any]:
                 f"{name}_deg": value for name, value in reading.settles._asdict().items() if math.isfinite(value)
             }
             one["final_bias"] = values
-        told["laws"].append(one | ({"note": reading.note} if reading.note else {}))
+        document["laws"].append(one | ({"note": reading.note} if reading.note else {}))
     if (apart := difference(filters)) is not None:
-        told["difference"] = {f"{name}_deg": value for name, value in apart._asdict().items()}
-    return told
+        document["difference"] = {f"{name}_deg": value for name, value in apart._asdict().items()}
+    return document
 
 
 def _location(location: Location) -> dict[str, Any]:
     """Return where it is, for JSON."""
-    told: dict[str, Any] = {"state": "located" if location.is_located else "waiting", "fixes": location.fixes}
+    document: dict[str, Any] = {"state": "located" if location.is_located else "waiting", "fixes": location.fixes}
     if location.camera:
-        told |= {"camera": location.camera, "images_dropped": location.images_dropped}
+        document |= {"camera": location.camera, "images_dropped": location.images_dropped}
     if location.wheel:
-        told["wheel"] = location.wheel
+        document["wheel"] = location.wheel
     if not location.is_located:
-        return told | {"why": location.why}
-    told |= {
+        return document | {"why": location.why}
+    document |= {
         "t_s": location.t, "enu_m": list(location.enu), "enu_std_m": list(location.enu_std),
         "velocity_enu_m_s": list(location.velocity), "latitude_deg": location.latitude,
         "longitude_deg": location.longitude, "height_m": location.height, "outliers": location.outliers,
         "fix_age_s": location.fix_age,
     }  # fmt: skip
     known = {"heading_deg": location.heading, "heading_std_deg": location.heading_std}
-    return told | {name: value for name, value in known.items() if value is not None}
+    return document | {name: value for name, value in known.items() if value is not None}
 
 
 def _side(side: RestErrors) -> dict[str, float]:
@@ -93,15 +93,15 @@ class PlainMonitor:
 
     def __init__(self, say: Callable[[str], None], *, rings: bool = False) -> None:
         self._say, self._rings = say, rings
-        self._next, self._told = -math.inf, ""
+        self._next, self._last_head = -math.inf, ""
         self._new_events = NewEvents()
 
     def show(self, view: MonitorView) -> None:
         """Write what is new."""
         note = f"; warning: {view.in_use.note}" if view.in_use.note else ""
         head = f"{view.unit}, calibration {view.in_use.text}{note}"
-        if view.unit and head != self._told:
-            self._told = head
+        if view.unit and head != self._last_head:
+            self._last_head = head
             self._say(head)
         for event in self._new_events.of(view.events):
             self._say(event.text + (chr(7) if self._rings and event.sound == "rejected" else ""))

@@ -70,7 +70,7 @@ def effect_table(sigmas: DesignSigmas, design: CampaignDesign) -> list[dict[str,
     return [
         {"effect": name}
         | {
-            key: {"is_told": one.is_told, "not_apart": list(one.not_apart)}
+            key: {"is_told": one.is_identified, "not_apart": list(one.not_apart)}
             for key, of in zip(("plan", "usual"), identified, strict=True)
             if (one := of.get(name)) is not None
         }

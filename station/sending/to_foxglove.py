@@ -51,11 +51,11 @@ class FoxgloveServer:
             self._slow.leave()
             raise _refusal(host, port, str(error)) from error
         schema = sdk.Schema(name=SAMPLE, encoding="protobuf", data=SCHEMA)
-        told = {
+        metadata = {
             "model": about.model, "serial": about.serial, "calibration": about.calibration, "axes": about.axes,
         }  # fmt: skip
         self._channel = sdk.Channel(
-            TOPIC, message_encoding="protobuf", schema=schema, context=context, metadata=told
+            TOPIC, message_encoding="protobuf", schema=schema, context=context, metadata=metadata
         )
         self.name = f"foxglove:{host}:{self._server.port}"
 

@@ -75,9 +75,9 @@ RATE_NS = 5 * 10**9
 T = TypeVar("T", bound=Record | CameraImage | WheelReading)
 
 
-def came_ns(told: Record | CameraImage | WheelReading) -> int:
+def came_ns(record: Record | CameraImage | WheelReading) -> int:
     """Return the moment [ns] from which it was there, live as in a replay: it may be of long before."""
-    return told.host_ns if isinstance(told, Record) else told.came_ns
+    return record.host_ns if isinstance(record, Record) else record.came_ns
 
 
 class CompanionSource(ChunkSource, Protocol):

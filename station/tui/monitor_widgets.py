@@ -274,7 +274,7 @@ class LocationReadings(ValueWidget[MonitorView]):
         if not location.is_located:
             head = Content.assemble(("… NOT LOCATED", "bold $warning"), f"   {plural(location.fixes, 'fix')}")
             width = max(self.content_size.width - 1, 20)
-            why = [line for part in (_beside(location), location.why) for line in wrap(part, width)][
+            why = [line for part in (_camera_and_wheel(location), location.why) for line in wrap(part, width)][
                 : READING_LINES - 1
             ]
             return Content("\n").join((head, *(Content(line) for line in why)))
@@ -282,7 +282,7 @@ class LocationReadings(ValueWidget[MonitorView]):
         outliers, newest = plural(location.outliers, "outlier"), f"newest {location.fix_age:.1f} s"
         return Content("\n").join((
             Content.assemble("E ", (east, "bold $accent"), "  N ", (north, "bold $accent"), f"  U {up} m"),
-            Content(_beside(location) or f"{location.latitude:.7f}, {location.longitude:.7f} deg"),
+            Content(_camera_and_wheel(location) or f"{location.latitude:.7f}, {location.longitude:.7f} deg"),
             Content.assemble("HEADING ", *_heading(location)),
             Content(_sigmas(location)),
             Content.assemble(
@@ -293,7 +293,7 @@ class LocationReadings(ValueWidget[MonitorView]):
         ))  # fmt: skip
 
 
-def _beside(location: Location) -> str:
+def _camera_and_wheel(location: Location) -> str:
     """Return how camera and wheel do, in a line; empty where there is neither."""
     wheel = location.wheel and f"wheel: {location.wheel}"
     return "; ".join(part for part in (location.camera, wheel) if part)

@@ -301,14 +301,14 @@ class SimulatedGnss(CompanionDevice):
         track: VehicleTrack | None = None,
         seed: int | None = 1,
         *,
-        beside: SimulatedDevice | None = None,
+        imu: SimulatedDevice | None = None,
         speed: float = 1.0,
         transport: str = "udp",
         link: Path | None = None,
         port: int = 0,
         to: tuple[str, int] | None = None,
     ) -> None:
-        super().__init__("simulated autopilot", faults, beside, speed)
+        super().__init__("simulated autopilot", faults, imu, speed)
         self.autopilot = Autopilot(truth, autopilot, self.faults, track, seed)
         self._line = _line(transport, link, port, to)
         self._answer = b""
@@ -334,7 +334,7 @@ class SimulatedGnss(CompanionDevice):
 
     def _idle_s(self, now: float) -> float:
         """Return how long [s] nothing is due from true time ``now`` on."""
-        pace = self._beside.speed if self._beside else self._speed
+        pace = self._imu.speed if self._imu else self._speed
         if not pace:  # as fast as it is read: nobody knows when
             return POLL_S
         return min(max((self.autopilot.next_due - now) / pace, POLL_S), IDLE_S)

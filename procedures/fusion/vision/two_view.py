@@ -198,9 +198,9 @@ class EpipolarRotations:
     def _eliminated(self, R: FloatArray, u: FloatArray, n: FloatArray, t: FloatArray) -> RotationMisfit:
         variance, e = self._whitened(R, u, n, t)
         weight = (self._weight(e) / variance)[:, :, None]
-        beside = np.linalg.svd(t[:, None])[2][:, 1:]
+        across = np.linalg.svd(t[:, None])[2][:, 1:]
         by_turn = np.cross(u, self.pairs.y1 @ skew(t))
-        J = np.concatenate((by_turn, n @ np.swapaxes(beside, 1, 2)), axis=2)
+        J = np.concatenate((by_turn, n @ np.swapaxes(across, 1, 2)), axis=2)
         back = np.swapaxes(J * weight, 1, 2)
         A, b = back @ J, (back @ (n @ t[:, :, None]))[:, :, 0]
         tied = A[:, :3, 3:] @ np.linalg.inv(A[:, 3:, 3:] + TINY * np.eye(2))

@@ -134,7 +134,7 @@ def log_data(found: LogColumns, rate_hz: float | None, name: str) -> tuple[Table
         if (values := triads[triad]) is not None:
             columns |= {each: np.ascontiguousarray(values[keep, i]) for i, each in enumerate(names)}
             _say_constant(values[keep], getattr(found, triad), notes)
-    columns |= _beside(found, keep, notes)
+    columns |= _auxiliary_columns(found, keep, notes)
     if found.utc is not None:
         columns["utc_s"] = found.unit_utc.linear(table.column(found.utc)[keep]) * found.unit_utc.seconds
     if reference is not None and found.degrees_per_angle is not None:
@@ -240,7 +240,7 @@ def _auxiliary_names(names: Sequence[str]) -> list[str]:
     return used
 
 
-def _beside(found: LogColumns, keep: BoolArray, notes: list[str]) -> dict[str, FloatArray]:
+def _auxiliary_columns(found: LogColumns, keep: BoolArray, notes: list[str]) -> dict[str, FloatArray]:
     """Return temperature and auxiliary channels, but for those that never change or are empty."""
     named: Mapping[str, str] = dict(zip(_auxiliary_names(found.auxiliary), found.auxiliary, strict=True))
     named = named if found.temperature is None else {"temp_c": found.temperature, **named}

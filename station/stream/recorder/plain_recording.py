@@ -52,14 +52,14 @@ def record(
     writer, pace = StepWriter(folder / RECORDING_FILE, BY_OUTPUT[decoder.wire.output]), FlushInterval(FLUSH_S)
     period, samples, pulses = 0.0, 0, PulseAges(decoder.wire.pulse)
 
-    def beside() -> None:
+    def advance() -> None:
         if gnss is not None:
             gnss.advance()
         look()
 
     with _the_disk_refusing(writer.path):
         try:
-            for piece in feed.pieces(beside):
+            for piece in feed.pieces(advance):
                 writer.write_raw(piece.chunk.host_ns, piece.chunk.data)
                 if piece.anew is not None:
                     times.reset()

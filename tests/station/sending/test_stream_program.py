@@ -94,7 +94,7 @@ def test_lines_hold_what_the_library_makes_of_the_bytes_that_came(
 def test_utc_is_the_receivers(
     device: SimulatedDevice, calibration: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    with SimulatedGnss(UNIT, beside=device) as gnss:
+    with SimulatedGnss(UNIT, imu=device) as gnss:
         asked = ["--calibration", calibration, "--gnss", f"{gnss.url}?rate=20", "--seconds", "60"]
         assert cli.run(["stream", device.url, *asked]) == 0
     lines = [line for line in lines_of(capfd.readouterr().out) if "utc_s" in line]

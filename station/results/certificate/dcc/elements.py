@@ -203,10 +203,10 @@ def numbers(values: Sequence[float], unit: DsiUnit, labels: Sequence[str] = ()) 
 
 
 def quantity(
-    name: Bilingual, inside: Element, *beside: Element | None, ref_type: str | None = None, **ids: str
+    name: Bilingual, inside: Element, *extra: Element | None, ref_type: str | None = None, **ids: str
 ) -> Element:
-    """Return a quantity with its name; ``beside`` is what may follow the number."""
-    return dcc("quantity", worded("name", name), inside, *beside, refType=ref_type, **ids)
+    """Return a quantity with its name; ``extra`` is what may follow the number."""
+    return dcc("quantity", worded("name", name), inside, *extra, refType=ref_type, **ids)
 
 
 def no_quantity(name: Bilingual, text: Text, ref_type: str | None = None) -> Element:

@@ -73,13 +73,13 @@ def _parameter(
     one: MeasuredParameter, probability: float, limited: Mapping[str, LimitComparison], content: CertificateContent
 ) -> Element:
     expanded = Expanded(one.expanded, one.coverage_factor, probability, one.dof)
-    beside = [] if math.isinf(one.dof) else [degrees_of_freedom(one.dof)]
+    extra = [] if math.isinf(one.dof) else [degrees_of_freedom(one.dof)]
     if (compared := limited.get(one.name)) is not None:
-        beside.append(_conformity(compared, content))
+        extra.append(_conformity(compared, content))
     return quantity(
         parameter_name(one.name),
         real(one.value, unit_of(one.unit), expanded, label=one.name),
-        dcc("measurementMetaData", *beside) if beside else None,
+        dcc("measurementMetaData", *extra) if extra else None,
         ref_type=f"basic_measuredValue fog_{one.name}",
         id=one.name,
     )
@@ -113,8 +113,8 @@ def _conformity(compared: LimitComparison, content: CertificateContent) -> Eleme
 
 def _other(one: LimitComparison, content: CertificateContent) -> Element:
     stated = worded("noQuantity", NOT_MEASURED) if one.value is None else real(one.value, unit_of(one.limit.unit))
-    beside = dcc("measurementMetaData", _conformity(one, content))
-    return quantity(parameter_name(one.limit.parameter), stated, beside, ref_type=f"fog_{one.limit.parameter}")
+    extra = dcc("measurementMetaData", _conformity(one, content))
+    return quantity(parameter_name(one.limit.parameter), stated, extra, ref_type=f"fog_{one.limit.parameter}")
 
 
 COVARIANCE_TITLE = Bilingual("Covariance matrix of the fit", "Kovarianzmatrix der Ausgleichung")
@@ -281,10 +281,10 @@ def _budget_list(one: MeasuredParameter) -> Element:
 
 def _contribution(part: Mapping[str, Any], unit: DsiUnit) -> Element:
     dof = float(part.get("dof", math.inf))
-    beside = None if math.isinf(dof) else dcc("measurementMetaData", degrees_of_freedom(dof))
+    extra = None if math.isinf(dof) else dcc("measurementMetaData", degrees_of_freedom(dof))
     return quantity(
         source_name(str(part["source"])),
         real(part["std"], unit, label=str(part["source"])),
-        beside,
+        extra,
         ref_type=f"fog_contribution fog_type{part['type']}",
     )

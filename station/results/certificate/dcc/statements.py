@@ -6,10 +6,10 @@ from station.results.certificate.dcc.names import as_written
 from station.text import plural
 
 
-def statement(ref_type: str, text: Bilingual, *beside: Element | None, norm: tuple[str, ...] = ()) -> Element:
-    """Return a statement; ``beside`` stands after its text, in the order of the schema."""
+def statement(ref_type: str, text: Bilingual, *extra: Element | None, norm: tuple[str, ...] = ()) -> Element:
+    """Return a statement; ``extra`` stands after its text, in the order of the schema."""
     norms = (dcc("norm", text=one) for one in norm)
-    return dcc("statement", *norms, worded("declaration", text), *beside, refType=ref_type)
+    return dcc("statement", *norms, worded("declaration", text), *extra, refType=ref_type)
 
 
 CONFORMITY = {"PASS": "pass", "FAIL": "fail"}

@@ -33,7 +33,7 @@ SPEED = 60.0
 def bench(speed: float) -> Iterator[tuple[SimulatedDevice, SimulatedGnss]]:
     truth = replace(Truth.example(5), height_m=77.0, latitude_deg=31.17)
     with SimulatedDevice(truth, 5, speed=paced(speed)) as device:
-        with SimulatedGnss(device.truth, beside=device) as gnss:
+        with SimulatedGnss(device.truth, imu=device) as gnss:
             yield device, gnss
 
 

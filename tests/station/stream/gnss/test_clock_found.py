@@ -156,7 +156,7 @@ def test_without_a_receiver_the_machines_clock_tells_a_thousandth_and_leaves_ano
 @pytest.mark.proof
 def test_the_program_ends_with_3_when_gnss_time_says_that_the_rate_is_wrong(tmp_path: Path) -> None:
     truth = replace(Truth.example(5), effects={"clock.rate": {"value": SYNC_LINE}})
-    with SimulatedDevice(truth, 5, speed=paced(60.0)) as device, SimulatedGnss(truth, beside=device) as gnss:
+    with SimulatedDevice(truth, 5, speed=paced(60.0)) as device, SimulatedGnss(truth, imu=device) as gnss:
         devices = ("--device", device.url, "--hands", device.control, "--gnss", gnss.url, "--move-s", "5")
         where = ("--out", str(tmp_path / "c"), "--db", str(tmp_path / "s.db"))
         with Program("calibrate", "--headless", *devices, *where) as program:
