@@ -237,7 +237,7 @@ def _device(scenario: Scenario, speed: float | None) -> SimulatedDevice:
         scenario.truth, scenario.table.seed, imu.format, scenario.table.speed if speed is None else speed,
         transport=imu.transport, link=Path(imu.link) if imu.link else None, port=imu.port,
         control_port=imu.control, faults=scenario.faults, moves=scenario.moves,
-        dbc=scenario.path_of(imu.dbc), mapping=scenario.imu(imu.map),
+        dbc=scenario.path_of(imu.dbc), mapping=scenario.path_of(imu.map),
     )  # fmt: skip
     if scenario.drive is not None:
         device.device.drive(scenario.drive)
