@@ -62,7 +62,7 @@ Declared = dict[str, str]  # of a table: "column id", "key", "reference imu_id",
 # what of a declaration of SQLite no inspector reports; the station uses none of it
 _UNSEEN = re.compile(r"\b(AUTOINCREMENT|CHECK|COLLATE|CONFLICT|DEFAULT|DEFERR\w+|STRICT|VIRTUAL|WITHOUT)\b", re.I)
 _DECLARED = sql("SELECT type, name, tbl_name, sql FROM sqlite_master WHERE sql IS NOT NULL")
-_FAULTLESS = set[tuple[tuple[str, ...], ...]]()  # what SQLite said of tables that were found as made
+_FAULTLESS = set[tuple[tuple[str, ...], ...]]()  # what SQLite reports of tables that were found as made
 
 
 def declaration_faults(connection: Connection) -> list[ChainFault]:

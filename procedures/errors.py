@@ -142,7 +142,7 @@ class TurnsDisagree(ProcedureError, ValueError):
 
 
 class MoveContradicts(ProcedureError, ValueError):
-    """A move does not lead from the one of its placings to the other: one of these has a wrong label."""
+    """A move does not lead from the one of its placements to the other: one of these has a wrong label."""
 
     def __init__(self, move: str, before: str, after: str, off_deg: float) -> None:
         self.move, self.before, self.after, self.off_deg = move, before, after, off_deg

@@ -40,7 +40,7 @@ EARTH_RATE_SLACK = 0.02  # 1 sigma, of the Earth's rate: misaligned gyros, and a
 MISFIT_P_VALUE = 1e-3  # probability of a chi2 above which a candidate does not fit
 MIN_LIKELIHOOD_MARGIN = 60.0  # of -2 log likelihood, to every other candidate
 SCALE_ITERATIONS = 4
-MAX_RELATIVE_SCALE_STD = 0.5  # relative sigma of a scale factor above which nothing is said
+MAX_RELATIVE_SCALE_STD = 0.5  # relative sigma of a scale factor above which nothing is stated
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,7 +2,7 @@
 
 At rest the specific force is gravity's reaction, 9.76 to 9.84 m/s2 on Earth, and the direction of gravity in the
 sensor's axes stands still, so that a rate across it is the gyroscope's own error (Titterton & Weston, 11.3). A
-rate along gravity cannot be told from a turntable's: it contradicts nothing. A wrong unit scales all of a
+rate along gravity cannot be distinguished from a turntable's: it contradicts nothing. A wrong unit scales all of a
 recording, so that one rest which agrees is enough; free fall, thrust and a centrifuge are no contradiction where
 the recording also rests.
 

@@ -24,7 +24,7 @@ from station.files.calibration_document import checked_calibration, is_of_counts
 
 __all__ = ["Calibrated", "Calibration", "CalibrationStream", "DataRefused", "calibration_of", "load"]
 
-RATE_TOLERANCE = 0.01  # relative, of a period that is told
+RATE_TOLERANCE = 0.01  # relative, of a period that is stated
 
 Output = Literal["counts", "rates"]
 
@@ -109,8 +109,8 @@ class Calibration:
         output : "counts" or "rates"
         magnetic : (n, 3) [uT], field in the IMU's axes
         period : [s], of a sample's interval; None: the pace of ``t``, gaps left out. A rate is counts over it
-        axes : of "frd": which IMU axes point forward, right and down, "x,-y,-z" if not said; of "cube": along
-            which cube axes the IMU's point, "+x,+y,+z" if not said
+        axes : of "frd": which IMU axes point forward, right and down, "x,-y,-z" if not stated; of "cube": along
+            which cube axes the IMU's point, "+x,+y,+z" if not stated
         force : whether to return, with a warning, what is physically impossible
 
         Raises
@@ -190,7 +190,7 @@ class CalibrationStream:
 
 
 def _period(t: NDArray[np.float64], stated: float | None) -> float:
-    """Return the period [s] of samples at ``t`` (n,): as told, if they are within 1 % of it, else their pace."""
+    """Return the period [s] of samples at ``t`` (n,): as stated, if they are within 1 % of it, else their pace."""
     if stated is not None and not _is_period(stated):
         raise DataRefused("period", None, f"{stated!r}"[:60], "seconds, above 0", "correct period")
     if t.ndim != 1:

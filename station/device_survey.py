@@ -80,7 +80,7 @@ def _looked_at(port: SurveyedPort, seconds: float) -> SurveyedPort:
         address = parse_device_url(port.url)
         if address.scheme == "camera":
             return _camera(port, seconds)
-        wire_of(address)  # a wrong DBC or mapping is said before a port is waited for
+        wire_of(address)  # a wrong DBC or mapping is reported before a port is waited for
         if address.scheme != "serial" or "baud=" in port.url or address.format:
             return recognise_bytes(port, *read_for(_open(port.url), seconds))
         for baud in BAUDS:

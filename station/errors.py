@@ -115,7 +115,7 @@ class DiskFails(CannotWrite):
 
 
 def cannot_write(path: str | Path, error: OSError, needed: int | None = None) -> CannotWrite:
-    """Return what the system said of a write as the refusal of ``path``; ``needed`` is bytes, where known."""
+    """Return what the system reported of a write as the refusal of ``path``; ``needed`` is bytes, where known."""
     if error.errno in {errno.ENOSPC, errno.EDQUOT}:
         return DiskFull(path, needed)
     if error.errno == errno.EIO:
@@ -210,7 +210,7 @@ class DatabaseAltered(StationError):
         super().__init__(f"{row}: found {found}, expected {expected}; {remedy}")
 
 
-LONGEST_LINE = 2000  # characters of what is said of an error
+LONGEST_LINE = 2000  # characters of what is reported of an error
 CANCELLED = 130
 BUG = 70
 MEANINGS = {

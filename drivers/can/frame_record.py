@@ -93,7 +93,7 @@ def pgn_of(identifier: int) -> int:
 
 
 def is_pgn_shared(identifier: int, others: Iterable[int]) -> bool:
-    """Say whether other messages have the same PGN: then the other bits tell them apart, and all count."""
+    """Say whether other messages have the same PGN: then the other bits distinguish them, and all count."""
     mask = pgn_mask(identifier)
     return any((other ^ identifier) & mask == 0 for other in others)
 

@@ -3,7 +3,7 @@
 Fields of MAVLink's messages become a `GnssFix` in SI, None where the sender does not know them.
 Source: common.xml. Unknown are: DOP, speed, course 65535; satellites 255; accuracies of 0 and, of receivers that
 have none, 4294967295; a yaw of 0 (36000 is north); a height of 2147483647 mm; a height above the ellipsoid of 0
-beside accuracies of 0 (extension fields that were not filled). No place are latitude and longitude that both are
+with accuracies of 0 (extension fields that were not filled). No place are latitude and longitude that both are
 exactly 0 (a sender without position), that are beyond 90 and 180 deg (2147483647), and those of 0 satellites.
 
 GPS_RAW_INT is stamped with UTC or with the time since boot, as the sender likes; SYSTEM_TIME holds both (boot time

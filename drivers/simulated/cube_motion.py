@@ -30,7 +30,8 @@ class Segment:
 
     ``C_bn`` (3, 3) is the attitude at its start; ``angle`` (samples + 1,) [rad] about ``axis_b`` (3,) at the
     edges of the samples, None at rest; ``accel_n`` (samples, 3) [g] added to gravity's specific force.
-    ``position`` is where the cube is said to rest, 0 while moved; ``rested`` the samples since it came to rest.
+    ``position`` is where the cube is reported to rest, 0 while moved; ``rested`` the samples since it came to
+    rest.
     """
 
     C_bn: FloatArray

@@ -181,7 +181,7 @@ class SimulatedImu(PoweredUnit):
         return np.concatenate(gyro), np.concatenate(accel)
 
     def _columns(self, n_samples: int) -> dict[str, Any]:
-        """Return what stands beside the values of the last ``n_samples``."""
+        """Return what comes with the values of the last ``n_samples``."""
         counter = np.arange(self.index - n_samples, self.index, dtype=np.int64)
         time: FloatArray = self.truth.sample_period_s * (counter + 1).astype(np.float64)
         return {

@@ -1,7 +1,7 @@
 """A pytest plugin: simulated devices on real transports as fixtures. How to use it: docs/how-to/testing.md.
 
 It is loaded by every pytest of its environment, so it imports nothing until a fixture is asked for. What a device
-is like is said by a marker of the fixture's name, its keyword arguments those of `drivers.simulated.server`.
+is like is reported by a marker of the fixture's name, its keyword arguments those of `drivers.simulated.server`.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ MARKERS = {
 D = TypeVar("D", "SimulatedDevice", "SimulatedGnss", "SimulatedCamera")
 F = TypeVar("F")
 AS_FAST_AS_READ = 0.0
-ALONE_SPEED = 10.0  # of a receiver that no IMU's clock goes beside: a fix each 20 ms
+ALONE_SPEED = 10.0  # of a receiver without an IMU's clock: a fix each 20 ms
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -49,7 +49,7 @@ def simulated_can_imu(request: pytest.FixtureRequest) -> Iterator[SimulatedDevic
 
 @pytest.fixture
 def simulated_gnss(request: pytest.FixtureRequest) -> Iterator[SimulatedGnss]:
-    """Serve an autopilot with a GNSS receiver; beside the test's simulated IMU, on its truth and clock."""
+    """Serve an autopilot with a GNSS receiver, with the test's simulated IMU, on its truth and clock."""
     from drivers.simulated.companions.gnss_server import SimulatedGnss
     from drivers.simulated.companions.truths import AutopilotTruth
     from drivers.simulated.faults import TimedFault, gnss_faults_from
@@ -66,7 +66,7 @@ def simulated_gnss(request: pytest.FixtureRequest) -> Iterator[SimulatedGnss]:
 
 @pytest.fixture
 def simulated_camera(request: pytest.FixtureRequest) -> Iterator[SimulatedCamera]:
-    """Serve a camera over HTTP; beside the test's simulated IMU, on its truth and clock."""
+    """Serve a camera over HTTP, with the test's simulated IMU, on its truth and clock."""
     from drivers.simulated.companions.camera_server import SimulatedCamera
     from drivers.simulated.companions.truths import CameraTruth
     from drivers.simulated.faults import TimedFault, camera_faults_from

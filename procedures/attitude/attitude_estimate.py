@@ -46,7 +46,7 @@ VEHICLE_WARNING = (
     "moves like a vehicle; without a speed its acceleration looks like a tilt: the attitude relies on the "
     "gyros for minutes, and its uncertainty is large; airspeed_m_s or vn_m_s, ve_m_s, vd_m_s would help"
 )
-FORCE_BIAS_WALK_RATIO = 5e-3  # 1/sqrt(s): an accelerometer's bias wanders by a third of its 1 sigma in an hour
+FORCE_BIAS_WALK_RATIO = 5e-3  # 1/sqrt(s): an accelerometer's bias drifts by a third of its 1 sigma in an hour
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -30,7 +30,7 @@ class Gains:
         return cls(2 / tau, 1 / (2 * tau))
 
 
-PAPER_GAINS = Gains(0.08, 0.0125)  # You and Lee, section 4: printed beside (15), but not of its form
+PAPER_GAINS = Gains(0.08, 0.0125)  # You and Lee, section 4: printed next to (15), but not of its form
 
 
 JOINT = "joint"

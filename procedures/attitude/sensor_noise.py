@@ -139,7 +139,7 @@ def frozen_rows_warning(log: AttitudeLog, stretches: list[FrozenStretch]) -> str
 
 
 GATE_SIGMA = 4.0
-MIN_RANGE = np.radians(90.0), 15.0  # rad/s, m/s2: below, only a channel whose noise is seen is said to clip
+MIN_RANGE = np.radians(90.0), 15.0  # rad/s, m/s2: below, only a channel whose noise is seen is reported to clip
 MIN_GYRO_NOISE = 1e-7  # rad/sqrt(s)
 MIN_BIAS_WALK = 3e-6  # rad/s/sqrt(s), of a FOG's bias: three times what it does
 WALK_PER_NOISE = 1.0  # 1/s
@@ -152,7 +152,7 @@ def gyro_noise(log: AttitudeLog) -> float:
 
 
 def at_rest(settings: KalmanSettings, log: AttitudeLog) -> KalmanSettings:
-    """Return the Kalman filter's settings with what this unit does at rest: its own noise, and a walk beside it.
+    """Return the Kalman filter's settings with what this unit does at rest: its own noise, and a walk in addition.
 
     The walk of a bias is far less by the Allan deviation of any gyro; but a rest is never quite one.
     """

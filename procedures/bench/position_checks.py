@@ -108,7 +108,7 @@ def _axis_name(row: FloatArray) -> str:
 
 MIN_ERROR_SIGMAS = 4.0
 AMBIGUOUS_CHI2 = 9.0  # of chi2: a dwell whose heading explains nearly as much may be the one
-UNKNOWN_HEADING_STD_RAD = 0.3  # rad, 1 sigma of a heading of which nothing is said
+UNKNOWN_HEADING_STD_RAD = 0.3  # rad, 1 sigma of a heading of which nothing is stated
 BIAS_STD_RAD_S = 30 * RAD_S_PER_DEG_H  # rad/s, 1 sigma
 SCALE_STD, MISALIGNMENT_STD_RAD = 0.1, 1e-2  # 1 sigma, where only a rough scale factor is known
 CONTRADICTION_P_VALUE = 1e-4  # probability of a chi2 above which sigma is widened to what the dwells scatter by
@@ -138,7 +138,7 @@ def heading_errors(
     ``C_sb`` (3, 3) takes the cube's axes to the IMU's. ``K`` (3, 3) [count/rad] is what the gyros count, IMU axes,
     known to ``ranges``: scale factor and misalignment, relative, 1 sigma. ``latitude`` and ``heading_std`` in rad.
     """
-    if not len(dwells):  # a campaign of turns alone, beside one that has the positions
+    if not len(dwells):  # a campaign of turns alone, next to one that has the positions
         return []
     stds, found = np.full(len(dwells), heading_std), list[tuple[int, ...]]()
     fit, ratio = None, 1.0
@@ -193,7 +193,7 @@ def heading_error_text(error: HeadingError) -> str:
 
 
 def _gain(fit: Fit, n: int) -> FloatArray:
-    """Return by how much chi2 (n,) would fall if nothing were said of each dwell's heading."""
+    """Return by how much chi2 (n,) would fall if nothing were stated of each dwell's heading."""
     residual, leverage = fit.residual[-n:], fit.leverage[-n:]
     return np.where(leverage < 1 - 1e-9, residual**2 / np.maximum(1 - leverage, 1e-9), 0.0)
 

@@ -259,7 +259,7 @@ def _not_observable(fits: CampaignFits) -> tuple[str, ...]:
 
 
 def _left_open(accelerometer: TriadFit, moves_show_skew: bool) -> list[str]:
-    """Name what the accelerometers' steps do not show, beside parameters of a triad that was left out.
+    """Name what the accelerometers' steps do not show, in addition to parameters of a triad that was left out.
 
     Moves between placements show a cube's skew to the gyroscopes; the cube's turning as a whole stays open.
     """

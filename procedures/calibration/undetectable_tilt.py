@@ -82,7 +82,7 @@ def undetectable_tilts(
     Dwells whose tilt moves nothing by `LEAST_MOVED` are left out.
 
     ``noticed`` [sigma] is by how much a tilt shows (`FitQuality.noticed_sigmas`), ``askew`` are the number of the
-    campaign and the name of each dwell whose seat was found: nothing else of it is told.
+    campaign and the name of each dwell whose seat was found: nothing else of it is known.
     """
     if not (dwells := accelerometer.seen.dwells):
         return ()  # rests alone
@@ -102,7 +102,7 @@ def undetectable_tilts(
 def _of_dwell(
     campaign: int, dwell: DwellRecord, tilts: FloatArray, moved: FloatArray, harmful: float, least: float
 ) -> UndetectableTilt:
-    """Return what is said of tilts (21,) [rad] that show and by how many sigmas each ``moved`` its value (21,)."""
+    """Return what is known of tilts (21,) [rad] that show; by how many sigmas each ``moved`` its value (21,)."""
     is_harmed = (moved > harmful) & (tilts > least)
     at_most = moved * np.minimum(1.0, ANY_TILT_RAD / np.maximum(tilts, ANY_TILT_RAD))
     worst = int(np.argmax(at_most))

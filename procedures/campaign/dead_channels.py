@@ -157,7 +157,7 @@ class _Channel:
         certain = [i for i in range(len(self.steps)) if self._is_dead(i)]
         order = sorted(range(len(self.steps)), key=lambda i: float(self.steps[i].series.t[0]))
         found, run = set(certain), list[int]()
-        for i in [*order, None]:  # a constant step beside a dead one, without a live one between, is dead too
+        for i in [*order, None]:  # a constant step next to a dead one, without a live one between, is dead too
             if i is not None and (self.is_constant(i) or i in found):
                 run.append(i)
                 continue
@@ -241,7 +241,7 @@ class _Channel:
 
 
 def without_dead(campaigns: Sequence[Campaign]) -> tuple[tuple[Campaign, ...], tuple[str, ...]]:
-    """Return the campaigns without the triads of dead channels where these are dead, and what is said of it."""
+    """Return the campaigns without the triads of dead channels where these are dead, and warnings of it."""
     kept, wording = list[Campaign](), list[str]()
     for campaign in campaigns:
         for triad in TRIADS:

@@ -16,7 +16,7 @@ from procedures.counts.time_unit import DAY_S, TIME_UNITS, TimeUnit, is_clock, m
 
 WINNING_ODDS = 100.0  # against the next: a wrong unit costs more than some ten questions, and the priors are rough
 LIE_ODDS = 1e4  # a header that states a unit is wrong once in so many logs
-POSSIBLE_HZ = (1e-4, 1e5)  # rates of any recording: a told unit outside it is refused
+POSSIBLE_HZ = (1e-4, 1e5)  # rates of any recording: a stated unit outside it is refused
 OFFERED_HZ = (0.05, 2.5e4)  # rates of inertial sensors, 0.1 Hz to 20 kHz, with their tolerances
 EVIDENCE_ROWS = 2000  # rows that are looked at, so that a streamed log is read as a whole one is
 MAX_DECIMALS = 9
@@ -41,7 +41,7 @@ IMPOSSIBLE = 1e-12
 DATE_DENSITY, OTHER_DATE = 1.0, 0.05  # per factor e, of stamps from 2000 to 2050, and of others from 1990 to 2100
 RECENT_S = (3.16e8, 1.89e9)  # s since 1990, of 2000 to 2050
 SAME_TICK = 1e-3  # relative: readings that are one
-CLOCK_TOLERANCE = 0.05  # relative, 1 sigma, of a second clock or a told rate against a unit's
+CLOCK_TOLERANCE = 0.05  # relative, 1 sigma, of a second clock or a stated rate against a unit's
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -210,7 +210,7 @@ def rate_density(rate_hz: float, uncertainty: float = 0.0) -> float:
 
 
 def _log_agreement(evidence: TimeEvidence, unit: TimeUnit, rate_hz: float) -> float:
-    """Return the log odds of what states the unit or rate: name, scale in the header, another clock, told rate."""
+    """Return the log odds of what states the unit or rate: name, scale in the header, other clock, stated rate."""
     total = 0.0
     alike = [odds for named, odds in evidence.named.items() if _is_same(named, unit)]
     total += math.log(max(alike, default=1.0))

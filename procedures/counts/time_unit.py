@@ -16,7 +16,7 @@ CLOCK_END = 240000.0  # of hhmmss
 RATIO_TOLERANCE = 0.05  # relative: units differ by more than six times
 CHECKED = 2**14  # rows at a time: the digits of seconds contradict a clock within a minute
 _TICK = re.compile(r"tick:([0-9.]+(?:e[+-]?[0-9]+)?)")
-TICK_RANGE_S = (1e-12, 1e7)  # of a tick that can be told
+TICK_RANGE_S = (1e-12, 1e7)  # of a tick that can be stated
 
 
 @dataclass(frozen=True, slots=True)

@@ -32,14 +32,15 @@ def grade_factor(evidence: Evidence, effect: Effect) -> float:
     """Return by how much an effect's plausible range is wider than for a unit of navigation grade; at least 1.
 
     Nonlinearity, temperature coefficients and the care of the hands go with the noise, over many decades. Of a
-    unit that is known by a rest alone how far its output wanders tells its grade too, for what goes with a channel
-    that is measured: the biases of MEMS sensors move with temperature by tens of times their noise over 100 s.
+    unit that is known by a rest alone how far its output drifts determines its grade too, for what goes with a
+    channel that is measured: the biases of MEMS sensors move with temperature by tens of times their noise over
+    100 s.
     """
     return noise_in_navigation_grade(evidence, _triad_of(effect), _is_measured(effect))
 
 
 def as_it_drifts(evidence: Evidence, effect: Effect, H: FloatArray) -> FloatArray:
-    """Return coefficients (k,) of columns H (n, k) that move rests as far as they wander; else nought.
+    """Return coefficients (k,) of columns H (n, k) that move rests as far as they drift; else zero.
 
     Of a unit that is known by rests alone, what goes by time may be all that is seen: a MEMS gyroscope jumps and
     drifts by tens of times its noise. Whether it is a random walk is asked of every drift and jump that is found.
@@ -61,7 +62,7 @@ def as_it_drifts(evidence: Evidence, effect: Effect, H: FloatArray) -> FloatArra
 def _sizes(evidence: Evidence, rows: BoolArray, moved: FloatArray, least: float) -> FloatArray:
     """Return the coefficients (k,) that move rows by their rms, where 1 of each moves them by ``moved`` (k,).
 
-    What moves them by no more than ``least`` is nought but for rounding, as a turn about the vertical is.
+    What moves them by no more than ``least`` is zero but for rounding, as a turn about the vertical is.
     """
     drift = float(np.sqrt(np.mean(evidence.residual[rows] ** 2)))
     found: FloatArray = np.divide(drift, moved, out=np.zeros(len(moved)), where=moved > least)
@@ -119,7 +120,7 @@ class Candidate:
         return bool(self.taken.any())
 
     def evidence(self, evidence: Evidence) -> Evidence:
-        """Return the evidence with what the model says of it put back to nought."""
+        """Return the evidence with what the model says of it put back to zero."""
         if not self.is_of_model:
             return evidence
         return replace(evidence, residual=evidence.residual - evidence.A[:, self.taken] @ evidence.x[self.taken])
@@ -130,7 +131,7 @@ class Candidate:
         others: Sequence[Term] = (),
         factor: FloatArray | None = None,
     ) -> LinearFit:
-        """Fit it beside the model and other terms; it stands last. ``factor`` (n,) widens the rows' sigma."""
+        """Fit it with the model and other terms; it stands last. ``factor`` (n,) widens the rows' sigma."""
         return fit_linear(self.evidence(evidence), [*others, self.term], ~self.taken, factor)
 
     def without(

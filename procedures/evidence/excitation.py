@@ -51,7 +51,7 @@ class StepNodes:
     seconds: FloatArray  # (n,) that a node stands for
 
 
-SHAKEN = ("dwell", "rest", "soak")  # kinds of steps whose vibration is told
+SHAKEN = ("dwell", "rest", "soak")  # kinds of steps whose vibration is measured
 PER_PART = ("C_sb", "E_accel", "E_gyro")
 
 
@@ -85,7 +85,7 @@ def join_nodes(parts: Sequence[StepNodes]) -> Excitation:
 
 
 def _fill_moves(values: FloatArray, t: FloatArray, number: IntArray, parts: Sequence[StepNodes]) -> None:
-    """Put into ``values`` (n,) in moves that are too short to tell them what goes straight between their ends.
+    """Put into ``values`` (n,) in moves that are too short to measure them what goes straight between their ends.
 
     ``t`` (n,) [s] is device time, ``number`` (n,) the part of every node.
     """

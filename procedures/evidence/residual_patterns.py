@@ -122,7 +122,7 @@ def global_log_p(evidence: Evidence, fit: LinearFit) -> float:
 
 
 def within_dwells(evidence: Evidence, fit: LinearFit) -> dict[str, Unexplained]:
-    """Return by triad the variance that wanders within its dwells, in squares of the mean's counting noise.
+    """Return by triad the variance of the drift within its dwells, in squares of the mean's counting noise.
 
     ``fit`` is the last, with unwidened sigmas. Scatter of means, turns and norms widens its sigmas; slope and
     curvature within a dwell are no rows of a calibration's fit. White noise gives a slope as much as it gives the

@@ -130,7 +130,7 @@ class _Builder:
             axis: IntArray | None = None) -> None:  # fmt: skip
         """Take in rows. ``own`` is the first of their own columns, a constant each; ``axis`` their sensors.
 
-        Three rows are a triad's three unless that is said.
+        Three rows are a triad's three unless that is stated.
         """
         A = np.zeros((len(residual), self.width))
         np.add.at(A.T, self.columns_of[triad][: jacobian.shape[1]], jacobian.T)
@@ -267,7 +267,7 @@ def _dwells(
         shapes = (("slope", x / np.sum(x**2) / half), ("curvature", curvature_weights(x) / half**2))
         estimates = joint.seen.estimates[i]
         if any(e.interval is not None for e in estimates):
-            continue  # too few counts to tell a shape
+            continue  # too few counts to determine a shape
         for kind, w in shapes:
             value = np.array([getattr(e, kind) for e in estimates]) / k
             std = np.array([getattr(e, f"{kind}_std") for e in estimates]) / k
@@ -295,7 +295,7 @@ def _rests(builder: _Builder, fits: CampaignFits, places: NodeBuilder, joint: Tr
 
 
 def _soaks(builder: _Builder, soaks: Sequence[tuple[str, Sequence[SoakBlock]]]) -> list[tuple[int, slice]]:
-    """Take in every block of each soak and triad, beside a constant of its own for every sensor alive.
+    """Take in every block of each soak and triad, with a constant of its own for every sensor alive.
 
     Return the number of each soak's first step, and the nodes of all its blocks.
     """
@@ -317,7 +317,7 @@ def _soaks(builder: _Builder, soaks: Sequence[tuple[str, Sequence[SoakBlock]]]) 
 def _levels(
     builder: _Builder, between: Sequence[SoakLevel], places: Sequence[tuple[int, slice]], own: int
 ) -> None:
-    """Take in the means of soaks beside each other: what all of a triad's have in common is a constant."""
+    """Take in the means of neighbouring soaks: what all of a triad's have in common is a constant."""
     common = dict[str, int]()  # the first column of each triad's constant
     for each in between:
         if each.triad not in common:
@@ -353,7 +353,7 @@ def _turns(builder: _Builder, places: NodeBuilder, gyroscope: GyroscopeFit) -> l
 def _moves(
     builder: _Builder, places: NodeBuilder, joint: TriadFit, seen: MovesSeen, placed: Sequence[slice]
 ) -> None:
-    """Take in every move's rotation [deg]; ``placed`` are the nodes of the placings."""
+    """Take in every move's rotation [deg]; ``placed`` are the nodes of the placements."""
     jacobian = joint.fit.jacobian[seen.rows].reshape(len(seen.error), 3, -1)
     for i, (part, weights) in enumerate(move_parts(places, joint, seen.moves, placed)):
         number, nodes = builder.nodes(part)

@@ -50,7 +50,7 @@ def move_parts(
 ) -> Iterator[tuple[StepNodes, MoveWeights]]:
     """Yield the nodes of every move, its rate as the gyroscopes measured it, with its weights.
 
-    ``placed`` are the nodes of the placings that the moves are between.
+    ``placed`` are the nodes of the placements that the moves are between.
     """
     samples, K, b = moves.finer.linear, joint.K, joint.b
     to_end, rates = rotations_to_end(samples, K, b), samples.rates(K, b)

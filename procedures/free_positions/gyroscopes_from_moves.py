@@ -308,7 +308,7 @@ class _MovesModel:
     def instability(self, x: FloatArray, scatter: float) -> FloatArray:
         """Return by how much the bias at every rest (r, 3) [output/s] is likely off the mean one.
 
-        What a rest's rate deviates by is wander and noise; the share of wander in it is the ratio of variances.
+        A rest's rate deviates by instability and noise; the share of instability is the ratio of variances.
         """
         _, rate = self.parts(x, self.seen.up)
         instability = (scatter * self.k) ** 2

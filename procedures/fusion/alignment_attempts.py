@@ -26,7 +26,7 @@ from procedures.fusion.fusion_records import (
 from procedures.fusion.preintegration import imu_gaps
 from procedures.gyrocompass import attitude_at_rest
 
-MAX_FORCE_CHANGE = 5e-3  # m/s2 of a second's mean specific force, beside its noise, that a bench may have
+MAX_FORCE_CHANGE = 5e-3  # m/s2 of a second's mean specific force, in addition to its noise, that a bench may have
 MAX_RATE_CHANGE = 1e-4  # rad/s of a second's mean rate
 STILLNESS_SIGMAS = 5.0
 MIN_REST_S = 5.0  # s

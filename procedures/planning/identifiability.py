@@ -1,6 +1,6 @@
 """Which error terms of the instrument a design can identify, and which it cannot separate.
 
-As in a diagnosis an effect's columns, of the catalogue and at nominal attitudes, stand beside the joint fit's own
+As in a diagnosis an effect's columns, of the catalogue and at nominal attitudes, stand next to the joint fit's own
 (K, b, slab, faces, headings, seats, with what is known of them). Dwells show their mean, turns and moves what they
 add up to; a move is the shortest way at an even speed, its specific force gravity alone. What the joint fit leaves
 of an effect's columns says the sigma of its coefficients. Temperatures are not planned: their effects are left

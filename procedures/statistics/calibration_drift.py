@@ -296,7 +296,7 @@ def filtered(series: CalibrationSeries, ways: ProcessHypotheses) -> ProcessFilte
     return found
 
 
-MIN_CALIBRATIONS = 3  # calibrations: from two, a trend and a scatter cannot be told apart at all
+MIN_CALIBRATIONS = 3  # calibrations: from two, a trend and a scatter cannot be separated at all
 TAIL_PROBABILITY = 0.025
 MAX_SPANS_AHEAD = 3.0  # times the span of the data: farther ahead nothing seen says how it walks
 
@@ -314,7 +314,7 @@ class PredictedValue:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Forecast:
-    """All that can be said about the days after the last calibration; ``low``, ``high`` None: no limit there."""
+    """All that can be stated about the days after the last calibration; ``low``, ``high`` None: no limit there."""
 
     filter: ProcessFilter
     low: float | None = None

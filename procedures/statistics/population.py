@@ -38,7 +38,7 @@ from procedures.statistics.significance import (
     tau_terms,
 )
 
-MIN_UNITS = 5  # units: with fewer, one that is off cannot be told from a wide fleet
+MIN_UNITS = 5  # units: with fewer, one that is off cannot be distinguished from a wide fleet
 MAX_EXTREME_SHARE, MAX_EXTREMES = 0.2, 20  # of the fleet, and in all
 
 

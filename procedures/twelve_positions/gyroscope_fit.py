@@ -21,8 +21,9 @@ has of another rate follows by one more linear step, since the outputs are linea
     min | r + J dx + R (dh, G) |^2,    G (3, 3) a bias per specific force
 
 ``dh`` is the change of the horizontal rate, ``tr G / 3`` that of the vertical one: a bias that is proportional to
-gravity along each axis cannot be told from it. What the other eight numbers of G show of the unit's sensitivity to
-gravity is the 1 sigma of that. Bias is in dx, told apart as the cube stands on opposite faces and headings.
+gravity along each axis cannot be distinguished from it. What the other eight numbers of G show of the unit's
+sensitivity to gravity is the 1 sigma of that. Bias is in dx, separated as the cube stands on opposite faces and
+headings.
 """
 
 from collections.abc import Sequence

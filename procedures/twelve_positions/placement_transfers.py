@@ -248,7 +248,7 @@ def long_enough_s(coning: float, seconds: float) -> float:
 
 
 def without_brisk(moves: PlacementTransfers, K: FloatArray, b: FloatArray) -> PlacementTransfers | None:
-    """Return the moves but for those that were too fast, which are said; None if none stays.
+    """Return the moves but for those that were too fast, which are reported; None if none stays.
 
     ``K`` (3, 3) [output/deg] and ``b`` (3,) [output/s] are the gyroscopes', roughly.
     """

@@ -7,8 +7,8 @@ a tilt moves in second order only; else s is as wide as `TURN_ON_STEP_STD_G`. Wh
 the tilt.
 
 Whether debris goes round with the cube, which then turns about an axis that tilts in it by as much, or lies on
-the slab, so that the cube turns about its own face's normal and wobbles, cannot be told: half the tilt is taken,
-and half of it is 1 sigma. A cube that sits well, by five sigma, is taken to turn about its face's normal.
+the slab, so that the cube turns about its own face's normal and wobbles, cannot be determined: half the tilt is
+taken, and half of it is 1 sigma. A cube that sits well, by five sigma, is taken to turn about its face's normal.
 
 Where no dwell says s, turns from one position still say of each other whether the cube lay alike. If it did not,
 any of them may have tilted: each is taken to tilt by what it lies off their mean, give or take as much.

@@ -117,7 +117,7 @@ def excess_cell(joint: TriadFit, triad: str) -> SourceCell:
 
 
 def scatter_dof(free: float, expected: FloatArray, excess: FloatArray) -> float:
-    """Return the degrees of freedom of a variance ``excess`` found beside ``expected``, both of the same shape.
+    """Return the degrees of freedom of a variance ``excess`` found beyond ``expected``, both of the same shape.
 
     It is a difference, total less expected. The total has ``free``; of the difference, a share s of the total,
     ``free s^2`` remain. At least 1, below which Student's distribution is of no use.

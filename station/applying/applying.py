@@ -79,7 +79,7 @@ def document_of(
     source: Source, calibration: Calibration, found: Survey, asked: OutputRequest, samples: int,
     spans: list[Calibrated], warnings: tuple[str, ...],
 ) -> dict[str, Any]:  # fmt: skip
-    """Return applied/1: what is to know of the file beside it, ``spans`` one a block."""
+    """Return applied/1: what is to know of the file next to it, ``spans`` one a block."""
 
     def of(name: str) -> list[Any]:
         values = np.concatenate([getattr(each, name) for each in spans])
@@ -139,7 +139,7 @@ class Progress:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Applied:
-    """What came of it: samples, the period [s], the document beside the file, and what to know, in words."""
+    """What came of it: samples, the period [s], the document next to the file, and what to know, in words."""
 
     samples: int
     period: float

@@ -194,7 +194,7 @@ def _compare_clocks(blocks: TableReader, found: LogColumns, is_stated: bool) -> 
                 rows += len(block.columns[found.time])
                 if rows >= CLOCK_ROWS:
                     break
-    except DataRefused:  # text in a clock that is not needed; what is wrong with the time is said where it is read
+    except DataRefused:  # text in a clock that is not needed; a wrong time is reported when it is read
         return
     columns = {name: np.concatenate([block.columns[name] for block in read]) for name in names}
     found.guesses.extend(
@@ -209,7 +209,7 @@ def _lines(block: Block, before: int) -> Sequence[int]:
 
 
 def step_source(file: Path, stated: Stated) -> LogSource:
-    """Open a step's CSV file of campaign/1; ``told`` is what the campaign says."""
+    """Open a step's CSV file of campaign/1; ``stated`` is what the campaign says."""
     columns = ColumnOptions(time="t_s", gyro=None, accel=None, unit_time="s")
     found = LogSource.open(file, columns)
     if not any(found.found.gyro) and not any(found.found.accel):

@@ -37,7 +37,7 @@ class RecordingSource:
 
     @classmethod
     def open(cls, file: Path, stated: Stated) -> "RecordingSource":
-        """Open an MCAP file; ``told`` is what its campaign says.
+        """Open an MCAP file; ``stated`` is what its campaign says.
 
         Raises
         ------
@@ -131,7 +131,7 @@ TRIAD_WORDS = {"gyroscope": "gyro", "accelerometer": "accel"}
 
 @dataclass(frozen=True, slots=True)
 class RawSource:
-    """A file of bytes that make so many ``samples``; ``told`` is what the device says of itself."""
+    """A file of bytes that make so many ``samples``; ``stated`` is what the device says of itself."""
 
     file: Path
     stated: Stated

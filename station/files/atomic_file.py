@@ -108,7 +108,7 @@ def write_file_pair(out: Path, second: Path) -> Iterator[tuple[Path, Path]]:
     """Give places to write a file, or a folder, and its companion to, under their names in a folder of their own.
 
     At the end they are put in their places, unless something is raised. What stood next to ``out`` goes first, and
-    its companion comes last: one that is cut off leaves a file that nothing is said of, none that it is not of.
+    its companion comes last: one that is cut off leaves a file that nothing is stated of, none that it is not of.
 
     Raises
     ------

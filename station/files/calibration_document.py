@@ -59,7 +59,7 @@ def check_effect(entry: Any, where: str) -> None:
 
 def _check_of_catalogue(entry: Mapping[str, Any], name: str, where: str) -> None:
     expected = _UNITS.get((name, entry.get("shape", "")))
-    if expected is None:  # it is not corrected, and said to be
+    if expected is None:  # it is not corrected, and reported so
         return
     if entry.get("unit", expected) != expected and "relaxation" not in name:
         raise DataRefused(where, None, f"{name} in {shown(entry['unit'])}", repr(expected), "convert it")

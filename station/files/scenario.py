@@ -178,7 +178,7 @@ def _camera(table: SimulatedCameraTable | None, where: _KeyLines) -> CameraTruth
         return None
     given = table.model_dump(exclude={"port", "imu_from_camera"})
     named = {name.removesuffix("_px"): value for name, value in given.items()}
-    for name, size in (("cx", table.width), ("cy", table.height)):  # the image's middle, where it is not said
+    for name, size in (("cx", table.width), ("cy", table.height)):  # the image's middle, where it is not reported
         named[name] = (size - 1) / 2 if named[name] is None else named[name]
     if table.imu_from_camera is not None:
         matrix = np.array(table.imu_from_camera)

@@ -24,8 +24,8 @@ from station.guide.last_setup import save_setup
 from station.guide.options import CalibrationOptions
 from station.guide.setup_view import PortCheck, Readiness, StartView
 from station.guide.start_screen import ReadinessInBackground, announce_readiness, start_view
+from station.guide.step_names import without_file_names
 from station.guide.view import ENDED_STAGES, CalibrationView, OperatorCommand, StageName, Verdict
-from station.guide.wording import without_file_names
 
 if TYPE_CHECKING:
     from station.guide.campaign.live_campaign import GuidedCampaign

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable
 from textwrap import wrap
 
 from station.guide.setup_view import Readiness
+from station.guide.step_names import files_as_steps, step_named
 from station.guide.view import (
     ENDED_STAGES,
     CalibrationSession,
@@ -17,7 +18,7 @@ from station.guide.view import (
     StageName,
     Verdict,
 )
-from station.guide.wording import files_as_steps, filters_in_words, soak_in_words, step_named
+from station.guide.wording import filters_in_words, soak_in_words
 from station.stream.stream_events import Event, NewEvents, Sound
 
 BELL_STROKES: dict[Sound, int] = {"": 0, "start": 1, "still": 2, "accepted": 3, "rejected": 4}

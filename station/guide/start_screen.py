@@ -23,7 +23,7 @@ from drivers.serial_port import list_ports
 from fixtures_db.campaigns import in_state, is_expired
 from fixtures_db.fixtures import fixture_rows
 from fixtures_db.schema import CampaignRow, CubeRow, SlabRow
-from station.guide.campaign.interrupted_campaigns import is_locked
+from station.guide.campaign.folder_lock import is_locked
 from station.guide.setup_view import Choice, StartView, UnfinishedCampaign
 
 Asked = tuple[Setup, PortCheck | None, PortCheck | None]  # set-up, the looks at its port and at its receiver

@@ -244,7 +244,7 @@ class CalibrationView(FrozenValue):
     with no break. ``can_redo`` names the step that "redo" would do again. ``tilt`` is which way of the cube, in
     its axes, is to be up where a free attitude is wanted. ``time_s`` is the device's time up to which the stream
     was looked at; None where it sends none that goes on. ``limits`` are the sigmas that a campaign goes on
-    for; where all are met one placing more ``can_do_more``.
+    for; where all are met one placement more ``can_do_more``.
     """
 
     stage: StageName = "start"
@@ -302,7 +302,7 @@ CommandVerb = Literal[
     "answer",  # the question, with `key`
     "keep_seating",  # accept the cube as it sits
     "finish",  # solve with what is there
-    "more",  # one placing more though all that is wanted is met
+    "more",  # one placement more though all that is wanted is met
     "store",  # the calibration: the operator's act
     "leave",  # end here, to be resumed
     "cancel",  # end here, the database as it was

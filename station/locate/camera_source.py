@@ -25,7 +25,7 @@ from station.locate.outer_layer import Located, outer_settings, through_graph, w
 FIRST_ATTEMPT_S = 5.0  # s of tracks after which it is worth a try
 ATTEMPT_INTERVAL_S = 1.0  # s between attempts
 MIN_OFFSET_STD_S = 0.001  # s, standard uncertainty with which the window continues
-UNKNOWN_OFFSET_STD_S = 0.01  # s, 1 sigma of a clock of which nothing was said
+UNKNOWN_OFFSET_STD_S = 0.01  # s, 1 sigma of a clock of which nothing was stated
 WINDOW_S = 20.0  # s that are looked at
 SUSPECTED_OFFSET_STD_S = 0.1  # s, 1 sigma about 0, within which such a clock is looked for
 SIGNIFICANT_SIGMAS = 5.0  # sigmas from which an offset is one

@@ -47,7 +47,7 @@ GENTLE_S = 0.015  # 1 sigma of the delay that does where all turns are gentle: t
 
 
 class LiveCamera:
-    """``told`` is the offset to be added to the camera's stamps; with a sigma, or None, it is found.
+    """``stated`` is the offset to be added to the camera's stamps; with a sigma, or None, it is found.
 
     ``why`` says what is missing.
     """

@@ -3,7 +3,7 @@
 All follows from what came and from the moments at which it was read, so that a replay gives the same. Keyframes
 stand at fixes, or at a camera's frames where there is one, as far behind the newest sample as fixes are late. What
 comes later than those is not waited for: a camera's frames count at the keyframes that stand where they were
-taken, which the window keeps for as long; a wheel's that are later are not used, and that is said.
+taken, which the window keeps for as long; a wheel's that are later are not used, and that is reported.
 """
 
 from collections import deque

@@ -40,7 +40,7 @@ class AidSilence:
         self._aid, self._since, self._is_reported = aid, math.nan, False
 
     def look(self, aiding: AidValues, t: float) -> str:
-        """Take what the aid said until device time ``t`` [s]; return what is to be said, empty if nothing."""
+        """Take what the aid reported until device time ``t`` [s]; return what to report, empty if nothing."""
         if self._aid not in EXPECTED or self._is_reported:
             return ""
         if math.isnan(self._since) or t < self._since or aiding is not NO_AID:

@@ -285,7 +285,7 @@ class Monitor:
             self._notes[reading.name] = reading.note
 
     def _location(self) -> Location | None:
-        """Return where the unit is, if that is asked for; what is new about it is said once."""
+        """Return where the unit is, if that is asked for; what is new about it is reported once."""
         if self._options.locating is None:
             return None
         found = self._options.locating.location

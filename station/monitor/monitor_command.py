@@ -161,7 +161,7 @@ def _opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], 
     """Return the engine of a device or a replay, with its folder."""
     described = _described(wanted)
     if described is not None:
-        opencv()  # said before anything is begun
+        opencv()  # reported before anything is begun
     rolling = _wheel_described(wanted)
     filters, gains = _filters(wanted)
     folder = _folder(wanted, stack)

@@ -62,7 +62,7 @@ def sigma_table(found: FloatArray, asked: WantedSigmas, usual: FloatArray) -> li
 
 
 def effect_table(sigmas: DesignSigmas, design: CampaignDesign) -> list[dict[str, Any]]:
-    """Return which effects of the instrument a diagnosis could tell by a design and by the usual one, moves in."""
+    """Return which effects of the instrument a diagnosis identifies by a design and by the usual one, moves in."""
     identified = [
         {one.name: one for one in identifiable_effects(sigmas, each)}
         for each in (design, usual_design(moves=True))
@@ -95,7 +95,7 @@ def given_up(document: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 def noise_table(noise: UnitNoise) -> dict[str, Any]:
-    """Return a unit's noise by axis: ug/sqrt(Hz), deg/sqrt(h); the wander in deg/h."""
+    """Return a unit's noise by axis: ug/sqrt(Hz), deg/sqrt(h); the bias instability in deg/h."""
     return {
         "accelerometer_g_sqrt_s": dict(zip(AXES, noise.accel_white.tolist(), strict=True)),
         "gyroscope_deg_sqrt_h": dict(zip(AXES, (noise.gyro_white * np.sqrt(S_PER_H)).tolist(), strict=True)),
@@ -218,7 +218,7 @@ def _seconds(dwell: DwellRecord) -> float:
 def continued_text(found: NextPlacement, asked: WantedSigmas, whole: WantedSigmas) -> str:
     """Return how far each asked sigma is, how long it will take, and the next placement.
 
-    ``whole`` is what is asked, and all else as well as it is to be solved: said where it alone is not met.
+    ``whole`` is what is asked, and all else as well as it is to be solved: reported where it alone is not met.
     """
     so_far, worst = sigmas_so_far(found.sigmas, asked), float(whole.worst(found.sigmas))
     lines = [one.text for one in so_far]

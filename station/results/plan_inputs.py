@@ -157,7 +157,7 @@ def hand_times(database: Database) -> tuple[HandTimes, str]:
 
 
 def _timed(row: CampaignRow) -> Sequence[tuple[Step, float]]:
-    """Return dwells and turns with what they took beside recording, from the step accepted before."""
+    """Return dwells and turns with what they took in addition to recording, from the step accepted before."""
     try:
         steps = {step.name: step for step in kept_plan(Path(row.folder))}
     except (DataRefused, OSError):

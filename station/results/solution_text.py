@@ -88,7 +88,7 @@ def _vector(title: str, estimate: Mapping[str, Any] | None) -> list[str]:
 
 
 def effect_lines(effect: Mapping[str, Any]) -> list[str]:
-    """Return the lines of an effect that the solution holds; of a file of its own its hash stands beside it."""
+    """Return the lines of an effect that the solution holds; of a file of its own its hash stands next to it."""
     short = f" (effect/1, sha256 {effect['sha256'][:12]})" if "sha256" in effect else ""
     units = effect.get("units", {})
     rows = [

@@ -137,7 +137,7 @@ def _names(judged: Sequence[JudgedLimit]) -> str:
 
 
 def _against(judged: JudgedLimit) -> str:
-    """Say a value beside its limit."""
+    """Say a value with its limit."""
     assert judged.parameter is not None
     text, unit = shown(judged.parameter)
     return f"{judged.parameter.title}, {text} {unit}".rstrip() + f"; limit {judged_in_words(judged)}"

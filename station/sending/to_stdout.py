@@ -137,7 +137,7 @@ def open_output(where: str, about: About) -> StdoutLines:
     Raises
     ------
     BadAddress
-        If more than ``stdout`` was said.
+        If more than ``stdout`` was reported.
     """
     if where:
         raise BadAddress(f"stdout:{where}", repr(where), "stdout alone")

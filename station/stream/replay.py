@@ -32,7 +32,7 @@ def _is_fix(record: Record) -> bool:
 
 
 def read_recorded_fixes(file: Path) -> list[Record]:
-    """Return what receivers recorded alongside an IMU's file said, in order of reading."""
+    """Return what receivers recorded alongside an IMU's file reported, in order of reading."""
     found = [path for path in sorted(file.parent.glob("gnss_*.mcap")) if not path.name.startswith("gnss_session_")]
     return sorted(chain.from_iterable(map(read_fixes, found)), key=lambda record: record.host_ns)
 

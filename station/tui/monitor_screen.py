@@ -187,7 +187,7 @@ def state_of(view: MonitorView) -> tuple[str, str, str]:
         return "■ ENDED", "$foreground", view.line
     if view.trouble:
         ailing = next((stream for stream in view.streams if stream.trouble), view.streams[0])
-        is_imu = ailing is view.streams[0]  # what stands beside it stops nothing
+        is_imu = ailing is view.streams[0]  # what stands next to it stops nothing
         return "✗ NO DATA" if is_imu else f"✗ {ailing.name.split()[0].upper()}", "$error", view.trouble
     if view.alarms:
         return "✗ ALARM", "$error", "; ".join(view.alarms)

@@ -26,8 +26,9 @@ from procedures.campaign.plan_steps import Dwell, Step, dwell_steps, turn_steps
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.sha256sums import read_hashes, verify_folder
 from station.guide.campaign.checklist import Checklist
+from station.guide.campaign.folder_lock import folder_lock
 from station.guide.campaign.folder_recorder import FolderRecorder
-from station.guide.campaign.interrupted_campaigns import folder_lock, reopen
+from station.guide.campaign.interrupted_campaigns import reopen
 from station.guide.stages.guide import Guide
 from station.guide.stages.stage_context import BenchFacts, StageContext
 from station.guide.view import CalibrationView

@@ -114,7 +114,7 @@ class SimulatedCamera(CompanionDevice):
     ----------
     truth, camera, faults, track, seed
         What is simulated, see `CameraImages`.
-    beside
+    imu
         The device whose time it shares; without it, the host's, ``speed`` times as fast.
     port
         Where it listens; 0: any free one.

@@ -10,9 +10,9 @@ from drivers.simulated.server import SimulatedDevice
 
 
 class CompanionDevice:
-    """Served by a thread while the ``with`` block lasts; what is to be said is a subclass's.
+    """Served by a thread while the ``with`` block lasts; what is to be reported is a subclass's.
 
-    ``beside`` is the device whose time it shares; without one time is the host's, ``speed`` times as fast. Of its
+    ``imu`` is the device whose time it shares; without one time is the host's, ``speed`` times as fast. Of its
     ``faults``, which a subclass reads, ``unplug`` is acted on here.
     """
 

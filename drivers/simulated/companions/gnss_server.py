@@ -287,7 +287,7 @@ class SimulatedGnss(CompanionDevice):
     ----------
     truth, autopilot, faults, track, seed
         What is simulated, see `Autopilot`.
-    beside
+    imu
         The device whose time it shares; without it, the host's, ``speed`` times as fast.
     transport, link, port, to
         ``udp`` (it listens on ``port``, or sends to ``to``), ``tcp`` on ``port``, or ``pty``; port 0: any.

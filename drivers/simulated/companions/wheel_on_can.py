@@ -1,4 +1,4 @@
-"""A simulated vehicle's wheel on CAN: frames of a DBC behind an slcan adapter, beside a simulated IMU or alone."""
+"""A simulated vehicle's wheel on CAN: frames of a DBC behind an slcan adapter, with a simulated IMU or alone."""
 
 from collections.abc import Iterable
 from pathlib import Path

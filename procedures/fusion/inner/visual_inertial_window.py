@@ -1,6 +1,6 @@
-"""The inner layer with a camera: tracks beside IMU and GNSS velocity, in a window of ten keyframes.
+"""The inner layer with a camera: tracks with IMU and GNSS velocity, in a window of ten keyframes.
 
-Landmarks and where the camera sits are fitted beside poses, velocities and biases: reprojection with Huber's loss.
+Landmarks and where the camera sits are fitted with poses, velocities and biases: reprojection with Huber's loss.
 The landmarks are eliminated by hand, all at once. What leaves is marginalised with all its sights; landmarks that
 are still followed stay in the prior, so that nothing is used twice and nothing lost.
 """

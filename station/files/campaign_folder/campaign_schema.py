@@ -106,7 +106,7 @@ class SiteTable(PlaceTable):
 
 
 class ProcedureTable(TomlTable):
-    """``[procedure]``, 1 sigma. ``seat_std_arcsec``: of a face on the slab, from placing to placing; for moves.
+    """``[procedure]``, 1 sigma. ``seat_std_arcsec``: of a face on the slab, between placements; for moves.
 
     ``closure_widened_from_deg``: what was stated before turns did not close to it.
     """

@@ -220,7 +220,7 @@ class WantedRecord(BaseModel):
 
     ``sigmas`` by parameter, in the units of files, scale factors relative; ``accel_white`` [g sqrt(s)],
     ``gyro_white`` [deg/sqrt(s)], scales [count/(g s)] and [count/deg], None where nothing is counted; ``wander``
-    [deg/s]; what a placing takes hands, and of that the move [s]. No white noise: the first dwell is to show it.
+    [deg/s]; what a placement takes hands, and of that the move [s]. No white noise: the first dwell is to show it.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)

@@ -118,7 +118,7 @@ def log_data(found: LogColumns, rate_hz: float | None, name: str) -> tuple[Table
     reference = None if found.reference is None else table.column(found.reference) / found.reference_unit
     keep = _usable([*triads.values(), stamps, reference], table.rows)
     lost = ~keep
-    lost[list(table.damaged)] = False  # the reader said so
+    lost[list(table.damaged)] = False  # the reader reported so
     if lost.any():
         count = int(lost.sum())
         notes.append(f"{count} rows without a number in time or outputs, first in {_place(found, lost)}: not used")

@@ -103,7 +103,7 @@ def seconds_of_clock(table: Table, name: str, values: FloatArray) -> float | Non
     return dated[0].seconds if dated else None
 
 
-FEW_DIGITS = 0.1  # share of the rows that have the stamp of the row before, from which it is said
+FEW_DIGITS = 0.1  # share of the rows that have the stamp of the row before, from which it is reported
 MOST_OFFERED = 6  # readings in a question
 
 

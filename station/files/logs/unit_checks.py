@@ -65,7 +65,7 @@ class Readings:
 
 
 def check_units(log: Readings) -> list[str]:
-    """Return what is said of a log whose units are possible.
+    """Return what is reported of a log whose units are possible.
 
     Raises
     ------

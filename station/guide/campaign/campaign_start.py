@@ -28,14 +28,9 @@ from station.files.campaign_setup import Setup
 from station.guide.campaign.accepted_steps import AcceptedSteps, after_pause, read_accepted_steps
 from station.guide.campaign.campaign_tables import copy_effects, cube_fixture, procedure_table, site_table
 from station.guide.campaign.checklist import Checklist
+from station.guide.campaign.folder_lock import folder_lock
 from station.guide.campaign.folder_recorder import WARM_UP_S, FolderRecorder, refuse_full
-from station.guide.campaign.interrupted_campaigns import (
-    clear_unfinished,
-    folder_lock,
-    has_row,
-    is_unfinished,
-    reopen,
-)
+from station.guide.campaign.interrupted_campaigns import clear_unfinished, has_row, is_unfinished, reopen
 from station.guide.campaign.live_campaign import FinishedCampaign, LiveCampaign
 from station.guide.campaign.port_check import RECORD_INSTEAD, reopen_receiver, setup_with_site, site_text, utc_now
 from station.guide.campaign.sequential_campaign import limits_of, sequential_plan, target_record

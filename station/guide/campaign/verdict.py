@@ -11,8 +11,8 @@ from fixtures_db.stored_calibrations import last_calibration
 from procedures.calibration.solution_values import StepResidual
 from procedures.frames import AXES
 from station.files.campaign_folder.plan_file import read_left_out
+from station.guide.step_names import gap_in_words, verdict_without_file_names
 from station.guide.view import Verdict, VerdictRow
-from station.guide.wording import gap_in_words, verdict_without_file_names
 from station.results.contradictory_dwells import worst_kept
 from station.results.diagnosis.diagnosis_text import diagnosis_text, warnings_of
 from station.results.diagnosis.diagnosis_wording import verdict_sentence

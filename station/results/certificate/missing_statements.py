@@ -59,7 +59,7 @@ FROM_LABORATORY = {
     "item.condition": "[item] condition, or --condition",
     "traceability.time_base": "[traceability] time_base",
 }
-FOR_DIGITAL = {  # what the form of a digital certificate asks for beside
+FOR_DIGITAL = {  # what the form of a digital certificate asks for in addition
     "laboratory.country": "[laboratory] country, two letters of ISO 3166-1",
     "laboratory.email": "[laboratory] email",
     "customer.email": "[customer] email, or --customer-email",

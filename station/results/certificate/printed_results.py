@@ -32,7 +32,7 @@ Row = tuple[str, ...]
 
 @dataclass(frozen=True, slots=True)
 class MeasuredParameter:
-    """A result: the value applied, its combined standard uncertainty, and what the budget says beside it.
+    """A result: the value applied, its combined standard uncertainty, and what the budget states with it.
 
     In the unit of files; ``dof`` is infinite where the budget leaves it out, ``expanded`` is U = k u.
     """

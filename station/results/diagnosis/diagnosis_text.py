@@ -36,7 +36,7 @@ OFFERED = ("unexplained", "partly")
 
 
 def proposed_lines(finding: Mapping[str, Any]) -> list[str]:
-    """Return what is said of a proposed finding beside its coefficients; nothing of another."""
+    """Return what is reported of a proposed finding in addition to its coefficients; nothing of another."""
     if finding["confidence"] != PROPOSED:
         return []
     return [line for text in proposed_in_words(finding) for line in _wrapped(text)] + [

@@ -257,7 +257,7 @@ def p_text(log10_p: float) -> str:
 
 
 def notes(finding: Mapping[str, Any]) -> list[str]:
-    """Return what else is to be said of a finding, a sentence each."""
+    """Return what else is to be reported of a finding, a sentence each."""
     found = list[str]()
     if (angle := finding.get("levelling_deg")) is not None:
         along = [f"{degrees(c['value']):.2f} along {n[-1]}" for n, c in finding["coefficients"].items()]

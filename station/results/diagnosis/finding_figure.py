@@ -244,7 +244,7 @@ def _first(value: object) -> object:
 def panel_of(
     evidence: Evidence, effect: str, way: Candidate, others: Sequence[Term], coordinate: Finding | Coordinate
 ) -> ResidualPanel:
-    """Return the residual without and with an effect's columns, beside others.
+    """Return the residual without and with an effect's columns, with others.
 
     ``coordinate`` is of all rows, or of the rows in which it shows most the finding's own.
     """

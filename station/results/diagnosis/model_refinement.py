@@ -129,7 +129,7 @@ def _with_tilts(solution: Solution, fits: CampaignFits, seatings: Collection[tup
 
 
 def is_of_unit(finding: Finding) -> bool:
-    """Say whether a finding is one of the instrument in the solution; one of a rate table's file is beside it."""
+    """Say whether a finding is one of the instrument in the solution; one of a rate table's file is not."""
     return finding.kind == "instrument" and "file" not in finding.where
 
 

@@ -1,6 +1,6 @@
 """population/1: units of a model that stand out, and fixtures, sites or operators that shift a parameter.
 
-Two families of tests, each with half of `ALPHA`: all parameters of all units (Bonferroni over parameters, beside
+Two families of tests, each with half of `ALPHA`: all parameters of all units (Bonferroni over parameters, with
 that over units in `procedures.statistics.population`), and all parameters of all groups (Holm). The adjusted
 p-values are doubled for it, so that a fleet in which nothing is off shows something with probability `ALPHA` at
 most.

@@ -153,7 +153,7 @@ def noise_text(document: Mapping[str, Any]) -> str:
 
 
 def noise_lines(channels: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    """Yield what is said of every channel."""
+    """Yield what is reported of every channel."""
     for each in channels:
         yield f"{each['channel']}, {each['seconds']:.4g} s of {each['recording']} at {_rates_text(each)}"
         for term in each["terms"].values():

@@ -159,7 +159,7 @@ def resolve_fleet(
         The folder where solutions are kept as they arrive; what is there for the same files, the same code and
         the same path is not computed again.
     stream
-        Where progress is said.
+        Where progress is reported.
     """
     with database.read() as session:
         campaigns = [_Campaign(known_of(session, folder)) for folder in folders]

@@ -105,7 +105,8 @@ def map_restartable(
         Of a module that workers can import; returns what JSON can hold, finite. What it computes depends on the
         item alone (seeds are part of it), so that no number depends on who computes it or when.
     key
-        All that the result of an item depends on beside the code, as JSON can hold it: hashes of files, seeds.
+        All that the result of an item depends on in addition to the code, as JSON can hold it: hashes of files,
+        seeds.
     folder
         Where results are kept, a file each; None keeps none. It may be deleted at any time.
 

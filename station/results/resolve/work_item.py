@@ -69,7 +69,7 @@ class ClusterLost(StationError, ConnectionError):
 
 @dataclass(frozen=True, slots=True)
 class ItemFault:
-    """Why there is no result: one line, the exit code a command would end with, and the machine that said so."""
+    """Why there is no result: one line, the exit code a command would end with, and the machine that sent it."""
 
     text: str
     code: int

@@ -85,7 +85,7 @@ NUMBER = re.compile(r"\d[\d.]*")
 
 
 class TroubleLog:
-    """One stream's troubles, each said once: other counts in the same words are no other trouble."""
+    """One stream's troubles, each reported once: other counts in the same words are no other trouble."""
 
     def __init__(self, name: str, say: Callable[[str], None]) -> None:
         self._name, self._say = name, say

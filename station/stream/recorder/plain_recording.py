@@ -87,7 +87,7 @@ def record(
 def _the_disk_refusing(path: Path) -> Iterator[None]:
     try:
         yield
-    except (CannotWrite, ConnectionError, TimeoutError):  # said already, or the device's
+    except (CannotWrite, ConnectionError, TimeoutError):  # reported already, or the device's
         raise
     except OSError as error:
         raise cannot_write(path, error) from error

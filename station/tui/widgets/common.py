@@ -164,7 +164,7 @@ class Banner(ValueWidget[BannerText]):
 
 
 def _split(text: str, room: int) -> tuple[str, str]:
-    """Return what of a text fits beside the chip, and the rest."""
+    """Return what of a text fits next to the chip, and the rest."""
     first = (wrap(text, max(room, 20), break_on_hyphens=False) or [""])[0]
     return first, text[len(first) :].strip()
 

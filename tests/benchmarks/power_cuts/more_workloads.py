@@ -6,8 +6,8 @@ from tempfile import TemporaryDirectory
 from fixtures_db.database import open_db
 from procedures.campaign.plan_steps import Step
 from station.files.atomic_file import new_folder
+from station.guide.campaign.folder_lock import folder_lock
 from station.guide.campaign.folder_recorder import FolderRecorder
-from station.guide.campaign.interrupted_campaigns import folder_lock
 from station.stream.live.live_feed import open_feed
 from station.stream.recorder.accepted_step_writer import open_campaign
 from tests.benchmarks.edited_databases.honest_databases import of_version

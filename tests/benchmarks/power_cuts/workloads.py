@@ -15,8 +15,9 @@ from station.errors import CannotWrite
 from station.files.atomic_file import new_folder
 from station.files.database_files import write_csv
 from station.files.mcap_files.schemas import RAW_TOPIC
+from station.guide.campaign.folder_lock import folder_lock
 from station.guide.campaign.folder_recorder import FolderRecorder
-from station.guide.campaign.interrupted_campaigns import folder_lock, reopen
+from station.guide.campaign.interrupted_campaigns import reopen
 from station.stream.live.live_feed import open_feed
 from station.stream.reader import Chunk, StreamGap, journal
 from station.stream.reader.journal import Journal

@@ -18,11 +18,10 @@ from station.files.atomic_file import new_folder
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.plan_file import keep_plan
 from station.files.sha256sums import verify_folder
+from station.guide.campaign.folder_lock import FolderInUse, folder_lock
 from station.guide.campaign.interrupted_campaigns import (
-    FolderInUse,
     cancel_campaign,
     clear_unfinished,
-    folder_lock,
     has_row,
     is_unfinished,
     reopen,

@@ -6,7 +6,7 @@ from collections.abc import Callable
 import pytest
 
 from station.guide.plain_screen import verdict_lines
-from station.guide.wording import files_as_steps, gap_in_words, step_named, without_file_names
+from station.guide.step_names import files_as_steps, gap_in_words, step_named, without_file_names
 from station.stream.stream_events import Event
 from tests.station.guide.rig import GuideRig
 from tests.station.tui import views

@@ -86,7 +86,7 @@ def _parameter(
 
 
 def degrees_of_freedom(dof: float) -> Element:
-    """Return effective degrees of freedom as what a quantity says beside its number."""
+    """Return effective degrees of freedom as what a quantity states next to its number."""
     data = dcc("data", quantity(DOF, real(dof, ONE)))
     return dcc("metaData", data, refType="fog_effectiveDegreesOfFreedom")
 

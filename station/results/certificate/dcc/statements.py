@@ -17,7 +17,7 @@ CONFORMITY_TEXT = {"PASS": "erfüllt", "FAIL": "nicht erfüllt", "NOT MEASURED":
 
 
 def decision_statements(content: CertificateContent) -> list[Element]:
-    """Return rule and outcome; without limits that nothing is said of conformity."""
+    """Return rule and outcome; without limits that nothing is stated of conformity."""
     found = content.found
     if found is None:
         model = content.document["model"]

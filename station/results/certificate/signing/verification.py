@@ -39,7 +39,7 @@ from station.results.certificate.signing.xml_signature import Signed, is_signed,
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One thing that was looked at, in a sentence; ``holds`` is None where nothing can be said of it."""
+    """One thing that was looked at, in a sentence; ``holds`` is None where nothing can be reported of it."""
 
     name: str
     words: str
@@ -117,7 +117,7 @@ def _with_attached(found: Verified, reader: Any, where: str | Path, trust: Trust
     ((name, content),) = attached.items()
     inner = verify_xml(content, f"{where}: {name}", trust)
     stated = [Finding(f"{name}: {one.name}", one.words, one.holds) for one in inner.findings]
-    if not is_signed(parse_xml(content, name)):  # the file's signature covers it, or is said to be none
+    if not is_signed(parse_xml(content, name)):  # the file's signature covers it, or is reported to be none
         stated = [one for one in stated if not one.name.endswith(": signature")]
         return replace(found, findings=[*found.findings, *stated], document=inner.document)
     is_whole, stamped = found.is_whole and inner.is_whole, found.stamped or inner.stamped
@@ -137,7 +137,7 @@ def _schema(root: Any) -> Finding:
 
 
 def _signature(signed: Signed, trust: Trust, what: str) -> tuple[list[Finding], datetime | None]:
-    """Return what is said of a signature that holds, its key and stamp, and the moment that the stamp proves."""
+    """Return what is known of a signature that holds, its key and stamp, and the moment that the stamp proves."""
     stamp, moment = _time_stamp(signed, trust)
     key = standing(signed.certificate, signed.others, trust, moment or datetime.now(UTC))
     when = "" if not signed.claimed else f", by its signer's clock at {signed.claimed}"
@@ -150,7 +150,7 @@ def _signature(signed: Signed, trust: Trust, what: str) -> tuple[list[Finding], 
 
 
 def _time_stamp(signed: Signed, trust: Trust) -> tuple[Finding, datetime | None]:
-    """Return what is said of a time stamp, and the moment that it proves; None if it proves none."""
+    """Return what is reported of a time stamp, and the moment that it proves; None if it proves none."""
     if signed.token is None:
         return Finding("time stamp", "none: the time of signing cannot be proved", None), None
     try:
