@@ -43,7 +43,7 @@ Say = Callable[[str], None]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Reading:
-    """A term that this campaign cannot separate from the proposed one: how similar they are and how much less likely
+    """A term that this campaign cannot separate from the proposed one: how similar, how much less likely it is.
 
     ``worse`` is the difference of their ln probabilities.
     """
