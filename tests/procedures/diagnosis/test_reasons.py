@@ -8,7 +8,7 @@ from procedures.campaign.campaign import Campaign, RestRecord, Site
 from procedures.counts.sample_records import RateSeries
 from procedures.inference.result import Finding, probability_of
 from station.results.diagnosis.diagnosis_json import finding_document
-from station.results.diagnosis.diagnosis_wording import EXCESS_SAID, verdict_sentence
+from station.results.diagnosis.diagnosis_wording import EXCESS_IN_WORDS, verdict_sentence
 
 
 def finding(**changed: object) -> Finding:
@@ -35,7 +35,7 @@ def test_a_channel_at_the_end_of_its_range_has_no_p() -> None:
     assert found.log_p is None
 
 
-@pytest.mark.parametrize("code", list(EXCESS_SAID))
+@pytest.mark.parametrize("code", list(EXCESS_IN_WORDS))
 def test_every_reason_is_said_with_its_value(code: str) -> None:
     reason = {"code": code, "what": "gyroscope, time", "value": 0.123}
     document = {"log10_p": -9.0, "verdict": "unexplained", "findings": [], "reasons": [reason]}
