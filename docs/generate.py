@@ -30,12 +30,11 @@ from procedures.effects import EFFECTS
 from procedures.effects.effect import INSTRUMENT, Effect
 from procedures.error_codes import ErrorCode
 from station import cli
-from station.exit_codes import EXIT_CODES, MEANINGS
-from station.files.anchor_file import AnchorTable
+from station.errors import EXIT_CODES, MEANINGS
 from station.files.campaign_folder.campaign_schema import CampaignTable
 from station.files.campaign_folder.plan_file import PlanTable
+from station.files.database_files import TABLES, AnchorTable
 from station.files.effect_file import EffectTable
-from station.files.fixture_files import TABLES
 from station.files.fusion_folder.fusion_schema import FusionTable
 from station.files.limits_file import LimitsTable
 from station.files.scenario_schema import ScenarioTable
@@ -163,7 +162,7 @@ def error_codes_page() -> str:
 
 Every error is one line: what was found, what was expected, what to do. Its wording may improve; its code does not
 change. `station --verbose ...` adds the code to the line. In a program, each exception has it as `error.code`
-(`procedures.error_codes.ErrorCode`).
+(`procedures.errors.ErrorCode`).
 
 {codes}
 ## Exit codes

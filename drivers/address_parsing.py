@@ -3,7 +3,7 @@
 ``serial:///dev/ttyUSB0?baud=921600&format=rawimusx`` · ``tcp://host:port?format=counts`` · ``replay:FILE`` ·
 ``can://slcan/dev/ttyACM0?bitrate=1000000&dbc=FILE&map=FILE`` ·
 ``triad:?x=serial:///dev/ttyUSB0&y=serial:///dev/ttyUSB1&z=serial:///dev/ttyUSB2&format=ch70``.
-What people type instead, such as ``/dev/ttyUSB0`` or ``imu.local:5000``: `drivers.address_guess`.
+What people type instead, such as ``/dev/ttyUSB0`` or ``imu.local:5000``: `drivers.addresses`.
 
 ``mavlink:udpin:HOST:PORT`` listens, ``mavlink:udpout:HOST:PORT`` calls, ``mavlink:tcp:HOST:PORT`` connects,
 ``mavlink:serial:/dev/NAME?baud=57600`` opens a line. Options: ``system`` the one to read, ``key`` a file with the
@@ -22,7 +22,6 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from urllib.parse import SplitResult, parse_qsl, unquote, urlencode, urlsplit
 
-from drivers.address_guess import Role, whole_url
 from drivers.addresses import (
     CAN,
     DEFAULT_BAUD,
@@ -33,12 +32,14 @@ from drivers.addresses import (
     HttpCameraAddress,
     MavlinkAddress,
     ReplayAddress,
+    Role,
     SerialAddress,
     TcpAddress,
     TriadAddress,
     UdpAddress,
     VideoDeviceAddress,
     WheelAddress,
+    whole_url,
 )
 from drivers.errors import BadDeviceUrl
 from drivers.wire import FORMATS
@@ -62,7 +63,7 @@ IMAGE_SIZE = re.compile(r"([1-9]\d{0,4})x([1-9]\d{0,4})", re.ASCII)
 
 
 def parse_device_url(typed: str, role: Role = "imu") -> DeviceAddress:
-    """Return the address in a URL, or in what `drivers.address_guess` makes one of.
+    """Return the address in a URL, or in what `drivers.addresses` makes one of.
 
     Raises `BadDeviceUrl` naming what was found and what would be accepted.
     """

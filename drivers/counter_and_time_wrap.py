@@ -31,7 +31,7 @@ def unwrap_steps(seconds: FloatArray, modulus: float | None) -> FloatArray:
     """Return ``seconds`` (n,), steps of device time, as the smallest (n,) [s] that fit a wrap at ``modulus``.
 
     One that turns within `MIN_TURN_S` is read as going on, as a counter of few bits is. Seconds are rounded to
-    0.1 us before and after: a repeat's step would else come out as just beside 0, or as a whole turn.
+    0.1 us before and after: a repeat's step would else come out as just next to 0, or as a whole turn.
     """
     if modulus is None:
         return seconds

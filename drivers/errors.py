@@ -23,7 +23,7 @@ import os
 import re
 from collections.abc import Iterable
 
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 
 
 class DriverError(Exception):
@@ -236,8 +236,8 @@ _MEANINGS = {  # what libraries say in words of their own
 def reason_of(error: BaseException) -> str:
     """Return one short clause: no numbers, no name of what failed, nothing twice."""
     text = " ".join(str(error).split())
-    for said, meant in _MEANINGS.items():
-        if said in text:
+    for wording, meant in _MEANINGS.items():
+        if wording in text:
             return meant
     if numbered := _NUMBERED.findall(text):
         return str(next(filter(None, numbered[-1]))).strip()

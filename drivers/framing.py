@@ -33,7 +33,7 @@ class FrameRun(NamedTuple):
 class Decoder:
     """Turns a stream of bytes into blocks, as they come.
 
-    ``counters`` says what was met; ``identity``, ``model`` and ``serial`` who the device last said it is;
+    ``counters`` says what was met; ``identity``, ``model`` and ``serial`` who the device last reported it is;
     ``kind`` which kind of frame held the last sample. ``edges`` (n, 2) says where the bytes of each sample of
     the last block begin and end, counted from the first byte that was then fed: a begin is negative where they
     began before.
@@ -60,12 +60,12 @@ class Decoder:
 
     @property
     def model(self) -> str | None:
-        """The model that the device says it is, None while it has not said."""
+        """The model that the device says it is, None while it has not reported."""
         return (self.identity.model or None) if self.identity else None
 
     @property
     def serial(self) -> str | None:
-        """The serial number that the device says it has, None while it has not said."""
+        """The serial number that the device says it has, None while it has not reported."""
         return (self.identity.serial or None) if self.identity else None
 
     def feed(self, data: bytes) -> SampleBlock:

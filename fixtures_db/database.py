@@ -163,8 +163,8 @@ def _revision(connection: Connection, name: str) -> str | None:
     if found:
         return found[0]
     if mine := sorted(there & Base.metadata.tables.keys()):
-        said = f"no schema version beside tables ({', '.join(mine[:3])})"
-        raise SchemaAltered(name, said, f"one of {KNOWN[0]} to {HEAD} in alembic_version")
+        wording = f"no schema version beside tables ({', '.join(mine[:3])})"
+        raise SchemaAltered(name, wording, f"one of {KNOWN[0]} to {HEAD} in alembic_version")
     return None
 
 

@@ -18,7 +18,7 @@ DatabaseError
 
 from collections.abc import Sequence
 
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 
 
 class DatabaseError(Exception):

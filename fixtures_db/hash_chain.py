@@ -4,6 +4,7 @@ import hashlib
 import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from typing import Any
 
 GENESIS = "0" * 64  # what the first row names as the one before it
@@ -54,3 +55,10 @@ def faults(links: Iterable[Link]) -> list[ChainFault]:
             found.append(ChainFault(link.row, f"text with sha256 {actual}", link.sha256))
         head = link.sha256
     return found
+
+
+def utc_text(moment: datetime) -> str:
+    """Return a moment as written in files: ISO 8601, UTC, ending in Z; refuse one without a time zone."""
+    if moment.tzinfo is None:
+        raise ValueError(f"{moment!r} has no time zone; expected an aware datetime")
+    return moment.astimezone(UTC).isoformat().replace("+00:00", "Z")

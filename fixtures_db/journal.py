@@ -73,8 +73,8 @@ def row_content(columns: Sequence[Column[Any]], values: Sequence[Any]) -> str:
     TypeError, ValueError
         If a column holds what its type cannot.
     """
-    said = zip(columns, values, strict=True)
-    return canonical({column.key: _written(column, value) for column, value in said if value is not None})
+    stated = zip(columns, values, strict=True)
+    return canonical({column.key: _written(column, value) for column, value in stated if value is not None})
 
 
 def _written(column: Column[Any], value: Any) -> Any:
@@ -116,8 +116,8 @@ class JournalledSession(Session):
 
 def entry_text(entry: Mapping[Any, Any]) -> str:
     """Return the text of an entry that is hashed: all its columns but the hash, by name."""
-    said = {column.key: entry[column.key] for column in _TABLE.columns if column.key != "sha256"}
-    return canonical(said | {"recorded_utc": said["recorded_utc"].astimezone(UTC).isoformat()})
+    stated = {column.key: entry[column.key] for column in _TABLE.columns if column.key != "sha256"}
+    return canonical(stated | {"recorded_utc": stated["recorded_utc"].astimezone(UTC).isoformat()})
 
 
 def journal_head(connection: Connection | Session) -> Head:

@@ -15,6 +15,7 @@ from sqlalchemy import Connection, select
 from sqlalchemy.orm import Session
 
 from fixtures_db.hash_chain import GENESIS, ChainFault, canonical, digest
+from fixtures_db.imu_models import Limit
 from fixtures_db.journal import (
     CARRY,
     DELETE,
@@ -28,7 +29,6 @@ from fixtures_db.journal import (
     entry_text,
     journalled_tables,
 )
-from fixtures_db.model_limits import Limit
 from fixtures_db.schema import Base, CalibrationRow, JournalRow
 
 Find = Callable[[str, str, Any], Iterable[tuple[str, str]]]  # table, column, value: keys and contents
@@ -99,13 +99,13 @@ def carried_faults(row: Mapping[str, Any] | None) -> list[ChainFault]:
 
 def limits_as_found(rows: Iterable[tuple[str, str]]) -> list[Limit]:
     """Return limits in the order in which they were given, from keys and contents of their rows."""
-    said = sorted((json.loads(content) for _, content in rows), key=lambda one: one["id"])
-    return [_limit(one) for one in said]
+    stated = sorted((json.loads(content) for _, content in rows), key=lambda one: one["id"])
+    return [_limit(one) for one in stated]
 
 
-def _limit(said: Mapping[str, Any]) -> Limit:
-    ends = said.get("low"), said.get("high")
-    return Limit(said["parameter"], *ends, said["unit"], said.get("guard_band", 0.0))
+def _limit(stated: Mapping[str, Any]) -> Limit:
+    ends = stated.get("low"), stated.get("high")
+    return Limit(stated["parameter"], *ends, stated["unit"], stated.get("guard_band", 0.0))
 
 
 def _verdict_faults(name: str, document: Mapping[str, Any], limits: list[Limit]) -> list[ChainFault]:
@@ -157,8 +157,8 @@ class State:
 
     def find(self, table: str, column: str, value: Any) -> list[tuple[str, str]]:
         """Return keys and contents of the rows of a table that have a value."""
-        said = canonical({column: value})[1:-1]  # a row without this text has another value; a number may go on
-        rows = [row for row in self.tables.get(table, {}).items() if said in row[1]]
+        stated = canonical({column: value})[1:-1]  # a row without this text has another value; a number may go on
+        rows = [row for row in self.tables.get(table, {}).items() if stated in row[1]]
         return [row for row in rows if _loaded(row[1]).get(column) == value]
 
     def apply(self, entry: Entry) -> str | None:
@@ -249,9 +249,9 @@ def _calibrations(connection: Connection) -> dict[str, Mapping[str, Any]]:
     return {str(row["id"]): dict(row) for row in rows}
 
 
-def _differences(table: str, stored: Mapping[str, str], said: Mapping[str, str]) -> Iterator[ChainFault]:
-    for key in sorted(stored.keys() | said.keys()):
-        if (found := stored.get(key)) != (expected := said.get(key)):
+def _differences(table: str, stored: Mapping[str, str], stated: Mapping[str, str]) -> Iterator[ChainFault]:
+    for key in sorted(stored.keys() | stated.keys()):
+        if (found := stored.get(key)) != (expected := stated.get(key)):
             yield ChainFault(f"{table} {key}", *_parted(found, expected))
 
 
@@ -269,7 +269,7 @@ def _parted(found: str | None, expected: str | None) -> Sequence[str]:
 def _loaded(content: str) -> dict[str, Any]:
     """Return what a content says by column, nothing of one that is no JSON object."""
     try:
-        said = json.loads(content)
+        stated = json.loads(content)
     except UNREADABLE:
         return {}
-    return said if isinstance(said, dict) else {}
+    return stated if isinstance(stated, dict) else {}

@@ -1,27 +1,129 @@
 """Every calibration ever accepted, append-only, each naming the hash of the one before it.
 
-A `Run` is one of them with what it was made with: of one serial number, or of all units of a model.
+A calibration is stored as `calibration/1`: what is applied to counts, ``u = E^-1 (N / k - D)``. A `Run` is one of
+them with what it was made with: of one serial number, or of all units of a model.
 """
 
 import json
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from typing import Any
 
+import numpy as np
 from sqlalchemy import Select, select
 from sqlalchemy.orm import Session, joinedload
 
 from fixtures_db.append_only_rows import newest_hash, verify_rows
-from fixtures_db.calibration import CalibrationFacts, calibration_document, utc_text
 from fixtures_db.campaigns import campaign, imu, known_campaign, manifest_heads
 from fixtures_db.errors import AlreadyStored, LimitsChanged, NotInDatabase
-from fixtures_db.hash_chain import ChainFault, canonical, digest
+from fixtures_db.hash_chain import ChainFault, canonical, digest, utc_text
+from fixtures_db.imu_models import Limit, limits_of
 from fixtures_db.journal import journal_head
 from fixtures_db.journal_verification import used_now
-from fixtures_db.model_limits import limits_of
 from fixtures_db.schema import CalibrationRow, CampaignRow, ImuRow
-from procedures.calibration.solution_values import Solution
+from procedures.calibration.solution_values import Solution, TriadCalibration
+from procedures.frames import TRIADS
+
+FORMAT = "calibration/1"
+_MAPPINGS = ("residual", "procedure", "site", "uncertainty", "diagnosis")  # of `CalibrationFacts`
+STATUSES = ("calibrated", "measured")
+
+
+@dataclass(frozen=True, slots=True)
+class CalibrationFacts:
+    """What a calibration states besides its numbers.
+
+    ``inputs`` holds the SHA-256 of each file used, by name; ``software`` is name, version and commit;
+    ``temperature_range_c`` the least and the greatest temperature seen, None if never measured; ``status`` is
+    ``measured`` where a reference lacked or had expired, ``status_reason`` says which. ``verdict`` is the one
+    against ``limits``, the model's as they were then; None where nobody judged. ``judged`` holds what each limit
+    was held against. What a certificate needs and only the station knew is there too: ``residual`` as in
+    solution/1, how it was measured (``procedure``), where (``site``) and with what (``references``), and
+    ``uncertainty``, a budget/1 of its parameters; ``diagnosis`` is the verdict on the residual with its findings;
+    all JSON-ready.
+    """
+
+    model: str
+    serial: str
+    software: str
+    inputs: Mapping[str, str]
+    accepted_utc: datetime
+    valid_from: datetime
+    valid_until: datetime | None = None
+    temperature_range_c: tuple[float, float] | None = None
+    status: str = "calibrated"
+    status_reason: str = ""
+    operator: str = ""
+    verdict: str | None = None
+    limits: tuple[Limit, ...] = ()
+    judged: tuple[Mapping[str, Any], ...] = ()
+    residual: Mapping[str, Any] = field(default_factory=dict)
+    procedure: Mapping[str, Any] = field(default_factory=dict)
+    site: Mapping[str, Any] = field(default_factory=dict)
+    references: tuple[Mapping[str, Any], ...] = ()
+    uncertainty: Mapping[str, Any] = field(default_factory=dict)
+    effects: tuple[Mapping[str, Any], ...] = field(default=())
+    diagnosis: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.status not in STATUSES:
+            raise ValueError(f"calibration status {self.status!r} is none of {', '.join(STATUSES)}")
+
+
+def calibration_document(solution: Solution, facts: CalibrationFacts, previous: str) -> dict[str, Any]:
+    """Return calibration/1 as JSON-ready values; what was not estimated is left out.
+
+    ``previous`` is the SHA-256 of the calibration accepted before this one, 64 zeros for the first.
+    """
+    document: dict[str, Any] = {
+        "format": FORMAT,
+        "model": facts.model,
+        "serial": facts.serial,
+        "software": facts.software,
+        "status": facts.status,
+        "accepted_utc": utc_text(facts.accepted_utc),
+        "valid_from": utc_text(facts.valid_from),
+        "effects": [dict(effect) for effect in facts.effects],
+        "inputs": dict(facts.inputs),
+        "previous": previous,
+    }
+    may_lack = {
+        **{name: getattr(facts, name) for name in ("status_reason", "operator", "verdict")},
+        **{name: dict(getattr(facts, name)) for name in _MAPPINGS},
+        **{name: [dict(entry) for entry in getattr(facts, name)] for name in ("judged", "references")},
+        "valid_until": facts.valid_until and utc_text(facts.valid_until),
+        "temperature_range_c": facts.temperature_range_c and list(facts.temperature_range_c),
+        "accelerometer": solution.accelerometer and _triad(solution.accelerometer),
+        "gyroscope": solution.gyroscope and _triad(solution.gyroscope),
+    }
+    document |= {name: value for name, value in may_lack.items() if value}
+    if facts.verdict is not None:
+        document["limits"] = [
+            {key: value for key, value in asdict(limit).items() if value is not None} for limit in facts.limits
+        ]
+    if solution.reference_temperature is not None:
+        document["reference_temperature_c"] = solution.reference_temperature
+    if (covariance := _covariance(solution)) is not None:
+        document["covariance"] = covariance
+    return document
+
+
+def _covariance(solution: Solution) -> dict[str, Any] | None:
+    """Return names and matrix of what is applied, each in the products of its units; None if it is not finite."""
+    rows = [i for i, name in enumerate(solution.names) if name.split(".")[0] in TRIADS]
+    matrix = solution.covariance[np.ix_(rows, rows)] if rows else np.empty((0, 0))
+    if not rows or not np.isfinite(matrix).all():
+        return None
+    return {"names": [solution.names[i] for i in rows], "matrix": matrix.tolist()}
+
+
+def _triad(triad: TriadCalibration) -> dict[str, Any]:
+    estimates = {name: getattr(triad, name) for name in ("scale_factor", "misalignment", "bias")}
+    return {
+        name: {"value": one.value.tolist(), "std": one.std.tolist(), "unit": one.unit}
+        for name, one in estimates.items()
+    }
 
 
 def accept_calibration(
@@ -172,13 +274,13 @@ def _campaign_fault(row: CalibrationRow, document: Any) -> ChainFault | None:
     """Return what is wrong with a calibration's campaign: its steps must be those it was made from."""
     kept, campaign = _get(document, "manifest"), row.campaign
     if campaign is None:
-        is_right, said = kept is None and row.campaign_id is None, "no campaign"
+        is_right, stated = kept is None and row.campaign_id is None, "no campaign"
     elif kept is None:  # stored before calibrations named a manifest
         inputs = (_get(document, "inputs") or {}).values()
-        is_right, said = any(step.sha256 in inputs for step in campaign.steps), f"campaign {campaign.folder}"
+        is_right, stated = any(step.sha256 in inputs for step in campaign.steps), f"campaign {campaign.folder}"
     else:
-        is_right, said = kept in manifest_heads(campaign.steps), f"campaign {campaign.folder} as it is"
-    return None if is_right else ChainFault(f"calibration {row.id}", said, f"that of manifest {kept or 'none'}")
+        is_right, stated = kept in manifest_heads(campaign.steps), f"campaign {campaign.folder} as it is"
+    return None if is_right else ChainFault(f"calibration {row.id}", stated, f"that of manifest {kept or 'none'}")
 
 
 def _get(document: Any, key: str) -> Any:
@@ -238,8 +340,8 @@ def _run(row: CalibrationRow, campaign: CampaignRow | None) -> Run:
 
 def _ended(document: dict[str, Any], accepted: datetime) -> datetime:
     """Return when the measuring ended; calibrations stored before that was kept say when they were accepted."""
-    said = document.get("procedure", {}).get("ended_utc")
-    return accepted if said is None else datetime.fromisoformat(said).astimezone(UTC)
+    stated = document.get("procedure", {}).get("ended_utc")
+    return accepted if stated is None else datetime.fromisoformat(stated).astimezone(UTC)
 
 
 def _made_with(document: dict[str, Any], campaign: CampaignRow | None) -> dict[str, str]:

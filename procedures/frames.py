@@ -19,7 +19,7 @@ AXES = ("x", "y", "z")
 TRIADS = ("accelerometer", "gyroscope")
 TURN_START = {"x": 1, "y": 5, "z": 9}
 TILT_TURN = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])  # takes a tilt to its rotation vector
-NO_ANGLE = 1e-150  # rad, in the place of nought where an angle divides
+NO_ANGLE = 1e-150  # rad, in the place of zero where an angle divides
 
 _DIRECTION = {
     "E": (1.0, 0.0, 0.0), "W": (-1.0, 0.0, 0.0),

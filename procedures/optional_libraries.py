@@ -3,8 +3,7 @@
 from importlib import import_module
 from typing import Any
 
-from procedures.error_codes import ErrorCode
-from procedures.errors import ProcedureError
+from procedures.errors import ErrorCode, ProcedureError
 
 
 def install_command(extra: str) -> str:

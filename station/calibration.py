@@ -24,7 +24,7 @@ from station.files.calibration_document import checked_calibration, is_of_counts
 
 __all__ = ["Calibrated", "Calibration", "CalibrationStream", "DataRefused", "calibration_of", "load"]
 
-RATE_TOLERANCE = 0.01  # relative, of a period that is told
+RATE_TOLERANCE = 0.01  # relative, of a period that is stated
 
 Output = Literal["counts", "rates"]
 
@@ -109,8 +109,8 @@ class Calibration:
         output : "counts" or "rates"
         magnetic : (n, 3) [uT], field in the IMU's axes
         period : [s], of a sample's interval; None: the pace of ``t``, gaps left out. A rate is counts over it
-        axes : of "frd": which IMU axes point forward, right and down, "x,-y,-z" if not said; of "cube": along
-            which cube axes the IMU's point, "+x,+y,+z" if not said
+        axes : of "frd": which IMU axes point forward, right and down, "x,-y,-z" if not stated; of "cube": along
+            which cube axes the IMU's point, "+x,+y,+z" if not stated
         force : whether to return, with a warning, what is physically impossible
 
         Raises
@@ -185,27 +185,29 @@ class CalibrationStream:
 
         ``spans`` and their sigmas are of minutes that are full, with ``last`` of the one that is not, too.
         """
-        f, omega, spans, said = self._stream.take(counts, t, temperature, auxiliary, magnetic, is_last=last)
-        return Calibrated(numbers(t, "t"), f, omega, spans.span, spans.force_std, spans.rate_std, said)
+        f, omega, spans, text = self._stream.take(counts, t, temperature, auxiliary, magnetic, is_last=last)
+        return Calibrated(numbers(t, "t"), f, omega, spans.span, spans.force_std, spans.rate_std, text)
 
 
-def _period(t: NDArray[np.float64], told: float | None) -> float:
-    """Return the period [s] of samples at ``t`` (n,): as told, if they are within 1 % of it, else their pace."""
-    if told is not None and not _is_period(told):
-        raise DataRefused("period", None, f"{told!r}"[:60], "seconds, above 0", "correct period")
+def _period(t: NDArray[np.float64], stated: float | None) -> float:
+    """Return the period [s] of samples at ``t`` (n,): as stated, if they are within 1 % of it, else their pace."""
+    if stated is not None and not _is_period(stated):
+        raise DataRefused("period", None, f"{stated!r}"[:60], "seconds, above 0", "correct period")
     if t.ndim != 1:
         raise DataRefused("t", None, f"{t.ndim} dimensions", "a time for each sample, (n,)", "correct t")
     if len(t) < 2 or not np.all(np.diff(t) > 0):
-        if told is None or len(t) > 1:
+        if stated is None or len(t) > 1:
             raise DataRefused(
                 "t", None, "no times that rise", "two at least, rising from sample to sample", "correct t"
             )
-        return told
+        return stated
     pace = own_period(t)
-    if told is not None and abs(pace / told - 1) > RATE_TOLERANCE:
-        said = f"samples {pace:.6g} s apart"
-        raise DataRefused("t", None, said, f"{told:.6g} s within 1 %, as stated by period=", "correct one of them")
-    return pace if told is None else told
+    if stated is not None and abs(pace / stated - 1) > RATE_TOLERANCE:
+        text = f"samples {pace:.6g} s apart"
+        raise DataRefused(
+            "t", None, text, f"{stated:.6g} s within 1 %, as stated by period=", "correct one of them"
+        )
+    return pace if stated is None else stated
 
 
 def _is_period(value: object) -> bool:

@@ -15,7 +15,7 @@ import typer
 from typer.core import TyperGroup
 
 from station.commands import COMMANDS, Command
-from station.exit_codes import CANCELLED, error_code, explain, one_line
+from station.errors import CANCELLED, error_code, explain, one_line
 
 
 class LazyGroup(TyperGroup):

@@ -64,12 +64,12 @@ def probe_imu(url: str, seconds: float) -> ImuProbe:
         breaks a rule.
     """
     address = parse_device_url(url)
-    told = wire_of(address)  # a wrong DBC or mapping is said before a port is waited for
+    known = wire_of(address)  # a wrong DBC or mapping is reported before a port is waited for
     data, took = read_for(open_port(address), seconds)
     if not data:
         raise LinkSilent(address.name, seconds, address.baud)
     likely = sniff(data)
-    wire = told or (FORMATS[likely[0].format] if likely else None)
+    wire = known or (FORMATS[likely[0].format] if likely else None)
     seen = probe_bytes(wire, data, took) if wire else None
     if seen is None:
         wanted = wire.name if wire else ""
@@ -190,7 +190,7 @@ class CameraProbe:
 
     @property
     def errors(self) -> dict[str, int]:
-        """What the decoder counted beside images."""
+        """What the decoder counted in addition to images."""
         counters = self.counters
         return {"cut": counters.cut, "not_jpeg": counters.not_jpeg, "skipped_bytes": counters.skipped_bytes}
 

@@ -19,7 +19,7 @@ from drivers.network_ports import open_udp
 from drivers.port_interface import Port
 from drivers.ports import list_ports, open_port, wire_of
 from drivers.wire import FORMATS
-from procedures.earth.gnss_records import GnssFix, averaged_site
+from procedures.gnss_records import GnssFix, averaged_site
 from station.device_probe import FORMAT, probe_bytes, probe_camera, read_for
 
 GROUND_STATION = "mavlink:udpin:127.0.0.1:14550"  # where routers of this machine send to; others: by --url
@@ -80,7 +80,7 @@ def _looked_at(port: SurveyedPort, seconds: float) -> SurveyedPort:
         address = parse_device_url(port.url)
         if address.scheme == "camera":
             return _camera(port, seconds)
-        wire_of(address)  # a wrong DBC or mapping is said before a port is waited for
+        wire_of(address)  # a wrong DBC or mapping is reported before a port is waited for
         if address.scheme != "serial" or "baud=" in port.url or address.format:
             return recognise_bytes(port, *read_for(_open(port.url), seconds))
         for baud in BAUDS:
@@ -172,10 +172,10 @@ def port_lines(found: SurveyedPort) -> list[str]:
     if found.rate_hz is not None:
         rates.append(f"{found.rate_hz:.6g} Hz by its own time")
     bad = [f"{count} {name.replace('_', ' ')}" for name, count in found.errors.items() if count]
-    said = [", ".join(part for part in [*named, *rates] if part)]
-    said += [f"system {system}: {rate:.1f} frames/s" for system, rate in found.systems.items()]
+    wording = [", ".join(part for part in [*named, *rates] if part)]
+    wording += [f"system {system}: {rate:.1f} frames/s" for system, rate in found.systems.items()]
     if found.position:
-        said.append(f"receiver: {found.position}")
+        wording.append(f"receiver: {found.position}")
     if found.messages:
-        said.append(", ".join(f"{name} {rate:.1f} Hz" for name, rate in found.messages.items()))
-    return [*lines, *(f"{'':{INDENT_CHARS}}{text}" for text in [*said, f"errors: {', '.join(bad) or 'none'}"])]
+        wording.append(", ".join(f"{name} {rate:.1f} Hz" for name, rate in found.messages.items()))
+    return [*lines, *(f"{'':{INDENT_CHARS}}{text}" for text in [*wording, f"errors: {', '.join(bad) or 'none'}"])]

@@ -11,16 +11,23 @@ StationError
 ├── NoPdf              the extra that makes PDF is not installed
 ├── NoXml              a certificate was issued without the XML that is asked for
 ├── BadXml             a digital certificate breaks its schema
+├── SignatureBroken    what is signed, or how, does not hold
+├── NotVerified        a certificate's file is not what it should be; what was checked is reported before
+├── NoTimeStamp        a time-stamping service gave none
 ├── Altered            a recorded file or its row no longer is what was recorded
 └── DatabaseAltered    a database disagrees with its own journal, or with what was kept elsewhere
+
+`EXIT_CODES` has the exit code of each family of refusals of all packages, by full name, so that no command imports
+what another needs.
 """
 
 import errno
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 
 MAX_LISTED = 500  # characters of what was found, in a message
 
@@ -52,10 +59,10 @@ class TimeUnitAsked(DataRefused):
 
     def __init__(self, file: str | Path, column: str, candidates: Sequence[tuple[str, float, float]]) -> None:
         self.column, self.candidates = column, tuple(candidates)
-        said = ", ".join(f"{unit} ({rate:.4g} Hz, {seconds:.4g} s)" for unit, rate, seconds in candidates)
+        text = ", ".join(f"{unit} ({rate:.4g} Hz, {seconds:.4g} s)" for unit, rate, seconds in candidates)
         remedy = f"type --unit-time {candidates[0][0]}, or another of them"
         super().__init__(
-            file, None, f"time column {column} in an ambiguous unit", f"one of {said}", remedy, ErrorCode.TIME_UNIT
+            file, None, f"time column {column} in an ambiguous unit", f"one of {text}", remedy, ErrorCode.TIME_UNIT
         )
 
 
@@ -64,10 +71,10 @@ class ClocksContradict(DataRefused):
 
     def __init__(self, file: str | Path, clocks: Sequence[tuple[str, float, float]]) -> None:
         self.clocks = tuple(clocks)
-        said = ", ".join(f"{name} ({rate:.5g} Hz, {seconds:.4g} s)" for name, rate, seconds in clocks)
+        text = ", ".join(f"{name} ({rate:.5g} Hz, {seconds:.4g} s)" for name, rate, seconds in clocks)
         remedy = f"type --time {clocks[0][0]} or --time {clocks[1][0]}"
         super().__init__(
-            file, None, f"clocks that contradict each other: {said}", "one of them", remedy, ErrorCode.TIME_UNIT
+            file, None, f"clocks that contradict each other: {text}", "one of them", remedy, ErrorCode.TIME_UNIT
         )
 
 
@@ -108,7 +115,7 @@ class DiskFails(CannotWrite):
 
 
 def cannot_write(path: str | Path, error: OSError, needed: int | None = None) -> CannotWrite:
-    """Return what the system said of a write as the refusal of ``path``; ``needed`` is bytes, where known."""
+    """Return what the system reported of a write as the refusal of ``path``; ``needed`` is bytes, where known."""
     if error.errno in {errno.ENOSPC, errno.EDQUOT}:
         return DiskFull(path, needed)
     if error.errno == errno.EIO:
@@ -201,3 +208,143 @@ class DatabaseAltered(StationError):
         self.row, self.found, self.expected = row, found, expected
         remedy = "find out who changed it, restore the database from a copy"
         super().__init__(f"{row}: found {found}, expected {expected}; {remedy}")
+
+
+LONGEST_LINE = 2000  # characters of what is reported of an error
+CANCELLED = 130
+BUG = 70
+MEANINGS = {
+    0: "done",
+    1: "done, but the verdict is FAIL, or something was altered",
+    2: "wrong usage, or a result cannot be written",
+    3: "data refused",
+    4: "a device, its port or a service fails",
+    5: "not observable: the data do not determine what was asked",
+    BUG: "a bug of the program: please report it; STATION_TRACEBACK=1 shows where",
+    CANCELLED: "cancelled",
+}
+EXIT_CODES = {
+    "station.errors.DataRefused": 3,
+    "station.errors.TimeUnitAsked": 2,
+    "station.errors.ClocksContradict": 2,
+    "station.errors.CannotWrite": 2,
+    "station.errors.Altered": 1,
+    "station.errors.DatabaseAltered": 1,
+    "station.errors.Incomplete": 3,
+    "station.errors.NoPdf": 2,
+    "station.errors.NoXml": 3,
+    "station.errors.BadXml": 3,
+    "station.errors.SignatureBroken": 1,
+    "station.errors.NotVerified": 1,
+    "station.errors.NoTimeStamp": 4,
+    "station.results.resolve.work_item.NoCluster": 2,
+    "station.results.resolve.work_item.ClusterLost": 4,
+    "station.sending.outputs.BadAddress": 2,
+    "station.tui.web.CannotServe": 2,
+    "procedures.optional_libraries.ExtraMissing": 2,
+    "procedures.errors.NotObservable": 5,
+    "procedures.errors.WrongFace": 3,
+    "procedures.errors.ProcedureError": 3,
+    "drivers.errors.BadDeviceUrl": 2,
+    "drivers.errors.BadCanFile": 3,
+    "drivers.errors.DriverError": 4,
+    "fixtures_db.errors.SchemaAltered": 1,
+    "fixtures_db.errors.NotADatabase": 2,
+    "fixtures_db.errors.NotWritten": 2,
+    "fixtures_db.errors.DatabaseError": 3,
+}
+
+
+def exit_code(error: BaseException) -> int | None:
+    """Return the exit code of what was refused; None where it is no refusal but a bug."""
+    for kind in type(error).__mro__:
+        if (code := EXIT_CODES.get(f"{kind.__module__}.{kind.__qualname__}")) is not None:
+            return code
+    return None
+
+
+def error_code(error: BaseException) -> ErrorCode:
+    """Return the stable code of what a command raised."""
+    import typer  # not before something was raised: the engine needs no command line
+
+    if isinstance(error, KeyboardInterrupt | typer.Abort):
+        return ErrorCode.CANCELLED
+    if isinstance(error, SystemExit | typer.Exit) or callable(getattr(error, "format_message", None)):
+        return ErrorCode.USAGE
+    code = getattr(error, "code", None)
+    return code if isinstance(code, ErrorCode) and exit_code(error) is not None else ErrorCode.BUG
+
+
+def explain(error: BaseException) -> tuple[int, str]:
+    """Return the exit code of what a command raised, and the line to say."""
+    import typer  # not before something was raised: the engine needs no command line
+
+    if isinstance(error, KeyboardInterrupt | typer.Abort):
+        return CANCELLED, "cancelled"
+    if isinstance(error, SystemExit | typer.Exit):
+        code = error.code if isinstance(error, SystemExit) else error.exit_code
+        return (code, "") if isinstance(code, int) else (2 if code else 0, str(code or ""))
+    if callable(usage := getattr(error, "format_message", None)):  # every usage error of typer's click has one
+        context = getattr(error, "ctx", None)
+        return 2, f"{usage().rstrip('.')}. Try `{context.command_path if context else 'station'} --help`."
+    if (code := exit_code(error)) is not None:
+        return code, str(error)
+    return (
+        BUG,
+        f"{type(error).__name__}: {error}; a bug: run again with STATION_TRACEBACK=1 and report what it says",
+    )
+
+
+def one_line(text: str) -> str:
+    """Return text as one printable line, cut where a value in it is longer than anybody reads."""
+    seen = "".join(c if c.isprintable() else " " for c in text[: LONGEST_LINE + 1]).strip()
+    return seen if len(text) <= LONGEST_LINE else f"{seen[:LONGEST_LINE]} ..."
+
+
+class SignatureBroken(StationError, ValueError):
+    """A signature does not hold, or is no signature that is accepted; ``reason`` says why."""
+
+    code = ErrorCode.SIGNATURE
+
+    def __init__(self, reason: str) -> None:
+        self.reason = reason
+        super().__init__(f"signature: {reason}; get the file again from whoever issued it")
+
+
+class NotVerified(StationError, ValueError):
+    """Of what was looked at, ``faults`` do not hold, by name."""
+
+    code = ErrorCode.SIGNATURE
+
+    def __init__(
+        self, file: str | Path, faults: dict[str, str], remedy: str = "get it again from whoever issued it"
+    ) -> None:
+        self.file, self.faults = str(file), faults
+        text = "; ".join(f"{name} {words.removeprefix('found ')}" for name, words in faults.items())
+        super().__init__(f"{file}: found {text}; do not use it, {remedy}")
+
+
+class NoTimeStamp(StationError, OSError):
+    """A time-stamping service was asked and gave none; what was issued or written stays, without."""
+
+    code = ErrorCode.TIME_STAMP
+
+    def __init__(self, url: str, reason: str) -> None:
+        self.url, self.reason = url, reason
+        super().__init__(f"{url}: no time stamp ({reason}), expected one by RFC 3161; try again, or do without")
+
+
+def first_line(error: BaseException) -> str:
+    """Return the first line of what an error says, its name where it says nothing."""
+    return next(iter(str(error).splitlines()), "").rstrip(": ") or type(error).__name__
+
+
+@contextmanager
+def refused_as(what: str) -> Iterator[None]:
+    """Take whatever a reader of PDF, XML, deflate or ASN.1 stumbles over as `SignatureBroken`."""
+    try:
+        yield
+    except SignatureBroken:
+        raise
+    except Exception as error:  # libraries name no base of what a changed file makes them raise
+        raise SignatureBroken(f"{what} ({first_line(error)})") from error

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 
 
 @contextmanager

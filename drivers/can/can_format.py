@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from drivers.can import frame_record
 from drivers.can.dbc_signals import SignalField, payloads_of
 from drivers.can.frame_joiner import CanJoiner
-from drivers.can.mapping_file import CanMap, Slot, load_map
-from drivers.can.payload_checks import CHECKS
+from drivers.can.mapping_file import CHECKS, CanMap, Slot, load_map
 from drivers.host_times import HINDSIGHT_S
 from drivers.wire import FrameCounters, WireFormat
 from drivers.wire.wire_format import Frames, fits

@@ -18,8 +18,7 @@ import numpy as np
 from can.io import ASCReader, BLFReader, CanutilsLogReader, CSVReader, TRCReader
 
 from drivers.addresses import ReplayAddress
-from drivers.can.frame_record import ERROR, EXTENDED, REMOTE, WIDE, pack
-from drivers.can.j1939 import SenderWatch
+from drivers.can.frame_record import ERROR, EXTENDED, REMOTE, WIDE, SenderWatch, pack
 from drivers.can.mapping_file import CanMap, load_map
 from drivers.errors import BadCanFile, ReplayEnded, reason_of
 from drivers.text_decoding import decoded_text

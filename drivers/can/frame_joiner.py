@@ -12,10 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivers.can.dbc_signals import SignalField, Words, words_of
-from drivers.can.frame_record import NO_DATA_FRAME, RECORD
-from drivers.can.j1939 import SenderWatch
-from drivers.can.mapping_file import CanMap
-from drivers.can.payload_checks import CHECKS
+from drivers.can.frame_record import NO_DATA_FRAME, RECORD, SenderWatch
+from drivers.can.mapping_file import CHECKS, CanMap
 from drivers.wire import FrameCounters
 from procedures.arrays import FloatArray, IntArray
 from procedures.counts.sample_records import CountBlock, RateBlock, SampleBlock

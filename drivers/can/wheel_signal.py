@@ -6,8 +6,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivers.can.dbc_signals import SignalField, field_of, identifier_of, load_dbc, payloads_of, words_of
-from drivers.can.frame_record import EXTENDED, IMU, NO_DATA_FRAME, RECORD, is_intact, pack
-from drivers.can.j1939 import ALL_BITS, NULL_ADDRESS, SOURCE, SenderWatch, pgn_mask
+from drivers.can.frame_record import (
+    ALL_BITS,
+    EXTENDED,
+    IMU,
+    NO_DATA_FRAME,
+    NULL_ADDRESS,
+    RECORD,
+    SOURCE,
+    SenderWatch,
+    is_intact,
+    pack,
+    pgn_mask,
+)
 from drivers.can.wheel_reading import WheelReading
 from drivers.errors import BadCanFile
 from procedures.units import M_S_PER_KM_H, M_S_PER_KNOT, M_S_PER_MPH

@@ -1,14 +1,228 @@
-"""One link's bytes to records: the fixes of one system, and what else it reports."""
+"""One link's bytes to records: the fixes of one system, and what else it reports.
+
+Fields of MAVLink's messages become a `GnssFix` in SI, None where the sender does not know them.
+Source: common.xml. Unknown are: DOP, speed, course 65535; satellites 255; accuracies of 0 and, of receivers that
+have none, 4294967295; a yaw of 0 (36000 is north); a height of 2147483647 mm; a height above the ellipsoid of 0
+with accuracies of 0 (extension fields that were not filled). No place are latitude and longitude that both are
+exactly 0 (a sender without position), that are beyond 90 and 180 deg (2147483647), and those of 0 satellites.
+
+GPS_RAW_INT is stamped with UTC or with the time since boot, as the sender likes; SYSTEM_TIME holds both (boot time
+by design of ArduPilot, issue 626). A message is written the moment its boot time is read, so the least that a
+message was later than its stamp is the link's own delay; a fix is later by its receiver's latency. A boot time
+that goes back is a restart: the clock is learnt again.
+"""
 
 import math
-from collections import Counter
+from collections import Counter, deque
 from dataclasses import dataclass
+from typing import Any
 
 from drivers.mavlink import frames as mavlink
-from drivers.mavlink.fixes import SenderClock, filtered_fix, input_fix, raw_fix
-from drivers.mavlink.frames import NAMES, READ, Frame, MavlinkFramer, fields
-from drivers.mavlink.signing import SignatureCheck
-from procedures.earth.gnss_records import AirData, Ambient, GnssFix, TimeMark
+from drivers.mavlink.frames import NAMES, READ, Frame, MavlinkFramer, SignatureCheck, fields
+from procedures.gnss_records import AirData, Ambient, FixType, GnssFix, TimeMark
+
+EPOCH_US = 10**15  # us; what is beyond is UTC (2001), what is below since boot (32 years)
+REBOOT_NS = 10**9
+BOOT_MODULUS_MS = 2**32  # of time_boot_ms: it restarts at 0 after 49.7 days
+WRAPS_WITHIN_MS = 60_000  # of the last mark; a time that goes back after more is a restart
+WINDOW_MARKS = 600  # marks: minutes, in which crystals drift apart by less than the link's jitter
+
+
+class SenderClock:
+    """Learns from SYSTEM_TIME marks; times in ns."""
+
+    def __init__(self) -> None:
+        self.reboots = 0
+        self._utc_less_boot: int | None = None
+        self._host_less_boot: deque[int] = deque(maxlen=WINDOW_MARKS)
+        self._last_boot = 0
+
+    def mark(self, host_ns: int, boot_ns: int, utc_ns: int | None) -> TimeMark:
+        """Take a SYSTEM_TIME; ``utc_ns`` None while the sender does not know it."""
+        if boot_ns < self._last_boot - REBOOT_NS:
+            self.reboots += 1
+            self._utc_less_boot = None
+            self._host_less_boot.clear()
+        self._last_boot = boot_ns
+        if utc_ns is not None:
+            self._utc_less_boot = utc_ns - boot_ns
+        self._host_less_boot.append(host_ns - boot_ns)
+        return TimeMark(host_ns, boot_ns, utc_ns)
+
+    def since_boot_ns(self, boot_ms: int) -> int:
+        """Return a ``time_boot_ms`` as a time since boot [ns] that goes on where the 32 bits wrap."""
+        last = self._last_boot // 10**6
+        later = (boot_ms - last + WRAPS_WITHIN_MS) % BOOT_MODULUS_MS - WRAPS_WITHIN_MS
+        return (last + later if later < WRAPS_WITHIN_MS and last + later >= 0 else boot_ms) * 10**6
+
+    def times(self, stamp_us: int) -> tuple[int | None, int | None]:
+        """Return a stamp [us, either kind] as UTC and as time since boot [ns], each None where not known."""
+        offset, stamp = self._utc_less_boot, stamp_us * 1000
+        if stamp_us == 0:
+            return None, None
+        if stamp_us > EPOCH_US:
+            return stamp, None if offset is None else stamp - offset
+        return None if offset is None else stamp + offset, stamp
+
+    def latency(self, host_ns: int, boot_ns: int | None) -> float | None:
+        """Return how much later [s] than a SYSTEM_TIME a message of this boot time arrived."""
+        if boot_ns is None or not self._host_less_boot:
+            return None
+        return (host_ns - boot_ns - min(self._host_less_boot)) / 1e9
+
+
+U32, U16, U8 = 2**32 - 1, 65535, 255
+I32 = 2**31 - 1
+MAX_LATITUDE, MAX_LONGITUDE = 90 * 10**7, 180 * 10**7  # degE7
+FULL_CIRCLE = 36_000  # cdeg
+GPS_EPOCH = 315_964_800  # s since 1970
+GPS_LEAP = 18  # s by which GPS time is ahead of UTC since 2017
+WEEK = 604_800
+FIRST_WEEK = 1930  # of 2017: from then on `GPS_LEAP` holds; less is a receiver that lost 1024 weeks or knows none
+# GPS_INPUT_IGNORE_FLAGS
+NO_ALT, NO_HDOP, NO_VDOP, NO_V_HORIZONTAL, NO_V_UP = 1, 2, 4, 8, 16
+NO_STD_SPEED, NO_STD_H, NO_STD_V = 32, 64, 128
+
+
+def raw_fix(frame: Frame, values: dict[str, Any], host_ns: int, clock: SenderClock) -> GnssFix:
+    """Return the fix of a GPS_RAW_INT or GPS2_RAW."""
+    utc, boot = clock.times(values["time_usec"])
+    fix, no_place = _fix(values)
+    there = fix >= FixType.FIX_2D
+    filled = any(values[name] for name in ("h_acc", "v_acc", "vel_acc", "hdg_acc", "alt_ellipsoid"))
+    return GnssFix(
+        source=NAMES[frame.number],
+        system=frame.system,
+        host_ns=host_ns,
+        fix=fix,
+        utc_ns=utc,
+        device_ns=boot,
+        latency=clock.latency(host_ns, boot),
+        latitude=_radians(values["lat"], 1e-7) if there else None,
+        longitude=_radians(values["lon"], 1e-7) if there else None,
+        height=_height(values["alt_ellipsoid"]) if fix >= FixType.FIX_3D and filled else None,
+        altitude=_height(values["alt"]) if fix >= FixType.FIX_3D else None,
+        speed=None if values["vel"] == U16 or not there else values["vel"] / 100,
+        course=_direction(values["cog"]) if there else None,
+        heading=_direction(values["yaw"]) if values["yaw"] else None,
+        horizontal_std=_accuracy(values["h_acc"], 1e-3),
+        vertical_std=_accuracy(values["v_acc"], 1e-3),
+        speed_std=_accuracy(values["vel_acc"], 1e-3),
+        heading_std=_accuracy(values["hdg_acc"], math.radians(1e-5)),
+        hdop=None if values["eph"] in {0, U16} else values["eph"] / 100,
+        vdop=None if values["epv"] in {0, U16} else values["epv"] / 100,
+        satellites=None if values["satellites_visible"] == U8 else values["satellites_visible"],
+        no_place=no_place,
+    )
+
+
+def filtered_fix(frame: Frame, values: dict[str, Any], host_ns: int, clock: SenderClock) -> GnssFix:
+    """Return a GLOBAL_POSITION_INT: position, velocity (NED) and heading by the sender's own filter."""
+    utc, boot = clock.times(clock.since_boot_ns(values["time_boot_ms"]) // 1000)
+    north, east, down = (values[name] / 100 for name in ("vx", "vy", "vz"))
+    no_place = _no_place(values)
+    there = not no_place
+    return GnssFix(
+        source=NAMES[frame.number],
+        system=frame.system,
+        host_ns=host_ns,
+        fix=FixType.FIX_3D if there else FixType.NO_FIX,
+        utc_ns=utc,
+        device_ns=boot,
+        latency=clock.latency(host_ns, boot),
+        latitude=_radians(values["lat"], 1e-7) if there else None,
+        longitude=_radians(values["lon"], 1e-7) if there else None,
+        altitude=_height(values["alt"]) if there else None,
+        speed=math.hypot(north, east),
+        course=math.atan2(east, north) % math.tau,
+        v_up=-down,
+        heading=_direction(values["hdg"]),
+        is_filtered=True,
+        no_place=no_place,
+    )
+
+
+def input_fix(frame: Frame, values: dict[str, Any], host_ns: int, clock: SenderClock) -> GnssFix:
+    """Return the fix of a GPS_INPUT, what a companion sends an autopilot; its flags say what to leave out."""
+    flags = values["ignore_flags"]
+    week, boot = values["time_week"], clock.times(values["time_usec"])
+    is_week = week >= FIRST_WEEK and values["time_week_ms"] < WEEK * 1000
+    utc = (GPS_EPOCH + week * WEEK - GPS_LEAP) * 10**9 + values["time_week_ms"] * 10**6 if is_week else boot[0]
+    fix, no_place = _fix(values)
+    there, moves = fix >= FixType.FIX_2D, not flags & NO_V_HORIZONTAL
+    north, east = values["vn"], values["ve"]
+    return GnssFix(
+        source=NAMES[frame.number],
+        system=frame.system,
+        host_ns=host_ns,
+        fix=fix,
+        utc_ns=utc,
+        device_ns=boot[1],
+        latency=clock.latency(host_ns, boot[1]),
+        latitude=_radians(values["lat"], 1e-7) if there else None,
+        longitude=_radians(values["lon"], 1e-7) if there else None,
+        altitude=_finite(values["alt"]) if fix >= FixType.FIX_3D and not flags & NO_ALT else None,
+        speed=_finite(math.hypot(north, east)) if there and moves else None,
+        course=_finite(math.atan2(east, north) % math.tau) if there and moves else None,
+        v_up=_finite(-values["vd"]) if there and not flags & NO_V_UP else None,
+        heading=_direction(values["yaw"]) if values["yaw"] else None,
+        horizontal_std=None if flags & NO_STD_H else _positive(values["horiz_accuracy"], 1.0),
+        vertical_std=None if flags & NO_STD_V else _positive(values["vert_accuracy"], 1.0),
+        speed_std=None if flags & NO_STD_SPEED else _positive(values["speed_accuracy"], 1.0),
+        hdop=None if flags & NO_HDOP else _positive(values["hdop"], 1.0),
+        vdop=None if flags & NO_VDOP else _positive(values["vdop"], 1.0),
+        satellites=None if values["satellites_visible"] == U8 else values["satellites_visible"],
+        no_place=no_place,
+    )
+
+
+def _fix(values: dict[str, Any]) -> tuple[FixType, str | None]:
+    """Return the type of a fix, and why one that is claimed is none."""
+    claimed = _fix_type(values["fix_type"])
+    no_place = _no_place(values) if claimed >= FixType.FIX_2D else None
+    return FixType.NO_FIX if no_place else claimed, no_place
+
+
+def _no_place(values: dict[str, Any]) -> str | None:
+    """Return why latitude and longitude are no place, None if they are one."""
+    latitude, longitude = values["lat"], values["lon"]
+    if not latitude and not longitude:
+        return "latitude and longitude are exactly 0"
+    if abs(latitude) > MAX_LATITUDE or abs(longitude) > MAX_LONGITUDE:
+        return f"latitude {latitude / 1e7:.6g}, longitude {longitude / 1e7:.6g} deg are no place on Earth"
+    if values.get("satellites_visible") == 0 and values["fix_type"] != FixType.STATIC:
+        return "the fix is of 0 satellites"
+    return None
+
+
+def _fix_type(value: int) -> FixType:
+    """Return the type of a fix; one of a newer dialect is better than all known here, so at least 3D."""
+    return FixType(value) if value <= max(FixType) else FixType.FIX_3D
+
+
+def _radians(value: float, degrees: float) -> float:
+    return math.radians(value * degrees)
+
+
+def _direction(cdeg: int) -> float | None:
+    return _radians(cdeg % FULL_CIRCLE, 0.01) if cdeg <= FULL_CIRCLE else None
+
+
+def _height(mm: int) -> float | None:
+    return mm / 1e3 if abs(mm) < I32 else None
+
+
+def _accuracy(value: int, unit: float) -> float | None:
+    return None if value == U32 else _positive(value, unit)
+
+
+def _positive(value: float, unit: float) -> float | None:
+    return float(value * unit) if math.isfinite(value) and value > 0 else None
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
 
 NO_AUTOPILOT = 8  # MAV_AUTOPILOT_INVALID: a ground station, a camera
 _FIXES = {

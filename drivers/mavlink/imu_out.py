@@ -15,7 +15,7 @@ from pymavlink.dialects.v20 import all as dialect
 from drivers.address_parsing import parse_mavlink_url
 from drivers.addresses import MavlinkAddress, UdpAddress
 from drivers.errors import BadDeviceUrl
-from drivers.mavlink.signing import read_key, signing_time
+from drivers.mavlink.frames import read_key, signing_time
 from drivers.network_ports import UdpPort, open_udp
 
 SYSTEM = 200  # unless the address says another; 1 is the usual vehicle's

@@ -22,8 +22,7 @@ from drivers.addresses import MavlinkAddress, SerialAddress, TcpAddress, UdpAddr
 from drivers.errors import LinkLost
 from drivers.mavlink import frames as mavlink
 from drivers.mavlink.decoder import CommandAnswer, MavlinkDecoder
-from drivers.mavlink.frames import NAMES
-from drivers.mavlink.signing import SignatureCheck, read_key, signing_time
+from drivers.mavlink.frames import NAMES, SignatureCheck, read_key, signing_time
 from drivers.network_ports import open_tcp, open_udp
 from drivers.port_interface import Port
 from drivers.serial_port import open_serial

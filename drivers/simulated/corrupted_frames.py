@@ -15,7 +15,7 @@ from procedures.counts.sample_records import SampleBlock
 RECORD_BYTES = RECORD.itemsize
 FIRST_FOREIGN_ID = 0x320  # identifiers from here on are another device's
 BAUD_RATIO = 2  # as fast as it is sent, the receiver believes
-OTHER_UNIT_OFFSET = 7  # counts or units by which the other unit differs, beside the sign
+OTHER_UNIT_OFFSET = 7  # counts or units by which the other unit differs, in addition to the sign
 
 
 def half_of(frame: bytes, wire: WireFormat) -> list[bytes]:

@@ -78,8 +78,8 @@ class ByteDevice:
             next_move = self._moves[0][0] - self.imu.index if self._moves else most
             samples = min(most, self._every - since, next_move)
             block = self.imu.read_rates(samples) if self._sends_rates else self.imu.read(samples)
-        said = self._faulty.announce(self._identity) if since == 0 else []
-        return [*said, *self._faulty.send(block)]
+        text = self._faulty.announce(self._identity) if since == 0 else []
+        return [*text, *self._faulty.send(block)]
 
     def execute(self, command: str) -> str:
         """Do what a line says and return the answer, ``ok ...`` or ``error ...``; never raises."""

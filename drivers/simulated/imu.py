@@ -11,8 +11,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from drivers.simulated.bench_in_memory import PoweredUnit, turn_segment
-from drivers.simulated.cube_motion import Segment, creep, flip, rest, settle, shock
-from drivers.simulated.handling_motion import carry
+from drivers.simulated.cube_motion import Segment, carry, creep, flip, rest, settle, shock
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack, drive
 from procedures.arrays import FloatArray, IntArray
@@ -182,7 +181,7 @@ class SimulatedImu(PoweredUnit):
         return np.concatenate(gyro), np.concatenate(accel)
 
     def _columns(self, n_samples: int) -> dict[str, Any]:
-        """Return what stands beside the values of the last ``n_samples``."""
+        """Return what comes with the values of the last ``n_samples``."""
         counter = np.arange(self.index - n_samples, self.index, dtype=np.int64)
         time: FloatArray = self.truth.sample_period_s * (counter + 1).astype(np.float64)
         return {

@@ -1,7 +1,7 @@
 """A pytest plugin: simulated devices on real transports as fixtures. How to use it: docs/how-to/testing.md.
 
 It is loaded by every pytest of its environment, so it imports nothing until a fixture is asked for. What a device
-is like is said by a marker of the fixture's name, its keyword arguments those of `drivers.simulated.server`.
+is like is reported by a marker of the fixture's name, its keyword arguments those of `drivers.simulated.server`.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ MARKERS = {
 D = TypeVar("D", "SimulatedDevice", "SimulatedGnss", "SimulatedCamera")
 F = TypeVar("F")
 AS_FAST_AS_READ = 0.0
-ALONE_SPEED = 10.0  # of a receiver that no IMU's clock goes beside: a fix each 20 ms
+ALONE_SPEED = 10.0  # of a receiver without an IMU's clock: a fix each 20 ms
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -49,35 +49,35 @@ def simulated_can_imu(request: pytest.FixtureRequest) -> Iterator[SimulatedDevic
 
 @pytest.fixture
 def simulated_gnss(request: pytest.FixtureRequest) -> Iterator[SimulatedGnss]:
-    """Serve an autopilot with a GNSS receiver; beside the test's simulated IMU, on its truth and clock."""
+    """Serve an autopilot with a GNSS receiver, with the test's simulated IMU, on its truth and clock."""
     from drivers.simulated.companions.gnss_server import SimulatedGnss
     from drivers.simulated.companions.truths import AutopilotTruth
     from drivers.simulated.faults import TimedFault, gnss_faults_from
 
     settings = _settings(request, "simulated_gnss")
-    beside = _imu_of(request)
-    truth = _truth(settings, beside.truth if beside else None)
+    imu = _imu_of(request)
+    truth = _truth(settings, imu.truth if imu else None)
     if isinstance(autopilot := settings.pop("autopilot", None), Mapping):
         autopilot = AutopilotTruth(**autopilot)
     faults = _faults(settings, TimedFault, gnss_faults_from)
     settings.setdefault("speed", ALONE_SPEED)
-    yield from _until_over(SimulatedGnss(truth, autopilot, faults, beside=beside, **settings))
+    yield from _until_over(SimulatedGnss(truth, autopilot, faults, imu=imu, **settings))
 
 
 @pytest.fixture
 def simulated_camera(request: pytest.FixtureRequest) -> Iterator[SimulatedCamera]:
-    """Serve a camera over HTTP; beside the test's simulated IMU, on its truth and clock."""
+    """Serve a camera over HTTP, with the test's simulated IMU, on its truth and clock."""
     from drivers.simulated.companions.camera_server import SimulatedCamera
     from drivers.simulated.companions.truths import CameraTruth
     from drivers.simulated.faults import TimedFault, camera_faults_from
 
     settings = _settings(request, "simulated_camera")
-    beside = _imu_of(request)
-    truth = _truth(settings, beside.truth if beside else None)
+    imu = _imu_of(request)
+    truth = _truth(settings, imu.truth if imu else None)
     if isinstance(camera := settings.pop("camera", None), Mapping):
         camera = CameraTruth(**camera)
     faults = _faults(settings, TimedFault, camera_faults_from)
-    yield from _until_over(SimulatedCamera(truth, camera, faults, beside=beside, **settings))
+    yield from _until_over(SimulatedCamera(truth, camera, faults, imu=imu, **settings))
 
 
 def _served(request: pytest.FixtureRequest, name: str, usual: Mapping[str, Any]) -> Iterator[SimulatedDevice]:
@@ -115,14 +115,14 @@ def _faults(
     return [fault if isinstance(fault, kind) else read([fault])[0] for fault in given]
 
 
-def _truth(settings: dict[str, Any], beside: Truth | None = None) -> Truth:
+def _truth(settings: dict[str, Any], imu: Truth | None = None) -> Truth:
     """Take ``truth`` out of the settings: a `Truth`, or keys of a truth file that differ from the usual."""
     from drivers.simulated.truth import Truth, truth_from
 
     given = settings.pop("truth", {})
     if isinstance(given, Truth):
         return given
-    return truth_from(given, beside or Truth.example(settings.get("seed") or 1))
+    return truth_from(given, imu or Truth.example(settings.get("seed") or 1))
 
 
 def _imu_of(request: pytest.FixtureRequest) -> SimulatedDevice | None:

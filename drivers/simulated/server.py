@@ -111,7 +111,7 @@ class SimulatedDevice:
         self.failure: Exception | None = None
         self._true_period = self.truth.sample_period_s / (1 + 1e-6 * self.device.imu.world.clock_ppm)
         self._sent = 0  # samples
-        self._seen: tuple[float, float] | None = None  # device time that the guide has seen, and when it said so
+        self._seen: tuple[float, float] | None = None  # device time that the guide has seen, and when it did
         # true time of the last sample sent, when that was, how far the next are from it
         self._going = 0.0, 0.0, 0.0
 
@@ -124,7 +124,7 @@ class SimulatedDevice:
     def true_time(self) -> float:
         """True time [s]; device time is off it by what is planted as ``clock.rate``.
 
-        It goes on between one sending and the next, up to what is sent then: what stands beside the device does
+        It goes on between one sending and the next, up to what is sent then: what stands with the device does
         not live in steps of its samples.
         """
         sent, at, ahead = self._going
@@ -231,8 +231,8 @@ class SimulatedDevice:
 
     def _wait_for_guide(self) -> None:
         while self._speed and self._seen is not None and not self._stop.is_set():
-            seen, said = self._seen
-            if self.time < seen + MAX_AHEAD_S or time.monotonic() > said + MAX_WAIT_S:
+            seen, text = self._seen
+            if self.time < seen + MAX_AHEAD_S or time.monotonic() > text + MAX_WAIT_S:
                 return
             self._stop.wait(CHUNK_S)
 

@@ -18,8 +18,8 @@ import numpy as np
 
 from drivers.errors import TruthRefused
 from procedures.arrays import FloatArray
-from procedures.earth.geodesy import earth_rate_n, normal_gravity
 from procedures.frames import FACES, TRIADS, C_bn, face_normal, face_of, rotation, vertical_rotation
+from procedures.geodesy import earth_rate_n, normal_gravity
 from procedures.units import DEG_H_PER_DEG_S, STANDARD_GRAVITY
 
 Sizes = Mapping[str, float]
@@ -317,7 +317,7 @@ class World:
     def slab_normal_n(self) -> FloatArray:
         """Return the slab's normal (3,), East-North-Up: the axis of every hand turn."""
         from_east, from_north = self.slab_tilt
-        # up seen from the slab is (e, n, ..): the normal seen from level leans the other way
+        # up seen from the slab is (e, n, ..): the normal seen from level tilts the other way
         C_nl = vertical_rotation(-self.azimuth) @ rotation(np.array([from_north, -from_east, 0.0]))
         normal_n: FloatArray = C_nl[:, 2]
         return normal_n

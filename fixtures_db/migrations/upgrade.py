@@ -6,7 +6,7 @@ from alembic import command, op
 from alembic.config import Config
 from sqlalchemy import Connection
 
-from fixtures_db.append_only_triggers import REFUSING_FUNCTION, on_postgresql, on_sqlite
+from fixtures_db.append_only_rows import REFUSING_FUNCTION, on_postgresql, on_sqlite
 
 
 def config() -> Config:

@@ -16,7 +16,7 @@ from procedures.anomalies.wrong_positions import (
     with_true_labels,
 )
 from procedures.campaign.campaign import Campaign, DwellRecord
-from procedures.earth.gyrocompass import first_position
+from procedures.gyrocompass import first_position
 from procedures.inference.result import EffectTest, Finding
 from procedures.units import PPM_PER_ONE
 

@@ -19,8 +19,8 @@ from procedures.campaign.campaign import Campaign, DwellRecord, TurnRecord
 from procedures.campaign.observations import channel
 from procedures.counts.dwell_means import estimate_rates
 from procedures.counts.sample_records import CountSeries
-from procedures.earth.gyrocompass import first_position
 from procedures.frames import AXES, FACES, POSITIONS, face_normal, face_of
+from procedures.gyrocompass import first_position
 from procedures.inference import odds
 from procedures.inference.priors import ESTABLISHED, NEGLIGIBLE, PRESENT
 from procedures.inference.result import CERTAIN, EffectTest, Finding

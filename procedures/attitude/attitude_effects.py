@@ -240,7 +240,7 @@ def evidence_of(
 def functions_of_time(evidence: Evidence) -> dict[str, Function]:
     """Return by name what may act without a name: of each kind of rows and axis, a smooth function of time.
 
-    Neighbouring windows share what a mixer leaves of one manoeuvre: beside a function of time they are no
+    Neighbouring windows share what a mixer leaves of one manoeuvre: with a function of time they are no
     independent witnesses of an effect.
     """
     found = dict[str, Function]()

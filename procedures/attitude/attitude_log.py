@@ -11,7 +11,7 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
 from procedures.counts.sample_times import GAP_PERIODS
-from procedures.earth.geodesy import earth_rate_n
+from procedures.geodesy import earth_rate_n
 
 ENU_NED = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])  # its own inverse
 

@@ -32,7 +32,7 @@ MIN_EXPLAINED = 0.3  # of the change of f, by rates of a scale that a unit has
 MIN_EXPLAINED_ELSE = 0.65  # by rates of other axes, or of a scale that no unit has
 TIE_RATIO = 1.5  # times the least residual: readings that are indistinguishable; the fewest changes are named
 MIN_SCALE_ERROR = (
-    1.5  # a factor: beyond, it is said; a long lever arm makes 1.9 of 1, so that only a unit's is refused
+    1.5  # a factor: beyond, it is reported; a long lever arm makes 1.9 of 1, so that only a unit's is refused
 )
 NEAR_UNIT = 0.25  # relative: how near to a unit's factor a scale is taken for it; a lever arm makes 0.83 of 1
 MIN_GAIN = 3e-4  # of gravity, in the mean force: what two readings that agree may differ by

@@ -8,7 +8,7 @@ import numpy as np
 from procedures.attitude.attitude_estimate import AIDS, estimate
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.filter_choice import PAPER_GAINS
-from procedures.attitude.kalman_filter import AID_CODE, AttitudeKalmanFilter
+from procedures.attitude.kalman.kalman_filter import AID_CODE, AttitudeKalmanFilter
 
 
 def compile_all() -> None:

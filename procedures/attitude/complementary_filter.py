@@ -171,7 +171,7 @@ class ComplementaryFilter:
 def level_velocity(log: AttitudeLog) -> FloatArray:
     """Return a log's GNSS velocity (n, 3) [m/s] forward, right and down of the heading, nan where there is none.
 
-    Where no heading stands beside a velocity: its size, nan and its vertical part, for nothing says how much of it
+    Where no heading stands with a velocity: its size, nan and its vertical part, for nothing says how much of it
     goes to the right.
     """
     if log.velocity is None:

@@ -30,7 +30,7 @@ class Gains:
         return cls(2 / tau, 1 / (2 * tau))
 
 
-PAPER_GAINS = Gains(0.08, 0.0125)  # You and Lee, section 4: printed beside (15), but not of its form
+PAPER_GAINS = Gains(0.08, 0.0125)  # You and Lee, section 4: printed next to (15), but not of its form
 
 
 JOINT = "joint"
@@ -51,21 +51,21 @@ FORM_DESCRIPTIONS = {
 
 
 def parse_filters(text: str) -> tuple[str, ...]:
-    """Read one law, or two with a comma between; raise ValueError where they are none."""
-    laws = tuple(part.strip() for part in text.split(",")) if text else (JOINT,)
-    if unknown := [law for law in laws if law not in LIVE_FILTERS]:
+    """Read one filter, or two with a comma between; raise ValueError where they are none."""
+    filters = tuple(part.strip() for part in text.split(",")) if text else (JOINT,)
+    if unknown := [name for name in filters if name not in LIVE_FILTERS]:
         names = f"{', '.join(LIVE_FILTERS)}, or two of them"
         raise ValueError(f"found {unknown[0]!r}, expected one of {names}")
-    if len(set(laws)) < len(laws) or len(laws) > MAX_LIVE_FILTERS:
+    if len(set(filters)) < len(filters) or len(filters) > MAX_LIVE_FILTERS:
         raise ValueError(f"found {text!r}, expected one law, or two different ones: joint,paper")
-    return laws
+    return filters
 
 
-def refuse_without_velocity(laws: Sequence[str], aid: str) -> None:
-    """Raise ValueError for a law that cannot work by an aid."""
-    for law in laws:
-        if law != JOINT and aid not in FORMS[law]:
+def refuse_without_velocity(filters: Sequence[str], aid: str) -> None:
+    """Raise ValueError for a filter that cannot work by an aid."""
+    for name in filters:
+        if name != JOINT and aid not in FORMS[name]:
             raise ValueError(
-                f"law {law} needs a velocity, found aid {aid}, expected gnss or airspeed: give --gnss URL, or "
+                f"law {name} needs a velocity, found aid {aid}, expected gnss or airspeed: give --gnss URL, or "
                 f"use the law paper or mixer"
             )

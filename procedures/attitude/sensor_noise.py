@@ -14,8 +14,8 @@ from procedures.arrays import BoolArray, FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.complementary_filter import RATE_GATE
 from procedures.attitude.complementary_velocity_aids import SMOOTH_S
-from procedures.attitude.kalman_state import KalmanSettings
-from procedures.attitude.strapdown_integration import GAP_RATE
+from procedures.attitude.kalman.kalman_state import KalmanSettings
+from procedures.attitude.kalman.strapdown_integration import GAP_RATE
 from procedures.statistics.white_noise import white_noise
 from procedures.units import STANDARD_GRAVITY
 
@@ -139,8 +139,7 @@ def frozen_rows_warning(log: AttitudeLog, stretches: list[FrozenStretch]) -> str
 
 
 GATE_SIGMA = 4.0
-MIN_RANGE = np.radians(90.0), 15.0  # rad/s, m/s2: below, only a channel whose noise is seen is said to clip
-CLIPPED_ROWS = 3
+MIN_RANGE = np.radians(90.0), 15.0  # rad/s, m/s2: below, only a channel whose noise is seen is reported to clip
 MIN_GYRO_NOISE = 1e-7  # rad/sqrt(s)
 MIN_BIAS_WALK = 3e-6  # rad/s/sqrt(s), of a FOG's bias: three times what it does
 WALK_PER_NOISE = 1.0  # 1/s
@@ -153,7 +152,7 @@ def gyro_noise(log: AttitudeLog) -> float:
 
 
 def at_rest(settings: KalmanSettings, log: AttitudeLog) -> KalmanSettings:
-    """Return the Kalman filter's settings with what this unit does at rest: its own noise, and a walk beside it.
+    """Return the Kalman filter's settings with what this unit does at rest: its own noise, and a walk in addition.
 
     The walk of a bias is far less by the Allan deviation of any gyro; but a rest is never quite one.
     """
@@ -174,7 +173,7 @@ def range_limit(samples: FloatArray, least: float) -> float:
     """Return the value at which samples (n, 3), of any unit, clip; infinity where they do not.
 
     They clip where the largest size, above ``least`` or in a channel of more noise than
-    resolution, stands for `CLIPPED_ROWS` rows running in a channel.
+    resolution, stands for three rows running in a channel.
     """
     top = float(np.abs(samples).max(initial=0.0))
     at_top = np.abs(samples) >= top

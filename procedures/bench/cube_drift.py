@@ -17,7 +17,7 @@ from procedures.campaign.campaign import MeasuredCube
 from procedures.campaign.measured_cube import CubeMeasurement, common_and_difference
 from procedures.statistics.significance import holm
 
-CHANGED_P_VALUE = 0.01  # p-value, by Holm over all values, below which a cube is said to have changed
+CHANGED_P_VALUE = 0.01  # p-value, by Holm over all values, below which a cube is reported to have changed
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -40,7 +40,7 @@ from procedures.twelve_positions.bench_parameters import (
 from procedures.units import STANDARD_GRAVITY
 
 K2_STD_G_PER_G2 = 5e-5  # g/g^2, 1 sigma: a servo accelerometer's K2 is some 10 to 100 ug/g^2
-DOUBTFUL_P_VALUE = 0.01  # p-value of a test below which what it tests is said to be in doubt
+DOUBTFUL_P_VALUE = 0.01  # p-value of a test below which what it tests is reported as ambiguous
 # rad: no range is assumed of parallelism, which would pull two measurements of a cube alike
 PARALLELISM_RANGE_RAD = 1.0
 # rad, 1 sigma: how far the cube's mean normals turn as a whole from the axes of its drawing
@@ -51,7 +51,7 @@ MAX_SKEW_STD_RAD = FACE_TILT_RANGE_RAD / 3  # rad: a skew known no better than t
 MAX_PARALLELISM_STD_RAD = FACE_TILT_RANGE_RAD * np.sqrt(2)
 CUBE, T, K2, CAMPAIGNS_FROM = slice(0, 12), slice(12, 15), slice(15, 18), 18  # where a unit's parameters stand
 CUBE_AND_K2 = np.r_[CUBE, K2]
-PER_CAMPAIGN = 11  # per campaign beside headings: k (relative), R, D, 3 each, slab 2
+PER_CAMPAIGN = 11  # per campaign in addition to headings: k (relative), R, D, 3 each, slab 2
 
 
 def measure_cube(campaigns: Sequence[Campaign], quadratic_std: float = K2_STD_G_PER_G2) -> CubeMeasurement:
@@ -123,8 +123,8 @@ def _joined(
     measurement = CubeMeasurement(found, noise, shares, chi2, dof, p_value, tuple(warnings))
     if p_value >= DOUBTFUL_P_VALUE:
         return measurement
-    said = f"the units, or K2 and its range, disagree: chi-square {chi2:.4g} at {dof} degrees of freedom"
-    return replace(measurement, warnings=(*warnings, f"{said}, p {p_value:.2g}"))
+    text = f"the units, or K2 and its range, disagree: chi-square {chi2:.4g} at {dof} degrees of freedom"
+    return replace(measurement, warnings=(*warnings, f"{text}, p {p_value:.2g}"))
 
 
 def _plausible(units: int, quadratic_std: float) -> FloatArray:

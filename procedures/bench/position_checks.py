@@ -23,10 +23,10 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.observations import TriadDwells
-from procedures.earth.geodesy import earth_rate_n
-from procedures.earth.gyrocompass import CertainDwell
 from procedures.errors import FitsNoFace, WrongFace, WrongMounting
 from procedures.frames import AXES, FACES, face_normal, face_of, nominal_C_lb
+from procedures.geodesy import earth_rate_n
+from procedures.gyrocompass import CertainDwell
 from procedures.statistics.least_squares import Fit, minimise_if_determined
 from procedures.twelve_positions.accelerometer_fit import TriadFit
 from procedures.units import RAD_S_PER_DEG_H
@@ -108,7 +108,7 @@ def _axis_name(row: FloatArray) -> str:
 
 MIN_ERROR_SIGMAS = 4.0
 AMBIGUOUS_CHI2 = 9.0  # of chi2: a dwell whose heading explains nearly as much may be the one
-UNKNOWN_HEADING_STD_RAD = 0.3  # rad, 1 sigma of a heading of which nothing is said
+UNKNOWN_HEADING_STD_RAD = 0.3  # rad, 1 sigma of a heading of which nothing is stated
 BIAS_STD_RAD_S = 30 * RAD_S_PER_DEG_H  # rad/s, 1 sigma
 SCALE_STD, MISALIGNMENT_STD_RAD = 0.1, 1e-2  # 1 sigma, where only a rough scale factor is known
 CONTRADICTION_P_VALUE = 1e-4  # probability of a chi2 above which sigma is widened to what the dwells scatter by
@@ -138,7 +138,7 @@ def heading_errors(
     ``C_sb`` (3, 3) takes the cube's axes to the IMU's. ``K`` (3, 3) [count/rad] is what the gyros count, IMU axes,
     known to ``ranges``: scale factor and misalignment, relative, 1 sigma. ``latitude`` and ``heading_std`` in rad.
     """
-    if not len(dwells):  # a campaign of turns alone, beside one that has the positions
+    if not len(dwells):  # a campaign of turns alone, next to one that has the positions
         return []
     stds, found = np.full(len(dwells), heading_std), list[tuple[int, ...]]()
     fit, ratio = None, 1.0
@@ -167,7 +167,7 @@ def heading_errors(
 
 def heading_warnings(campaigns: Sequence[Campaign], joint: TriadFit) -> tuple[list[str], list[str]]:
     """Return the dwells that stood turned against the marks, campaign by campaign: each in words; sure names."""
-    K, said, sure = np.degrees(joint.fit.x[:9].reshape(3, 3)), list[str](), list[str]()
+    K, text, sure = np.degrees(joint.fit.x[:9].reshape(3, 3)), list[str](), list[str]()
     for number, campaign in enumerate(campaigns):
         rows = [i for i, (of, _) in enumerate(joint.seen.dwells) if of == number]
         records = [joint.seen.dwells[i][1] for i in rows]
@@ -180,9 +180,9 @@ def heading_warnings(campaigns: Sequence[Campaign], joint: TriadFit) -> tuple[li
         )
         for error in errors:
             named = " or ".join(f"{records[i].position} ({records[i].name})" for i in sorted(error.dwells))
-            said.append(f"position {named} {heading_error_text(error)}: record it again")
+            text.append(f"position {named} {heading_error_text(error)}: record it again")
             sure += [records[i].name for i in error.dwells if len(error.dwells) == 1]
-    return said, sure
+    return text, sure
 
 
 def heading_error_text(error: HeadingError) -> str:
@@ -193,7 +193,7 @@ def heading_error_text(error: HeadingError) -> str:
 
 
 def _gain(fit: Fit, n: int) -> FloatArray:
-    """Return by how much chi2 (n,) would fall if nothing were said of each dwell's heading."""
+    """Return by how much chi2 (n,) would fall if nothing were stated of each dwell's heading."""
     residual, leverage = fit.residual[-n:], fit.leverage[-n:]
     return np.where(leverage < 1 - 1e-9, residual**2 / np.maximum(1 - leverage, 1e-9), 0.0)
 

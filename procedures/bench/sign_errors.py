@@ -21,14 +21,14 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.observations import TriadDwells
-from procedures.earth.geodesy import earth_rate_n
 from procedures.frames import AXES, nominal_C_lb
+from procedures.geodesy import earth_rate_n
 from procedures.twelve_positions.accelerometer_fit import TriadFit
 from procedures.twelve_positions.gyroscope_fit import GyroscopeFit
 
 MIN_OWN_AXIS_SHARE = 0.8  # of a row of E that must lie along the sensor's own axis for its sign to mean anything
 MIN_SIGN_SIGMAS = 6.0  # sigmas of a from zero
-MAX_OFF_UNIT = 0.3  # of a from +-1, beside four of its sigmas
+MAX_OFF_UNIT = 0.3  # of a from +-1, in addition to four of its sigmas
 MIN_SIGN_DWELLS = 6  # dwells
 
 

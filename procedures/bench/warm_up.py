@@ -65,7 +65,7 @@ class IntervalMeans:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WarmUpState:
-    """Whether positions may begin, and why not; ``left_s`` None: it cannot be said yet.
+    """Whether positions may begin, and why not; ``left_s`` None: it cannot be reported yet.
 
     ``temperature_rate`` and its limit [K/s], None without a thermometer. ``gyro_drift`` (3,) is what the gyros are
     held to drift over a pair of positions, ``gyro_limit`` (3,) what a dwell resolves [count/s]; nan at first.

@@ -109,8 +109,8 @@ def fit_reduced(steps: ReducedSteps) -> CampaignFits:
         accelerometer = solve_accelerometer(campaigns, accel) if accel is not None else None
     gyroscope = None
     if gyro is not None:
-        leans = rotation_tilts(campaigns, steps.turns, steps.turn_rests, accel, accelerometer)
-        gyroscope = solve_gyroscope(campaigns, gyro, steps.turns, accelerometer, leans)
+        tilts = rotation_tilts(campaigns, steps.turns, steps.turn_rests, accel, accelerometer)
+        gyroscope = solve_gyroscope(campaigns, gyro, steps.turns, accelerometer, tilts)
     moves = None
     if gyroscope is None and accelerometer is not None:
         moves = solve_moves(campaigns, steps.segmented, accelerometer)
@@ -140,7 +140,7 @@ def report(fits: CampaignFits) -> Solution:
         gyro = gyro and with_clock(gyro, clock_on_moves(gyro.value, counts), std)
     on_bench = fits.accelerometer is not None and not fits.accelerometer.is_turned_freely
     slab, parallelism = _bench(fits.accelerometer) if on_bench and fits.accelerometer else (None, None)
-    leans = leans_of(fits, quality)
+    tilts = undetectable_tilts_of(fits, quality)
     names, covariance = joint_covariance(fits, accel, gyro)
     stood, sure = heading_warnings(fits.campaigns, fits.gyroscope.joint) if fits.gyroscope else ([], [])
     return Solution(
@@ -149,12 +149,12 @@ def report(fits: CampaignFits) -> Solution:
         slab_tilt=slab, parallelism=parallelism, quality=quality, names=names, covariance=covariance,
         reference_temperature=_mean_temperature(fits),
         residuals=step_residuals(fits.accelerometer, fits.gyroscope),
-        not_observable=_not_observable(fits), warnings=(*_warnings(fits, quality, leans), *stood),
-        unused_steps=_unused(fits), turned_off=tuple(sure), undetectable_tilts=leans,
+        not_observable=_not_observable(fits), warnings=(*_warnings(fits, quality, tilts), *stood),
+        unused_steps=_unused(fits), turned_off=tuple(sure), undetectable_tilts=tilts,
     )  # fmt: skip
 
 
-def leans_of(
+def undetectable_tilts_of(
     fits: CampaignFits, quality: FitQuality, askew: Collection[tuple[int, str]] = ()
 ) -> tuple[UndetectableTilt, ...]:
     """Return what tilts would not show in the dwells but those ``askew``, by campaign's number and name."""
@@ -259,7 +259,7 @@ def _not_observable(fits: CampaignFits) -> tuple[str, ...]:
 
 
 def _left_open(accelerometer: TriadFit, moves_show_skew: bool) -> list[str]:
-    """Name what the accelerometers' steps do not show, beside parameters of a triad that was left out.
+    """Name what the accelerometers' steps do not show, in addition to parameters of a triad that was left out.
 
     Moves between placements show a cube's skew to the gyroscopes; the cube's turning as a whole stays open.
     """
@@ -279,7 +279,7 @@ def _left_open(accelerometer: TriadFit, moves_show_skew: bool) -> list[str]:
     return [*found, *NEVER_EXCITED]
 
 
-def _warnings(fits: CampaignFits, quality: FitQuality, leans: Sequence[UndetectableTilt]) -> tuple[str, ...]:
+def _warnings(fits: CampaignFits, quality: FitQuality, tilts: Sequence[UndetectableTilt]) -> tuple[str, ...]:
     found = list(fits.left_out)
     if quality.p_value < DOUBTFUL_P_VALUE:
         found.append(
@@ -308,7 +308,7 @@ def _warnings(fits: CampaignFits, quality: FitQuality, leans: Sequence[Undetecta
     if fits.gyroscope is not None:
         found += _turn_warnings(fits.gyroscope)
         found += _site_warnings(fits.gyroscope)
-    found += undetectable_tilt_warnings(leans)
+    found += undetectable_tilt_warnings(tilts)
     return (*found, *turn_on_warnings(fits.campaigns, fits.accelerometer, fits.gyroscope), *_few_counts(fits))
 
 
@@ -327,9 +327,9 @@ def _turn_warnings(gyroscope: GyroscopeFit) -> list[str]:
                 f"{turn.record.name}: less than 2 s of rest at an end; its closure error is assumed to be "
                 f"{taken:.2g} deg"
             )
-    for turn, lean in zip(gyroscope.turns, gyroscope.leans, strict=True):
-        if lean is not None and lean.is_off:
-            off, left = (float(np.linalg.norm(each)) / RAD_PER_ARCSEC for each in (lean.mean, lean.axis_std))
+    for turn, tilt in zip(gyroscope.turns, gyroscope.tilts, strict=True):
+        if tilt is not None and tilt.is_off:
+            off, left = (float(np.linalg.norm(each)) / RAD_PER_ARCSEC for each in (tilt.mean, tilt.axis_std))
             found.append(
                 f"{turn.record.name}: the cube tilted by {off:.0f} arcsec during the rotation: its axis is known "
                 f"only to {left:.0f} arcsec; lift it, wipe cube and plate, and rotate again"

@@ -8,7 +8,7 @@ from scipy.special import chdtri
 from procedures.arrays import FloatArray
 from procedures.calibration.undetectable_tilt import UndetectableTilt
 
-DOUBTFUL_P_VALUE = 0.01  # p-value of the global test below which the sigmas are said to be in doubt
+DOUBTFUL_P_VALUE = 0.01  # p-value of the global test below which the sigmas are reported as ambiguous
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -20,7 +20,7 @@ class Estimate:
     unit: str
 
     def widened(self, shift: FloatArray) -> "Estimate":
-        """Return it with a ``shift`` (...), shaped like the value and in its unit, beside its sigma."""
+        """Return it with a ``shift`` (...), shaped like the value and in its unit, next to its sigma."""
         return replace(self, std=np.hypot(self.std, shift))
 
 
@@ -44,7 +44,7 @@ class TriadCalibration:
         return np.concatenate((self.scale_factor.value, self.misalignment.value.ravel(), self.bias.value))
 
     def widened(self, shift: FloatArray) -> "TriadCalibration":
-        """Return it with a ``shift`` (15,) of `vector`, in its units, beside the sigmas."""
+        """Return it with a ``shift`` (15,) of `vector`, in its units, next to the sigmas."""
         return replace(
             self,
             scale_factor=self.scale_factor.widened(shift[:3]),

@@ -113,7 +113,7 @@ def scale_unit(triad: str, counts: bool) -> str:
 def triad_vector(joint: TriadFit, triad: str, accelerometer: TriadFit | None) -> TriadVector:
     """Refer a fit to the mean cube and turn it into k, E and D.
 
-    Scatter from dwell to dwell beyond counting noise is taken as bias instability, which wanders slowly: the
+    Scatter from dwell to dwell beyond counting noise is taken as bias instability, which changes slowly: the
     mean over the dwells averages it less than independent draws. The drift of an unsettled unit is common to all
     of them: its bias when it has settled differs by as much as it moved in that time. An uncertified cube's skew
     adds to the sigma of k, and of accelerometers' D (`procedures.twelve_positions.bench_parameters`).

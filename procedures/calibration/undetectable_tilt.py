@@ -20,7 +20,7 @@ from procedures.campaign.campaign import DwellRecord
 from procedures.frames import AXES, position_name
 from procedures.twelve_positions.accelerometer_fit import TriadFit, specific_force
 from procedures.twelve_positions.gyroscope_fit import GyroscopeFit
-from procedures.twelve_positions.seating import seating_rotations
+from procedures.twelve_positions.placement_transfers import seating_rotations
 from procedures.units import RAD_PER_ARCSEC
 
 HARMFUL = 1.2  # sigmas of a value by a tilt that shows by one; twelve positions that all count have 1.05
@@ -35,7 +35,7 @@ VALUES = [f"{KINDS[a != b]} {a if a == b else a + b}" for a in AXES for b in AXE
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UndetectableTilt:
-    """The ``lean`` [rad] of one dwell that shows every second time, and what it makes wrong in that time.
+    """The ``tilt`` [rad] of one dwell that shows every second time, and what it makes wrong in that time.
 
     It, or one of `ANY_TILT_RAD` if that is less, moves ``value``, as ``accelerometer misalignment xy``, by
     ``sigmas`` of its own, seats' scatter in; tilts in other directions that show alike move no other by more.
@@ -47,7 +47,7 @@ class UndetectableTilt:
     campaign: int
     step: str
     position: int
-    lean: float
+    tilt: float
     value: str
     sigmas: float
     harmed: tuple[str, ...] = ()
@@ -55,10 +55,10 @@ class UndetectableTilt:
     largest: float = 0.0
 
 
-def undetectable_tilt_warnings(leans: Sequence[UndetectableTilt]) -> list[str]:
+def undetectable_tilt_warnings(tilts: Sequence[UndetectableTilt]) -> list[str]:
     """Say in which positions debris would not be noticed, how large it may be, and what it would make wrong."""
-    of_accelerometer = [each for each in leans if each.harmed]
-    of_gyroscope = [each for each in leans if each.is_of_moves]
+    of_accelerometer = [each for each in tilts if each.harmed]
+    of_gyroscope = [each for each in tilts if each.is_of_moves]
     parts = list[str]()
     if of_accelerometer:
         parts.append(f"in {_places(of_accelerometer)}: accelerometer {_values(of_accelerometer)} would be wrong")
@@ -82,7 +82,7 @@ def undetectable_tilts(
     Dwells whose tilt moves nothing by `LEAST_MOVED` are left out.
 
     ``noticed`` [sigma] is by how much a tilt shows (`FitQuality.noticed_sigmas`), ``askew`` are the number of the
-    campaign and the name of each dwell whose seat was found: nothing else of it is told.
+    campaign and the name of each dwell whose seat was found: nothing else of it is known.
     """
     if not (dwells := accelerometer.seen.dwells):
         return ()  # rests alone
@@ -92,25 +92,25 @@ def undetectable_tilts(
     found = list[UndetectableTilt]()
     for i, (number, dwell) in enumerate(dwells):
         if not is_askew[i]:
-            leans, harm = solved.reliability(i, _gyroscopes_by_tilt(gyroscope, number, dwell.name))
+            tilts, harm = solved.reliability(i, _gyroscopes_by_tilt(gyroscope, number, dwell.name))
             seat = accelerometer.bench.campaigns[number].sigma.seat
             moved = np.nan_to_num(harm * noticed)
-            found.append(_of_dwell(number, dwell, leans * noticed, moved, noticed * HARMFUL, SEATS * seat))
+            found.append(_of_dwell(number, dwell, tilts * noticed, moved, noticed * HARMFUL, SEATS * seat))
     return tuple(each for each in found if each.sigmas >= LEAST_MOVED or each.harmed or each.is_of_moves)
 
 
 def _of_dwell(
-    campaign: int, dwell: DwellRecord, leans: FloatArray, moved: FloatArray, harmful: float, least: float
+    campaign: int, dwell: DwellRecord, tilts: FloatArray, moved: FloatArray, harmful: float, least: float
 ) -> UndetectableTilt:
-    """Return what is said of tilts (21,) [rad] that show and by how many sigmas each ``moved`` its value (21,)."""
-    is_harmed = (moved > harmful) & (leans > least)
-    at_most = moved * np.minimum(1.0, ANY_TILT_RAD / np.maximum(leans, ANY_TILT_RAD))
+    """Return what is known of tilts (21,) [rad] that show; by how many sigmas each ``moved`` its value (21,)."""
+    is_harmed = (moved > harmful) & (tilts > least)
+    at_most = moved * np.minimum(1.0, ANY_TILT_RAD / np.maximum(tilts, ANY_TILT_RAD))
     worst = int(np.argmax(at_most))
     harmed = tuple(VALUES[k] for k in np.flatnonzero(is_harmed[: len(VALUES)]))
     value = f"accelerometer {VALUES[worst]}" if worst < len(VALUES) else f"gyroscope {VALUES[worst - len(VALUES)]}"
     return UndetectableTilt(
-        campaign, dwell.name, dwell.position, float(leans[worst]), value, float(at_most[worst]), harmed,
-        bool(is_harmed[len(VALUES) :].any()), float(leans[is_harmed].max(initial=0.0)),
+        campaign, dwell.name, dwell.position, float(tilts[worst]), value, float(at_most[worst]), harmed,
+        bool(is_harmed[len(VALUES) :].any()), float(tilts[is_harmed].max(initial=0.0)),
     )  # fmt: skip
 
 
@@ -154,8 +154,8 @@ class _Solved:
         does = np.vstack((self.inverse @ G, gyroscopes))
         worst = np.linalg.solve(shown, does.T).T  # of tilts that show alike, in the direction that does most
         harm = np.sqrt(np.sum(does * worst, axis=1))
-        leans = np.linalg.norm(worst, axis=1) / np.maximum(harm, np.finfo(float).tiny)
-        return leans, harm
+        tilts = np.linalg.norm(worst, axis=1) / np.maximum(harm, np.finfo(float).tiny)
+        return tilts, harm
 
 
 def _rows_by_tilt(fit: TriadFit) -> FloatArray:
@@ -184,19 +184,19 @@ def _gyroscopes_by_tilt(fit: GyroscopeFit | None, campaign: int, dwell: str) -> 
     return found
 
 
-def _values(leans: Sequence[UndetectableTilt]) -> str:
-    harmed = {name for each in leans for name in each.harmed}
+def _values(tilts: Sequence[UndetectableTilt]) -> str:
+    harmed = {name for each in tilts for name in each.harmed}
     axes = {what: [name.split()[-1] for name in VALUES if name in harmed and what in name] for what in KINDS}
     return "; ".join(f"{what} {', '.join(names)}" for what, names in axes.items() if names)
 
 
-def _places(leans: Sequence[UndetectableTilt]) -> str:
+def _places(tilts: Sequence[UndetectableTilt]) -> str:
     largest = dict[int, float]()
-    for each in leans:
+    for each in tilts:
         largest[each.position] = max(each.largest, largest.get(each.position, 0.0))
-    names = [f"{position_name(position)} ({_size(lean)})" for position, lean in sorted(largest.items())]
+    names = [f"{position_name(position)} ({_size(tilt)})" for position, tilt in sorted(largest.items())]
     return f"position{'s' if len(names) > 1 else ''} {', '.join(names)}"
 
 
-def _size(lean: float) -> str:
-    return "any size" if lean > ANY_TILT_RAD else f"up to {lean / RAD_PER_ARCSEC:.0f} arcsec"
+def _size(tilt: float) -> str:
+    return "any size" if tilt > ANY_TILT_RAD else f"up to {tilt / RAD_PER_ARCSEC:.0f} arcsec"

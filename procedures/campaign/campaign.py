@@ -177,7 +177,7 @@ class Campaign:
 
     ``nominal_period`` [s] is the sample period that the campaign states, where it states one. ``period_std``,
     relative, is 1 sigma of the sample period that all its steps have in common, where stamps leave it open.
-    ``nominal_scale`` is how many outputs are 1 deg/s or 1 g, of the triads (`TRIADS`) whose unit is told.
+    ``nominal_scale`` is how many outputs are 1 deg/s or 1 g, of the triads (`TRIADS`) whose unit is stated.
     """
 
     model: str

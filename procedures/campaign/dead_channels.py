@@ -37,8 +37,8 @@ from procedures.campaign.campaign import (
 )
 from procedures.campaign.observations import channel
 from procedures.counts.sample_records import CountSeries, Series
-from procedures.earth.geodesy import earth_rate_n
 from procedures.frames import AXES, TRIADS, face_normal, face_of, nominal_C_lb
+from procedures.geodesy import earth_rate_n
 
 MIN_MISSED_COUNTS = 10.0  # counts, beyond six sigmas of what the other rests scatter
 MIN_EXPECTED_CHANGES = 30.0  # changes, where none came
@@ -157,7 +157,7 @@ class _Channel:
         certain = [i for i in range(len(self.steps)) if self._is_dead(i)]
         order = sorted(range(len(self.steps)), key=lambda i: float(self.steps[i].series.t[0]))
         found, run = set(certain), list[int]()
-        for i in [*order, None]:  # a constant step beside a dead one, without a live one between, is dead too
+        for i in [*order, None]:  # a constant step next to a dead one, without a live one between, is dead too
             if i is not None and (self.is_constant(i) or i in found):
                 run.append(i)
                 continue
@@ -241,22 +241,22 @@ class _Channel:
 
 
 def without_dead(campaigns: Sequence[Campaign]) -> tuple[tuple[Campaign, ...], tuple[str, ...]]:
-    """Return the campaigns without the triads of dead channels where these are dead, and what is said of it."""
-    kept, said = list[Campaign](), list[str]()
+    """Return the campaigns without the triads of dead channels where these are dead, and warnings of it."""
+    kept, wording = list[Campaign](), list[str]()
     for campaign in campaigns:
         for triad in TRIADS:
             dead = [(each, numbers) for each in _channels(campaign, triad) if (numbers := each.dead())]
-            said += [_sentence(each, numbers) for each, numbers in dead]
+            wording += [_sentence(each, numbers) for each, numbers in dead]
             gone = {id(each.steps[i]) for each, numbers in dead for i in numbers}
             if gone:
                 campaign = _without(campaign, triad, gone)
         tables, in_tables = _tables(campaign)
         kept.append(replace(campaign, rate_tables=tables) if in_tables else campaign)
-        said += in_tables
+        wording += in_tables
         in_soaks = [text for soak in campaign.soaks for text in _of_soak(soak)]
-        everywhere = [text.split(" in every step")[0] for text in said if " in every step" in text]
-        said += [text for text in in_soaks if not any(text.startswith(f"{each} in all") for each in everywhere)]
-    return tuple(kept), tuple(said)
+        everywhere = [text.split(" in every step")[0] for text in wording if " in every step" in text]
+        wording += [text for text in in_soaks if not any(text.startswith(f"{each} in all") for each in everywhere)]
+    return tuple(kept), tuple(wording)
 
 
 def dead_in_soak(soak: SoakRecord, triad: str) -> list[ConstantEnd | None]:
@@ -290,8 +290,8 @@ def _sentence(one: _Channel, dead: Sequence[int]) -> str:
     if len(dead) == len(one.steps) and all(end.begin == 0 for end in ends):
         return f"{one.name} outputs a constant {value} in every step: the {triad} are not used"
     names = [_where(one.steps[i], one.ends[i]) for i in dead]
-    said = ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
-    return f"{one.name} outputs a constant {value} in {said}: the {triad} are not used there"
+    text = ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
+    return f"{one.name} outputs a constant {value} in {text}: the {triad} are not used there"
 
 
 def _where(step: StepRecord | SoakRecord, end: ConstantEnd | None) -> str:
@@ -311,7 +311,7 @@ def _of_soak(soak: SoakRecord) -> list[str]:
 
 def _tables(campaign: Campaign) -> tuple[tuple[RateTable, ...], list[str]]:
     """Return the rate tables without the gyroscopes that put out a constant while turned about their own axis."""
-    kept, said = list[RateTable](), list[str]()
+    kept, text = list[RateTable](), list[str]()
     for table in campaign.rate_tables:
         along = np.abs(campaign.fixture.C_sb[:, AXES.index(table.axis)]) > MIN_OWN_AXIS_SHARE
         output = np.array(table.output)
@@ -319,10 +319,10 @@ def _tables(campaign: Campaign) -> tuple[tuple[RateTable, ...], list[str]]:
             read = output[np.isfinite(output[:, axis]), axis]
             if len(read) >= MIN_CONSTANT_SAMPLES and np.ptp(read) == 0:
                 name, value = f"gyroscope {AXES[axis]}", f"{read[0]:.6g}"
-                said.append(f"{name} outputs a constant {value} in all of {table.name}: not used")
+                text.append(f"{name} outputs a constant {value} in all of {table.name}: not used")
                 output[:, axis] = np.nan
         kept.append(replace(table, output=output))
-    return tuple(kept), said
+    return tuple(kept), text
 
 
 def _bare(series: Series, triad: str) -> Series:

@@ -90,15 +90,15 @@ class Soak:
 
 @dataclass(frozen=True, slots=True)
 class Monitor:
-    """Rest the cube in ``position`` (1..12) for ``seconds``, and read roll and pitch by ``laws`` in that time.
+    """Rest the cube in ``position`` (1..12) for ``seconds``, and read roll and pitch by ``filters`` in that time.
 
-    It is the ``number``-th such step; the laws are those of `procedures.attitude.filter_choice`.
+    It is the ``number``-th such step; the filters are those of `procedures.attitude.filter_choice`.
     """
 
     number: int
     seconds: float
     position: int
-    laws: tuple[str, ...] = ("joint", "mixer")
+    filters: tuple[str, ...] = ("joint", "mixer")
 
     @property
     def name(self) -> str:

@@ -86,7 +86,7 @@ def theta_of_first_and_all(
 ) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
     """Return theta and its covariance as `smooth` does, (1,) by the basis's first column and (p,) by all.
 
-    S is eliminated once for both, and nothing is said of it. Covariances are (1, 1) and (p, p).
+    S is eliminated once for both, and nothing is stated of it. Covariances are (1, 1) and (p, p).
 
     Parameters
     ----------

@@ -11,7 +11,7 @@ averaged over what the counts leave open. With few edges this matters most: the 
 
 Only nodes that can bind are used: in each of `NODE_WINDOWS` stretches the few that come closest to either end of
 their interval. Dropping a true statement costs information, never truth; measured, it costs none. Where the noise
-leaves more than `MAX_NODES` in doubt, the output wanders so far between two nodes that every few of them say the
+leaves more than `MAX_NODES` in doubt, the output drifts so far between two nodes that every few of them say the
 same as all (``docs/explanation/count-rate.md``): 100 s at 1 kHz take no longer than at 50 Hz.
 """
 
@@ -47,8 +47,9 @@ class RateEstimate:
     """Mean rate of a dwell's channel [output/s], 1 sigma; slope [/s] and curvature [/s2] of the rate, 1 sigma.
 
     ``noise`` is the white rate noise [output/sqrt(s)]. ``edges`` counts the different count boundaries crossed,
-    beside the usual increment: noise crossing one to and fro is one edge. With fewer than two there is no point
-    estimate: ``interval`` holds the rates that the counts allow, ``rate`` is their mean, by how likely they are.
+    in addition to the usual increment: noise crossing one to and fro is one edge. With fewer than two there is no
+    point estimate: ``interval`` holds the rates that the counts allow, ``rate`` is their mean, by how likely they
+    are.
     """
 
     rate: float
@@ -69,7 +70,7 @@ class _Path:
     ``t`` (m,) node times in samples from the middle; ``low`` (m,) the least the output can have been there;
     ``keep`` (m,) the nodes in use, ``is_thinned`` if only every few of those in doubt; ``tau``, ``nu`` their sites
     after the last `take`; ``found`` each noise's sites and log evidence with these nodes, ``made`` their `arrays`
-    by terms. ``step`` is the change of the count beside the usual increments.
+    by terms. ``step`` is the change of the count in addition to the usual increments.
     """
 
     t: FloatArray
@@ -124,7 +125,7 @@ class _Path:
         return found[0] * self.span, float(np.hypot(found[1] * self.span, noise * np.sqrt(self.span)))
 
     def allowed(self, noise: float) -> tuple[float, float]:
-        """Return the least and the largest rate beside ``rate`` that the counts allow, counts per sample.
+        """Return the least and the largest rate next to ``rate`` that the counts allow, counts per sample.
 
         Between any two nodes the output moved by the count's change, give or take one and three sigma of the
         random walk: a bound that no approximation enters. Ends and edges bound most.
@@ -283,8 +284,8 @@ def _path(increments: IntArray | FloatArray, t: FloatArray, starts: IntArray) ->
     rate = _common_slope(at, count, segment)
     low = count - rate * at
     low -= (np.bincount(segment, low) / np.bincount(segment))[segment] + 0.5
-    beside = np.concatenate(([0], np.cumsum(increments - np.round(np.median(increments)))))
-    return _Path(at, low, segment, _binding(low, segment), rate, int(np.ptp(beside)), int(beside[-1]))
+    running = np.concatenate(([0], np.cumsum(increments - np.round(np.median(increments)))))
+    return _Path(at, low, segment, _binding(low, segment), rate, int(np.ptp(running)), int(running[-1]))
 
 
 def _common_slope(at: FloatArray, count: FloatArray, segment: IntArray) -> float:

@@ -1,4 +1,4 @@
-"""A reference angle beside a turning gyroscope, an encoder's or a motor's, as points of a rate table.
+"""A reference angle with a turning gyroscope, an encoder's or a motor's, as points of a rate table.
 
 Over a block of time the angle grew by so much, and the gyroscope put out so much on average: both means are exact
 whatever the rate did between. At the edges of blocks angle, time and integrals are averaged over the same rows, so
@@ -11,7 +11,10 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 
-LEAST_BLOCKS, MOST_BLOCKS = 40, 100  # long ones: what an encoder cannot resolve is small beside what they turn
+LEAST_BLOCKS, MOST_BLOCKS = (
+    40,
+    100,
+)  # long ones: what an encoder cannot resolve is a small part of what they turn
 ROWS = 8  # of a block, at the least
 LEAST_ROWS = 2 * LEAST_BLOCKS
 EDGE_PART = 3  # of a block, one of so many, over which its edges are averaged

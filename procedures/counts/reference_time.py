@@ -1,4 +1,4 @@
-"""How fast a device's clock is, from the reference time beside its rows.
+"""How fast a device's clock is, from the reference time of its rows.
 
 Reference time of a row is read when the row is, late by what ports, adapters and a busy machine add, never
 early. The delays are heavy-tailed and hang together for seconds or minutes, but now and then a row comes through

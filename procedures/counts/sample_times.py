@@ -260,16 +260,16 @@ class LogTimes:
 
     def notes(self) -> list[str]:
         """Return what was done, in words."""
-        said = list[str]()
+        text = list[str]()
         if self.wraps:
-            said.append(f"time stamps wrap {self.wraps} times, at {self.modulus:.12g}")
+            text.append(f"time stamps wrap {self.wraps} times, at {self.modulus:.12g}")
         if self.shared:
-            said.append(
+            text.append(
                 f"{self.shared} rows have the time stamp of the row before: they are spaced evenly in between"
             )
         if self.out_of_order:
-            said.append(f"{self.out_of_order} time stamps are earlier than the row before: rows keep their order")
-        return said
+            text.append(f"{self.out_of_order} time stamps are earlier than the row before: rows keep their order")
+        return text
 
 
 def log_times(stamps: FloatArray, tick: float) -> LogTimes:

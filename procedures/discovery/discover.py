@@ -44,7 +44,7 @@ Say = Callable[[str], None]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Reading:
-    """A term that this campaign cannot tell from the one proposed: how alike they are, how much less likely it is.
+    """A term that this campaign cannot separate from the proposed one: how similar, how much less likely it is.
 
     ``worse`` is the difference of their ln probabilities.
     """
@@ -78,7 +78,7 @@ class Proposal:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Discovery:
-    """What was found beside a diagnosis' sure findings; ``others`` are their columns, ``tried`` how many terms."""
+    """What was found beyond a diagnosis' sure findings; ``others`` are their columns, ``tried`` how many terms."""
 
     proposals: tuple[Proposal, ...]
     tried: int
@@ -88,7 +88,7 @@ class Discovery:
 
 @let_go_at_the_end()
 def discover(found: Diagnosis, say: Say = lambda line: None) -> Discovery:
-    """Search what a diagnosis of dwells, turns and rests leaves; ``say`` is told how far it is."""
+    """Search what a diagnosis of dwells, turns and rests leaves; ``say`` receives its progress."""
     evidence = found.evidence
     sure = {each.effect for each in found.findings if each.probability >= priors.LIKELY}
     others = tuple(each.term for each in found.added[len(found.declared) :] if each.effect.name in sure)
@@ -101,8 +101,8 @@ def discover(found: Diagnosis, say: Say = lambda line: None) -> Discovery:
     proposals = list[Proposal]()
     for number in range(MAX_PROPOSALS):
         say(f"{len(terms)} terms are tried{f' beside {number} proposed' if number else ''}")
-        beside = [*others, *(each.columns[0] for each in proposals)]
-        one = _likeliest(rows, terms, known, beside, number)
+        included = [*others, *(each.columns[0] for each in proposals)]
+        one = _likeliest(rows, terms, known, included, number)
         if one is None:
             break
         proposals.append(one)
@@ -117,7 +117,7 @@ def fit_as_is(evidence: Evidence, terms: Sequence[Term]) -> LinearFit:
 def _likeliest(
     rows: Rows, terms: Sequence[LibraryTerm], known: Library, others: Sequence[Term], number: int
 ) -> Proposal | None:
-    """Return the term that is the likeliest cause beside others, which are in the model; or None."""
+    """Return the term that is the likeliest cause with others, which are in the model; or None."""
     evidence = rows.evidence
     held = replace(evidence, A=np.hstack([evidence.A, *(-each.H for each in others)]))
     model = Library((), ()).on(held)
@@ -244,7 +244,7 @@ def _free(term: Term) -> Term:
 
 
 def _does(evidence: Evidence, others: Sequence[Term], columns: Term) -> FloatArray:
-    """Return what columns do to the rows (n,) [sigma], fitted beside others."""
+    """Return what columns do to the rows (n,) [sigma], fitted with others."""
     c, _ = fit_as_is(evidence, [*others, _free(columns)]).coefficients()
     found: FloatArray = columns.H @ c / evidence.sigma
     return found

@@ -18,7 +18,7 @@ from procedures.effects.term.values import Values
 WITH_AXES = ("", "_2", "_3")
 SCALARS = ("T", "T_rate", "t")
 THERMAL = ("T", "T_rate")  # where nothing grows warmer a rate is rounding
-PER_UNIT = {"s": "h"}  # a coefficient is told by the hour
+PER_UNIT = {"s": "h"}  # a coefficient is given by the hour
 FEWEST_K = 0.5  # K by which a temperature must move to be an input
 TIMES = 6  # of a grid of time constants
 ZONE_RATIO = 1.25  # between neighbours of a grid of widths of a zone of the input
@@ -92,7 +92,7 @@ def shapes_of_time(seen: Excitation, triad: str) -> Iterator[Factor]:
 
 
 def shapes_of_input(seen: Excitation, triad: str) -> Iterator[Factor]:
-    """Yield functions of what the sensor measures: powers, magnitudes, zones about nought, ends of a range."""
+    """Yield functions of what the sensor measures: powers, magnitudes, zones about zero, ends of a range."""
     unit = "g" if triad == "accelerometer" else "deg/s"
     u = np.abs(seen.f if triad == "accelerometer" else seen.omega)
     for text, power, weight in (
@@ -102,7 +102,7 @@ def shapes_of_input(seen: Excitation, triad: str) -> Iterator[Factor]:
         yield Factor(text, unit if power == 1 else f"({unit})^{power}" if power else "", weight)
     slowest = _slowest_turn(seen) if triad == "gyroscope" else np.inf
     for width in _widths(u, unit):
-        # a zone wider than the slowest turn is a bend of the slow turns, beside a scale factor of the fast ones
+        # a zone wider than the slowest turn is a bend of the slow turns, with a scale factor of the fast ones
         for x in ("u", "out") if width["w"].high < slowest else ():
             yield Factor(f"{x} * exp(-({x} / w)**4)", unit, 2, width)
             yield Factor(f"tanh({x} / w)", "", 2, width)
@@ -156,7 +156,7 @@ def _grid(
 
 
 def _widths(u: FloatArray, unit: str) -> Iterator[Mapping[str, Shape]]:
-    """Yield widths of a zone about nought where magnitudes u (n, 3) lie, close to each other; none elsewhere."""
+    """Yield widths of a zone about zero where magnitudes u (n, 3) lie, close to each other; none elsewhere."""
     felt = u[u > 0]
     if len(felt):
         here = np.unique(np.round(np.log(felt[felt >= np.quantile(felt, 0.02)]) / np.log(ZONE_RATIO)))

@@ -89,7 +89,7 @@ def _of_triad(seen: Excitation, triad: str) -> Iterator[LibraryTerm]:
             for product in by_scalar:
                 yield from (LibraryTerm(triad, ((*product, shape),)) for shape in shapes_of_vector(one))
     for sine, cosine in waves(seen, triad):
-        # a wave of the input times the input is a bend of any shape, beside another scale factor
+        # a wave of the input times the input is a bend of any shape, with another scale factor
         others = {"u", "f", "T"} - ({"u"} if " u " in sine.text else set())
         for product in ((), *((one,) for one in inputs if one.text in others)):
             yield LibraryTerm(triad, ((*product, sine), (*product, cosine)), sine.shape)

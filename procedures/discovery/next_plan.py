@@ -21,7 +21,7 @@ from procedures.effects.excitation import Columns, Excitation, per_axis
 from procedures.evidence.linear_model import Term
 from procedures.evidence.residual_rows import Evidence
 
-PARTED = 16.0  # expected chi-square by which two readings are told apart
+PARTED = 16.0  # expected chi-square by which two readings are separated
 WARMER_K, HEATED_K = 5.0, 15.0
 SPEEDS_DEG_S = (12.0, 25.0, 55.0, 80.0)  # of turns by hand, slow to fast
 LONGER = 4.0  # times as long

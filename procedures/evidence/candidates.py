@@ -33,14 +33,15 @@ def grade_factor(evidence: Evidence, effect: Effect) -> float:
     """Return by how much an effect's plausible range is wider than for a unit of navigation grade; at least 1.
 
     Nonlinearity, temperature coefficients and the care of the hands go with the noise, over many decades. Of a
-    unit that is known by a rest alone how far its output wanders tells its grade too, for what goes with a channel
-    that is measured: the biases of MEMS sensors move with temperature by tens of times their noise over 100 s.
+    unit that is known by a rest alone how far its output drifts determines its grade too, for what goes with a
+    channel that is measured: the biases of MEMS sensors move with temperature by tens of times their noise over
+    100 s.
     """
     return noise_in_navigation_grade(evidence, _triad_of(effect), _is_measured(effect))
 
 
-def as_it_wanders(evidence: Evidence, effect: Effect, H: FloatArray) -> FloatArray:
-    """Return coefficients (k,) of columns H (n, k) that move rests as far as they wander; else nought.
+def as_it_drifts(evidence: Evidence, effect: Effect, H: FloatArray) -> FloatArray:
+    """Return coefficients (k,) of columns H (n, k) that move rests as far as they drift; else zero.
 
     Of a unit that is known by rests alone, what goes by time may be all that is seen: a MEMS gyroscope jumps and
     drifts by tens of times its noise. Whether it is a random walk is asked of every drift and jump that is found.
@@ -62,10 +63,10 @@ def as_it_wanders(evidence: Evidence, effect: Effect, H: FloatArray) -> FloatArr
 def _sizes(evidence: Evidence, rows: BoolArray, moved: FloatArray, least: float) -> FloatArray:
     """Return the coefficients (k,) that move rows by their rms, where 1 of each moves them by ``moved`` (k,).
 
-    What moves them by no more than ``least`` is nought but for rounding, as a turn about the vertical is.
+    What moves them by no more than ``least`` is zero but for rounding, as a turn about the vertical is.
     """
-    wandering = float(np.sqrt(np.mean(evidence.residual[rows] ** 2)))
-    found: FloatArray = np.divide(wandering, moved, out=np.zeros(len(moved)), where=moved > least)
+    drift = float(np.sqrt(np.mean(evidence.residual[rows] ** 2)))
+    found: FloatArray = np.divide(drift, moved, out=np.zeros(len(moved)), where=moved > least)
     return found
 
 
@@ -89,8 +90,8 @@ def noise_in_navigation_grade(evidence: Evidence, triad: int, is_measured: bool)
     if not is_measured:
         return max(float(np.median(evidence.sigma[rows])) / NAVIGATION_GRADE_STD[triad], 1.0)
     sensors = [evidence.residual[rows & (evidence.axis == axis)] for axis in np.unique(evidence.axis[rows])]
-    wandering = max(STD_PER_MAD * float(np.median(np.abs(of))) for of in sensors)  # of the one that moves most
-    return max(max(float(np.median(evidence.sigma[rows])), wandering) / NAVIGATION_GRADE_STD[triad], 1.0)
+    drift = max(STD_PER_MAD * float(np.median(np.abs(of))) for of in sensors)  # of the one that moves most
+    return max(max(float(np.median(evidence.sigma[rows])), drift) / NAVIGATION_GRADE_STD[triad], 1.0)
 
 
 SAME, TINY = 1e-9, 1e-300
@@ -120,7 +121,7 @@ class Candidate:
         return bool(self.taken.any())
 
     def evidence(self, evidence: Evidence) -> Evidence:
-        """Return the evidence with what the model says of it put back to nought."""
+        """Return the evidence with what the model says of it put back to zero."""
         if not self.is_of_model:
             return evidence
         return replace(evidence, residual=evidence.residual - evidence.A[:, self.taken] @ evidence.x[self.taken])
@@ -131,7 +132,7 @@ class Candidate:
         others: Sequence[Term] = (),
         factor: FloatArray | None = None,
     ) -> LinearFit:
-        """Fit it beside the model and other terms; it stands last. ``factor`` (n,) widens the rows' sigma."""
+        """Fit it with the model and other terms; it stands last. ``factor`` (n,) widens the rows' sigma."""
         return fit_linear(self.evidence(evidence), [*others, self.term], ~self.taken, factor)
 
     def without(
@@ -165,10 +166,6 @@ class Candidates(Mapping[str, Sequence[Candidate]]):
 
     def __len__(self) -> int:
         return sum(1 for _ in self)
-
-    def scatters(self) -> Iterator[Candidate]:
-        """Yield the ways of effects that scatter; no other effect's are made."""
-        return (way for effect in self._effects.values() if effect.is_scatter for way in self._ways(effect.name))
 
     def _ways(self, name: str) -> Sequence[Candidate]:
         if name not in self._effects:
@@ -213,8 +210,10 @@ def _ways(
         H = term.H
         if not np.all(np.isfinite(H)):
             continue
-        told = MAX_STD_IN_PLAUSIBLE * term.plausible * np.linalg.norm(H / evidence.sigma[:, None], axis=0) > 1
-        if told.any() or effect.is_scatter:
+        is_determined = (
+            MAX_STD_IN_PLAUSIBLE * term.plausible * np.linalg.norm(H / evidence.sigma[:, None], axis=0) > 1
+        )
+        if is_determined.any() or effect.is_scatter:
             is_tried = not effect.covered_by or effect.covered_by not in of_model
             bare = replace(
                 columns, accel=None, gyro=None, rotation=None
@@ -231,7 +230,7 @@ def term_of(evidence: Evidence, effect: Effect, columns: Columns) -> Term:
     ranges, H = effect.plausible_of(columns)[kept], evidence.column(columns)[:, kept]
     if effect.is_scatter:
         return Term(H, ranges)
-    return Term(H, np.maximum(ranges * grade_factor(evidence, effect), as_it_wanders(evidence, effect, H)))
+    return Term(H, np.maximum(ranges * grade_factor(evidence, effect), as_it_drifts(evidence, effect, H)))
 
 
 def _of_model(fits: CampaignFits, width: int) -> dict[str, tuple[Columns, IntArray]]:

@@ -16,9 +16,9 @@ from procedures.calibration.joint_calibration import CampaignFits
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.observations import TurnTotal, channel
 from procedures.counts.sample_records import CountSeries, Series
-from procedures.earth.geodesy import earth_rate_n
 from procedures.effects.excitation import Excitation, ExcitationStep
 from procedures.frames import TRIADS, face_normal, nominal_C_lb, rotation, rotation_vector
+from procedures.geodesy import earth_rate_n
 from procedures.twelve_positions.accelerometer_fit import TriadFit
 from procedures.twelve_positions.manual_rotations import heading_history
 from procedures.units import STANDARD_GRAVITY
@@ -51,7 +51,7 @@ class StepNodes:
     seconds: FloatArray  # (n,) that a node stands for
 
 
-SHAKEN = ("dwell", "rest", "soak")  # kinds of steps whose vibration is told
+SHAKEN = ("dwell", "rest", "soak")  # kinds of steps whose vibration is measured
 PER_PART = ("C_sb", "E_accel", "E_gyro")
 
 
@@ -85,7 +85,7 @@ def join_nodes(parts: Sequence[StepNodes]) -> Excitation:
 
 
 def _fill_moves(values: FloatArray, t: FloatArray, number: IntArray, parts: Sequence[StepNodes]) -> None:
-    """Put into ``values`` (n,) in moves that are too short to tell them what goes straight between their ends.
+    """Put into ``values`` (n,) in moves that are too short to measure them what goes straight between their ends.
 
     ``t`` (n,) [s] is device time, ``number`` (n,) the part of every node.
     """
@@ -256,8 +256,8 @@ class NodeBuilder:
         samples = channel(series, "accelerometer")
         if samples is None or step.kind not in SHAKEN:
             return np.zeros(3)
-        told = self.campaigns[step.campaign].nominal_scale.get("accelerometer", 1.0)
-        k = np.full(3, told) if self.accel is None else self.accel.k
+        nominal = self.campaigns[step.campaign].nominal_scale.get("accelerometer", 1.0)
+        k = np.full(3, nominal) if self.accel is None else self.accel.k
         x = np.linspace(-1.0, 1.0, len(samples))
         smooth, _ = np.linalg.qr(np.stack((np.ones(len(x)), x, x**2), axis=1))
         level = samples - smooth @ (smooth.T @ samples)

@@ -1,7 +1,7 @@
 """A linear model of the evidence: what its parameters and some effects make of the residual, and how sure that is.
 
 The residual of `procedures.evidence.residual_rows` is minimised over the model's parameters and the coefficients
-c, which are held to nought by their plausible range. Each class of rows (means, shapes, turns, norms of a triad)
+c, which are held to zero by their plausible range. Each class of rows (means, shapes, turns, norms of a triad)
 has a variance of its own: that of counting noise, unless the rows scatter by more than it can explain.
 """
 
@@ -30,7 +30,7 @@ NORM_CLASS, MEAN_CLASS = 1 + KINDS.index("norm"), 1 + KINDS.index("mean")  # cla
 def variance_classes(evidence: Evidence) -> IntArray:
     """Return numbers (n,) of the rows that share a variance: by triad and kind, shapes as one; 0: known rows.
 
-    Known is what was stated, and how far attitudes nobody told may move the levels of soaks.
+    Known is what was stated, and how far attitudes nobody stated may move the levels of soaks.
     """
     kind = np.where(evidence.kind == KINDS.index("curvature"), KINDS.index("slope"), evidence.kind)
     return np.where(np.isin(evidence.kind, KNOWN), 0, 1 + evidence.triad * len(KINDS) + kind)
@@ -38,7 +38,7 @@ def variance_classes(evidence: Evidence) -> IntArray:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Term:
-    """Columns of an effect and how far its coefficients may plausibly be from nought (k,)."""
+    """Columns of an effect and how far its coefficients may plausibly be from zero (k,)."""
 
     H: FloatArray
     plausible: FloatArray
@@ -144,7 +144,7 @@ def _with_terms(evidence: Evidence, terms: tuple[Term, ...], keep: bytes | None)
 
 @lru_cache(maxsize=8)
 def fit_beside(evidence: Evidence, terms: tuple[Term, ...], keep: bytes | None) -> LinearFit:
-    """Return the fit of what many terms are tried beside; ``keep`` are the marks of A's columns as bytes."""
+    """Return the fit of what many terms are tried with; ``keep`` are the marks of A's columns as bytes."""
     return _with_terms(evidence, terms, keep)
 
 
@@ -208,7 +208,7 @@ def _weighted_anew(first: LinearFit, factor: FloatArray) -> LinearFit:
 
 
 def triangular_inverse(R: FloatArray) -> FloatArray:
-    """Return the inverse (p, p) of ``R`` (p, p), of any unit, which is nought below its diagonal."""
+    """Return the inverse (p, p) of ``R`` (p, p), of any unit, which is zero below its diagonal."""
     if not len(R):
         return R
     inverse, singular = dtrtri(R)
@@ -259,7 +259,7 @@ def predict_left_out(evidence: Evidence, fit: LinearFit, groups: Sequence[IntArr
     """Return the log predictive density of all groups, each left out in turn, and the errors (n,) made, in sigmas.
 
     With L the group's block of the hat matrix, what is left out is off by ``(I - L)^-1 e`` and known to
-    ``(I - L)^-1``, both whitened: no fit is repeated, and what a campaign cannot foretell is not held against a
+    ``(I - L)^-1``, both whitened: no fit is repeated, and what a campaign cannot predict is not held against a
     model. Rows in no group, and errors known to worse than ten sigmas, are nan.
     """
     total, errors = 0.0, np.full(len(fit.white), np.nan)

@@ -1,7 +1,7 @@
 """The loop closed: the parameters solved again with the adopted effects in the model.
 
 What an effect adds is taken off every rate and total, the base model is fitted to what is left, and the
-coefficients are solved anew where that fit stands (Gauss-Newton). The parameters' covariance is that of the whole
+coefficients are solved again where that fit stands (Gauss-Newton). The parameters' covariance is that of the whole
 model: it holds what the coefficients leave open.
 """
 
@@ -126,11 +126,11 @@ def iterate(
     fits_of: Callable[[Model, Evidence, LinearFit], CampaignFits],
     added: Sequence[Candidate],
 ) -> Refit:
-    """Find the coefficients of effects and the base model beside them in turn, until they stay (Gauss-Newton).
+    """Find the coefficients of effects and the base model with them in turn, until they stay (Gauss-Newton).
 
     ``evidence_of`` gives a base model's evidence. ``without`` (model, evidence, effects, coefficients (k,) of each
     in its unit) fits the base model again to what the effects leave. ``fits_of`` gives the fits in the end. Time
-    constants are moved with the coefficients; an effect's last coefficient, their logarithm's change, is nought.
+    constants are moved with the coefficients; an effect's last coefficient, their logarithm's change, is zero.
     What would leave its range is held at the end of it, and the others are fitted there.
     """
     added = list(added)
@@ -172,7 +172,7 @@ def _within_ranges(
 
 
 def _held(candidate: Candidate, term: Term, c: FloatArray) -> Term:
-    """Return a term whose slopes are nought where coefficients ``c`` (k,) would take it beyond its ranges."""
+    """Return a term whose slopes are zero where coefficients ``c`` (k,) would take it beyond its ranges."""
     way, beyond = candidate.columns, np.zeros(len(c), dtype=bool)
     for i, (name, value) in enumerate(way.nonlinear.items(), len(c) - len(way.nonlinear)):
         low, high = candidate.effect.ranges.get(name, (0.0, np.inf))

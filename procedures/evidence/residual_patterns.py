@@ -106,10 +106,10 @@ MIN_CLASS_DOF = 2.0  # degrees of freedom of a class worth testing
 def global_log_p(evidence: Evidence, fit: LinearFit) -> float:
     """Return ln p of what a fit with unwidened sigmas leaves."""
     shared, free = variance_classes(evidence), 1 - fit.leverage
-    told = (evidence.kind != KINDS.index("prior")) | ~evidence.is_range
+    counted = (evidence.kind != KINDS.index("prior")) | ~evidence.is_range
     found = list[float]()
-    for number in np.unique(shared[told]):
-        rows = told & (shared == number)
+    for number in np.unique(shared[counted]):
+        rows = counted & (shared == number)
         dof = float(free[rows].sum())
         clear = rows & (free > MIN_ROW_FREEDOM)
         if dof < MIN_CLASS_DOF or not clear.any():
@@ -121,20 +121,8 @@ def global_log_p(evidence: Evidence, fit: LinearFit) -> float:
     return min(min(found) + np.log(len(found)), 0.0) if found else 0.0
 
 
-def excess_squares(
-    evidence: Evidence, fit: LinearFit, triad: str | None = None, *, with_stated: bool = False
-) -> float:
-    """Return by how much the data's sum of squares exceeds what noise leaves, of a triad or both; >= 0.
-
-    ``with_stated``: what was stated counts as well, as headings and closures were.
-    """
-    rows = evidence.is_data | (evidence.is_stated & with_stated)
-    rows = rows if triad is None else rows & (evidence.triad == TRIADS.index(triad))
-    return max(float(np.sum(fit.white[rows] ** 2) - np.sum((1 - fit.leverage)[rows])), 0.0)
-
-
 def within_dwells(evidence: Evidence, fit: LinearFit) -> dict[str, Unexplained]:
-    """Return by triad the variance that wanders within its dwells, in squares of the mean's counting noise.
+    """Return by triad the variance of the drift within its dwells, in squares of the mean's counting noise.
 
     ``fit`` is the last, with unwidened sigmas. Scatter of means, turns and norms widens its sigmas; slope and
     curvature within a dwell are no rows of a calibration's fit. White noise gives a slope as much as it gives the

@@ -8,7 +8,7 @@ A row's residual obeys, to first order,
 with ``A`` the model's own Jacobian (of residual by parameter, so it falls as the model rises), dx what its
 parameters are off by, and H c an effect. Prior knowledge of the parameters is rows too, of no step.
 
-Within a dwell the rate's slope and curvature are rows as well: the model says they are nought, and relaxation,
+Within a dwell the rate's slope and curvature are rows as well: the model predicts zero for both, and relaxation,
 drift and temperature show nowhere better.
 """
 
@@ -30,7 +30,7 @@ from procedures.evidence.excitation import (
     on_face,
     stepped_rows,
 )
-from procedures.evidence.row_sums import MoveWeights, NodeWeights, move_parts, row_sums
+from procedures.evidence.row_sums import MoveWeights, NodeWeights, curvature_weights, move_parts, row_sums
 from procedures.evidence.thermal_soaks import SoakBlock, SoakLevel, levels, soaks_seen
 from procedures.frames import TRIADS, face_of
 from procedures.twelve_positions.accelerometer_fit import RestFit, TriadFit
@@ -130,7 +130,7 @@ class _Builder:
             axis: IntArray | None = None) -> None:  # fmt: skip
         """Take in rows. ``own`` is the first of their own columns, a constant each; ``axis`` their sensors.
 
-        Three rows are a triad's three unless that is said.
+        Three rows are a triad's three unless that is stated.
         """
         A = np.zeros((len(residual), self.width))
         np.add.at(A.T, self.columns_of[triad][: jacobian.shape[1]], jacobian.T)
@@ -226,7 +226,7 @@ def evidence_of(fits: CampaignFits) -> Evidence:
             _moves(builder, places, fits.gyroscope.joint, fits.gyroscope.moves, placed)
         _priors(builder, fits.gyroscope.joint, 1, 3 * len(fits.gyroscope.turns), fits.gyroscope.moves)
         if fits.gyroscope.moves is not None and fits.accelerometer is not None:
-            _told(builder, fits.accelerometer.k, fits.gyroscope.moves.told, rested)
+            _accelerometer_rows(builder, fits.accelerometer.k, fits.gyroscope.moves.by_accelerometer, rested)
     _levels(builder, between, _soaks(builder, soaks), own)
     found = builder.evidence(np.concatenate((x, np.zeros(builder.width - builder.first_own))))
     return _at_one_bench(replace(found, stepped=stepped_rows(fits, found.rows)), fits)
@@ -264,23 +264,16 @@ def _dwells(
         builder.add(residual, joint.expected[i] / k, jacobian, triad, "mean", step)
         builder.weigh(nodes)
         x, half = (2 * np.arange(size) + 1) / size - 1, part.seconds.sum() / 2
-        shapes = (("slope", x / np.sum(x**2) / half), ("curvature", _bend(x) / half**2))
+        shapes = (("slope", x / np.sum(x**2) / half), ("curvature", curvature_weights(x) / half**2))
         estimates = joint.seen.estimates[i]
         if any(e.interval is not None for e in estimates):
-            continue  # too few counts to tell a shape
+            continue  # too few counts to determine a shape
         for kind, w in shapes:
             value = np.array([getattr(e, kind) for e in estimates]) / k
             std = np.array([getattr(e, f"{kind}_std") for e in estimates]) / k
             builder.add(value, std, none, triad, kind, step)
             builder.weigh(nodes, w)
     return found
-
-
-def _bend(x: FloatArray) -> FloatArray:
-    """Return the weights by which values at x in [-1, 1] give their parabola's second derivative."""
-    P2 = (3 * x**2 - 1) / 2
-    P2 -= P2.mean()
-    return 3 * P2 / np.sum(P2**2)
 
 
 def _rests(builder: _Builder, fits: CampaignFits, places: NodeBuilder, joint: TriadFit, found: RestFit) -> None:
@@ -302,7 +295,7 @@ def _rests(builder: _Builder, fits: CampaignFits, places: NodeBuilder, joint: Tr
 
 
 def _soaks(builder: _Builder, soaks: Sequence[tuple[str, Sequence[SoakBlock]]]) -> list[tuple[int, slice]]:
-    """Take in every block of each soak and triad, beside a constant of its own for every sensor alive.
+    """Take in every block of each soak and triad, with a constant of its own for every sensor alive.
 
     Return the number of each soak's first step, and the nodes of all its blocks.
     """
@@ -324,7 +317,7 @@ def _soaks(builder: _Builder, soaks: Sequence[tuple[str, Sequence[SoakBlock]]]) 
 def _levels(
     builder: _Builder, between: Sequence[SoakLevel], places: Sequence[tuple[int, slice]], own: int
 ) -> None:
-    """Take in the means of soaks beside each other: what all of a triad's have in common is a constant."""
+    """Take in the means of neighbouring soaks: what all of a triad's have in common is a constant."""
     common = dict[str, int]()  # the first column of each triad's constant
     for each in between:
         if each.triad not in common:
@@ -360,7 +353,7 @@ def _turns(builder: _Builder, places: NodeBuilder, gyroscope: GyroscopeFit) -> l
 def _moves(
     builder: _Builder, places: NodeBuilder, joint: TriadFit, seen: MovesSeen, placed: Sequence[slice]
 ) -> None:
-    """Take in every move's rotation [deg]; ``placed`` are the nodes of the placings."""
+    """Take in every move's rotation [deg]; ``placed`` are the nodes of the placements."""
     jacobian = joint.fit.jacobian[seen.rows].reshape(len(seen.error), 3, -1)
     for i, (part, weights) in enumerate(move_parts(places, joint, seen.moves, placed)):
         number, nodes = builder.nodes(part)
@@ -370,13 +363,13 @@ def _moves(
         builder.weigh(nodes, part.seconds, move=weights)
 
 
-def _told(builder: _Builder, k: FloatArray, told: FloatArray, rested: Sequence[slice]) -> None:
+def _accelerometer_rows(builder: _Builder, k: FloatArray, change: FloatArray, rested: Sequence[slice]) -> None:
     """Say what the accelerometers' dwells do to what the gyroscopes know by them, the first rows taken in last.
 
-    ``k`` (3,) are the accelerometers' scale factors [output/s/g], ``told`` (j, 3 n) the rows' change [s/output].
+    ``k`` (3,) are the accelerometers' scale factors [output/s/g], ``change`` (j, 3 n) the rows' change [s/output].
     """
-    for i, nodes in enumerate(rested if len(told) else ()):
-        builder.weigh(nodes, mix=told[:, 3 * i : 3 * i + 3] * k, triad=0)
+    for i, nodes in enumerate(rested if len(change) else ()):
+        builder.weigh(nodes, mix=change[:, 3 * i : 3 * i + 3] * k, triad=0)
 
 
 def _priors(

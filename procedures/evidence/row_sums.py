@@ -50,7 +50,7 @@ def move_parts(
 ) -> Iterator[tuple[StepNodes, MoveWeights]]:
     """Yield the nodes of every move, its rate as the gyroscopes measured it, with its weights.
 
-    ``placed`` are the nodes of the placings that the moves are between.
+    ``placed`` are the nodes of the placements that the moves are between.
     """
     samples, K, b = moves.finer.linear, joint.K, joint.b
     to_end, rates = rotations_to_end(samples, K, b), samples.rates(K, b)
@@ -123,3 +123,10 @@ def row_sums(weights: tuple[NodeWeights, ...], triad: int, rows: int, nodes: int
     at = np.concatenate(row), np.concatenate(column)
     of_sensors = csr_array((np.concatenate(value), at), shape=(rows, 3 * nodes))
     return RowSums(of_sensors, tuple(each for each in of_triad if each.mix is not None))
+
+
+def curvature_weights(x: FloatArray) -> FloatArray:
+    """Return the weights (n,) by which values at x (n,) in [-1, 1] give their parabola's second derivative."""
+    P2 = (3 * x**2 - 1) / 2
+    P2 -= P2.mean()
+    return 3 * P2 / np.sum(P2**2)

@@ -21,10 +21,10 @@ from procedures.campaign.observations import channel, rest_rates
 from procedures.counts.count_rate import MIN_DWELL_SAMPLES
 from procedures.counts.dwell_means import MIN_DWELL_BLOCKS
 from procedures.counts.sample_records import Series, series_rows
-from procedures.earth.geodesy import EARTH_RATE
 from procedures.effects.excitation import ExcitationStep
 from procedures.evidence.excitation import NodeBuilder, StepNodes, attitude, on_face
 from procedures.frames import AXES, TRIADS
+from procedures.geodesy import EARTH_RATE
 from procedures.twelve_positions.accelerometer_fit import TriadFit
 from procedures.units import S_PER_MIN
 
@@ -42,7 +42,7 @@ class SoakBlock:
     """A block's nodes, and its mean output less that of the whole soak (3,) with 1 sigma (3,) [g, deg/s].
 
     ``level`` (3,) is the whole soak's mean in the same units. ``alive`` are the sensors that the soak shows; of
-    others nothing is said.
+    others nothing is stated.
     """
 
     part: StepNodes
@@ -112,8 +112,8 @@ def block_rates(soak: SoakRecord, triad: str) -> tuple[tuple[Series, ...], Float
 def _cut(series: Series) -> tuple[Series, ...]:
     """Return equal blocks of at most `BLOCK_S` seconds, longer ones where they would be more than `MAX_BLOCKS`.
 
-    Of five blocks nothing tells a walk from a wider noise: a soak of some minutes has `LEAST_BLOCKS` shorter ones,
-    one of seconds as many as its samples allow.
+    Of five blocks nothing separates a walk from a wider noise: a soak of some minutes has `LEAST_BLOCKS` shorter
+    ones, one of seconds as many as its samples allow.
     """
     n = len(series)
     seconds = n * series.period

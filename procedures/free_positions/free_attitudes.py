@@ -21,9 +21,9 @@ _DIRECTIONS: list[UpDirection] = [
 UP_DIRECTIONS: tuple[UpDirection, ...] = tuple(sorted(_DIRECTIONS, key=np.count_nonzero))
 
 
-def up_vector(lean: UpDirection) -> FloatArray:
+def up_vector(tilt: UpDirection) -> FloatArray:
     """Return the unit vector (3,), cube axes, that points up."""
-    up: FloatArray = np.array(lean) / np.linalg.norm(lean)
+    up: FloatArray = np.array(tilt) / np.linalg.norm(tilt)
     return up
 
 
@@ -43,8 +43,8 @@ def next_direction(taken: Iterable[FloatArray]) -> UpDirection:
     An edge, then a corner; the farthest from all once they were taken.
     """
     ups = list(taken)
-    free = (lean for lean in UP_DIRECTIONS if nearest_deg(up_vector(lean), ups) > MIN_APART_DEG + 5)
-    return next(free, max(UP_DIRECTIONS, key=lambda lean: nearest_deg(up_vector(lean), ups)))
+    free = (tilt for tilt in UP_DIRECTIONS if nearest_deg(up_vector(tilt), ups) > MIN_APART_DEG + 5)
+    return next(free, max(UP_DIRECTIONS, key=lambda tilt: nearest_deg(up_vector(tilt), ups)))
 
 
 def C_bn_of_up(up: FloatArray, heading: float = 0.0) -> FloatArray:

@@ -19,10 +19,10 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.campaign import Campaign, RestRecord, SequenceRecord
 from procedures.campaign.observations import channel, rest_rates
 from procedures.counts.sample_records import CountSeries, Series
-from procedures.earth.geodesy import earth_rate_n
 from procedures.frames import rotation
 from procedures.free_positions.norm_fit import MAX_RELATIVE_SCALE_STD, choose_rests, excess_scatter
 from procedures.free_positions.rest_detection import rests_of, scatter_level
+from procedures.geodesy import earth_rate_n
 from procedures.statistics.least_squares import Fit, minimise_if_determined
 from procedures.twelve_positions.accelerometer_fit import MIN_RESPONSE_SIGMAS, TriadFit
 from procedures.twelve_positions.transfer_rotation import (
@@ -148,17 +148,17 @@ def solve_moves(
         return None
     K, b = guess
     x, scatter = np.concatenate((K.ravel(), b, np.zeros(2 * (seen.chain.max() + 1)))), np.zeros(2)
-    wander = np.zeros_like(seen.rate)
+    instability = np.zeros_like(seen.rate)
     for _ in range(REWEIGHTINGS):
         if np.linalg.cond(x[:9].reshape(3, 3)) > MAX_CONDITION_OF_K:
             return None
-        model = _MovesModel(seen, x, scatter, wander)
+        model = _MovesModel(seen, x, scatter, instability)
         found = minimise_if_determined(model.residual, x, model.scale)
         if found is None:
             return None
         fit = found
         x, used, scatter = fit.x, scatter, model.scatter_of(fit)
-        wander = model.wander(fit.x, scatter[1])
+        instability = model.instability(fit.x, scatter[1])
     k = np.linalg.norm(fit.x[:9].reshape(3, 3), axis=1)
     if np.any(np.sqrt(np.diag(fit.covariance)[[0, 4, 8]]) > MAX_RELATIVE_SCALE_STD * k):
         return None
@@ -249,12 +249,14 @@ def _level(up: FloatArray) -> FloatArray:
 class _MovesModel:
     """The residual about the parameters ``x0``: K (9), b (3), the Earth's horizontal rate (2) of every chain."""
 
-    def __init__(self, seen: MovesAndRests, x0: FloatArray, scatter: FloatArray, wander: FloatArray) -> None:
+    def __init__(self, seen: MovesAndRests, x0: FloatArray, scatter: FloatArray, instability: FloatArray) -> None:
         self.seen, self.x0, self.scatter = seen, x0, scatter
         K, b = x0[:9].reshape(3, 3), x0[9:12]
         self.k = np.linalg.norm(K, axis=1)
-        beside = (wander[seen.before] + wander[seen.after]) / 2
-        self.carried = integrate_moves(replace(seen.samples, output=seen.samples.output - beside[:, None]), K, b)
+        mean_instability = (instability[seen.before] + instability[seen.after]) / 2
+        self.carried = integrate_moves(
+            replace(seen.samples, output=seen.samples.output - mean_instability[:, None]), K, b
+        )
         self.level = self._levels()
         self.across = _level(seen.up[seen.after])
         drift = np.radians(np.sqrt(np.mean((seen.noise / self.k) ** 2) * seen.samples.seconds))
@@ -303,14 +305,14 @@ class _MovesModel:
         std = (self.seen.std / self.k).ravel()
         return np.array([moves, excess_scatter((rate / self.k).ravel(), std, float(free[m : m + r].sum()))])
 
-    def wander(self, x: FloatArray, scatter: float) -> FloatArray:
+    def instability(self, x: FloatArray, scatter: float) -> FloatArray:
         """Return by how much the bias at every rest (r, 3) [output/s] is likely off the mean one.
 
-        What a rest's rate deviates by is wander and noise; the share of wander in it is the ratio of variances.
+        A rest's rate deviates by instability and noise; the share of instability is the ratio of variances.
         """
         _, rate = self.parts(x, self.seen.up)
-        wandering = (scatter * self.k) ** 2
-        likely: FloatArray = rate * wandering / (wandering + self.seen.std**2)
+        instability = (scatter * self.k) ** 2
+        likely: FloatArray = rate * instability / (instability + self.seen.std**2)
         return likely
 
     def result(self, fit: Fit, used: FloatArray) -> MovesFit:

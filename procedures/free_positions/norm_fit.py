@@ -105,7 +105,8 @@ def plainly_lacking(rate: FloatArray, least: int) -> Undetermined | None:
 def undetermined(rate: FloatArray, lack: Lack, axes: Sequence[str] = (), excess: float = 0.0) -> Undetermined:
     """Say why a fit to rests with the mean outputs ``rate`` (n, 3) failed.
 
-    What the outputs show by themselves is said, else the ``lack``, ``axes`` and ``excess`` [g] that the fit found.
+    What the outputs show by themselves is reported, else the ``lack``, ``axes`` and ``excess`` [g] that the fit
+    found.
     """
     n, span = len(rate), np.ptp(rate, axis=0)
     if n > 1 and np.max(span) < ONE_ATTITUDE * np.median(np.linalg.norm(rate, axis=1)) and _is_one_tilted(span):
@@ -144,7 +145,7 @@ LOOSE_MULTIPLIERS = (50.0, 100.0, 200.0)  # where none of these gives rests enou
 USUAL_MULTIPLIER = 3.0  # the multiplier where the rests are too few to choose one by
 REWEIGHTINGS, MAX_NEWTON_STEPS = 4, 50  # of weighting again by the scatter found, and of finding it
 MAX_ELLIPSOID_CONDITION = 1e8  # condition of an ellipsoid's matrix: axes as 1 to 10^4
-MAX_RELATIVE_SCALE_STD = 0.1  # relative 1 sigma of k above which the rests are said not to determine it
+MAX_RELATIVE_SCALE_STD = 0.1  # relative 1 sigma of k above which the rests are reported not to determine it
 MAX_BEND = 0.3  # of a sigma, by which the second order moves bias or scale factor: beyond, no sigma holds
 LEAST_FREE = 1e-6  # degrees of freedom that are none but for rounding
 

@@ -213,7 +213,7 @@ class Turning:
 
 
 def turning(series: Series, outputs_per_deg_s: float | None) -> Turning | None:
-    """Say whether and how a recording turned; None where it did not, or nobody told the gyroscopes' unit."""
+    """Say whether and how a recording turned; None where it did not, or nobody stated the gyroscopes' unit."""
     if series.gyro is None or not outputs_per_deg_s:
         return None
     rate = np.asarray(series.gyro, dtype=np.float64) / outputs_per_deg_s

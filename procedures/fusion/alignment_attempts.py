@@ -1,7 +1,7 @@
 """Start of IMU and GNSS: an alignment at rest or in motion, attempted until one succeeds.
 
 At rest specific force gives the level and the Earth's rate the heading (gyrocompassing): the attitude is
-`procedures.earth.gyrocompass.attitude_at_rest` of the means. What remains is the gyro's bias East of the
+`procedures.gyrocompass.attitude_at_rest` of the means. What remains is the gyro's bias East of the
 horizontal Earth rate, ``yaw_std = bias_std / (Omega cos lat)``, 0.33 deg for 0.05 deg/h at 55 deg, and ``tilt_std
 = accel_bias / g``. In motion the attempts wait for displacement and observability, not for a time; the last
 attempt reports what is missing.
@@ -12,7 +12,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.earth.gyrocompass import attitude_at_rest
 from procedures.free_positions.rest_detection import second_means, whole_seconds
 from procedures.fusion.alignment_in_motion import MovingAligner
 from procedures.fusion.fusion_records import (
@@ -25,8 +24,9 @@ from procedures.fusion.fusion_records import (
     Waiting,
 )
 from procedures.fusion.preintegration import imu_gaps
+from procedures.gyrocompass import attitude_at_rest
 
-MAX_FORCE_CHANGE = 5e-3  # m/s2 of a second's mean specific force, beside its noise, that a bench may have
+MAX_FORCE_CHANGE = 5e-3  # m/s2 of a second's mean specific force, in addition to its noise, that a bench may have
 MAX_RATE_CHANGE = 1e-4  # rad/s of a second's mean rate
 STILLNESS_SIGMAS = 5.0
 MIN_REST_S = 5.0  # s

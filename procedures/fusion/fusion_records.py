@@ -13,8 +13,8 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
-from procedures.earth.geodesy import LocalLevel
-from procedures.earth.gnss_records import UNSTATED_STD_M, FixType, GnssFix
+from procedures.geodesy import LocalLevel
+from procedures.gnss_records import UNSTATED_STD_M, FixType, GnssFix
 
 
 @dataclass(frozen=True, slots=True, eq=False)

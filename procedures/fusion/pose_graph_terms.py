@@ -110,7 +110,7 @@ class NodePrior:
 
 @dataclass(frozen=True, slots=True)
 class NodeLayout:
-    """Which constants are estimated beside position and yaw."""
+    """Which constants are estimated in addition to position and yaw."""
 
     lever_arm: bool = False
     time_offset: bool = False

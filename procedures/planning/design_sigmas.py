@@ -84,7 +84,7 @@ class DesignSigmas:
         found = _stated(shared, *self.gyroscope_vector)
         common = (min(CORRELATED_DWELLS, dwells) - 1) / dwells if dwells else 0.0
         bias = found[..., TRIAD:]
-        bias[...] = np.hypot(bias, self.steps.noise.wander * DEG_H_PER_DEG_S * np.sqrt(common))
+        bias[...] = np.hypot(bias, self.steps.noise.instability * DEG_H_PER_DEG_S * np.sqrt(common))
         return found
 
     @cached_property

@@ -1,6 +1,6 @@
 """Which error terms of the instrument a design can identify, and which it cannot separate.
 
-As in a diagnosis an effect's columns, of the catalogue and at nominal attitudes, stand beside the joint fit's own
+As in a diagnosis an effect's columns, of the catalogue and at nominal attitudes, stand next to the joint fit's own
 (K, b, slab, faces, headings, seats, with what is known of them). Dwells show their mean, turns and moves what they
 add up to; a move is the shortest way at an even speed, its specific force gravity alone. What the joint fit leaves
 of an effect's columns says the sigma of its coefficients. Temperatures are not planned: their effects are left
@@ -16,11 +16,11 @@ from scipy.spatial.transform import Rotation
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.campaign.campaign import Campaign
-from procedures.earth.geodesy import earth_rate_n
 from procedures.effects import EFFECTS
 from procedures.effects.excitation import Columns, Excitation, ExcitationStep
 from procedures.evidence.candidates import NAVIGATION_GRADE_STD
 from procedures.frames import AXES, face_normal, face_of, nominal_C_lb
+from procedures.geodesy import earth_rate_n
 from procedures.planning.campaign_design import TURNS, CampaignDesign, HandTimes, Placement
 from procedures.planning.design_sigmas import RIDGE, DesignSigmas
 from procedures.planning.placement_rows import OWN, SEAT, SHARED
@@ -176,7 +176,7 @@ class IdentifiableEffect:
     """An effect, whether it would show where it has its plausible size, and which others could take its place."""
 
     name: str
-    is_told: bool
+    is_identified: bool
     not_apart: tuple[str, ...] = ()
 
 
@@ -189,7 +189,7 @@ def identifiable_effects(sigmas: DesignSigmas, design: CampaignDesign) -> list[I
     names, edges = list(columns), np.cumsum([0, *(H.shape[1] for H in columns.values())])
     M = _left(np.concatenate(list(columns.values()), axis=1), A, known)
     at = {name: slice(*edges[i : i + 2]) for i, name in enumerate(names)}
-    return [_told(name, M, at) for name in names]
+    return [_identified(name, M, at) for name in names]
 
 
 def _left(H: FloatArray, A: FloatArray, known: FloatArray) -> FloatArray:
@@ -202,16 +202,16 @@ def _left(H: FloatArray, A: FloatArray, known: FloatArray) -> FloatArray:
     return left
 
 
-def _told(name: str, M: FloatArray, at: Mapping[str, slice]) -> IdentifiableEffect:
+def _identified(name: str, M: FloatArray, at: Mapping[str, slice]) -> IdentifiableEffect:
     own = at[name]
     alone = _is_determined(M[own, own])
     if not alone.any():
         return IdentifiableEffect(name, False)
     alike = list[str]()
     for other, theirs in at.items():
-        beside = M[theirs, theirs] + np.eye(theirs.stop - theirs.start)  # held to its plausible size
+        information = M[theirs, theirs] + np.eye(theirs.stop - theirs.start)  # held to its plausible size
         shared = M[theirs, own]
-        left = M[own, own] - shared.T @ np.linalg.solve(beside, shared)
+        left = M[own, own] - shared.T @ np.linalg.solve(information, shared)
         if other != name and not _is_determined(left)[alone].any():
             alike.append(other)
     return IdentifiableEffect(name, True, tuple(alike))

@@ -92,7 +92,7 @@ FIRST_TRIED_S = 50.0  # s, of a dwell at which an order is searched first
 ROUNDS = 2  # of order and lengths in turn
 SCANNED = 3  # beginnings of a search for every number of placements; the best number is searched with more
 PATIENCE = 3  # numbers of placements without a gain after which more of them are not tried
-LONGEST_MIN = 60.0  # min: what is not met within is said to be out of reach
+LONGEST_MIN = 60.0  # min: what is not met within is reported to be out of reach
 
 
 @dataclass(frozen=True, slots=True, eq=False)

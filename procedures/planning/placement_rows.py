@@ -17,15 +17,14 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.campaign import Campaign, DwellRecord, TurnRecord
 from procedures.campaign.observations import TriadDwells, TurnTotal
 from procedures.counts.sample_records import CountSeries
-from procedures.earth.geodesy import earth_rate_n
 from procedures.frames import ATTITUDES, rotation_vector
+from procedures.geodesy import earth_rate_n
 from procedures.planning.campaign_design import TURNS, HandTimes
 from procedures.twelve_positions.accelerometer_fit import gravity_n
 from procedures.twelve_positions.bench_parameters import BenchParameters
 from procedures.twelve_positions.gyroscope_model import GyroscopeModel
 from procedures.twelve_positions.manual_rotations import RotationGeometry, nominal_angle
-from procedures.twelve_positions.placement_transfers import carried_rotations
-from procedures.twelve_positions.seating import seating_rotations
+from procedures.twelve_positions.placement_transfers import carried_rotations, seating_rotations
 from procedures.twelve_positions.transfer_rotation import integrate_moves, padded_moves
 from procedures.units import RAD_PER_DEG
 
@@ -111,8 +110,8 @@ def _gyroscope_rows(model: GyroscopeModel, n: int) -> tuple[FloatArray, FloatArr
     for i, rows in enumerate(found):
         if i >= n:
             rows[:, CLOSURE] = by[i, :, first + 1]
-            leans = np.cross(seating_rotations([bench.placements[i].position])[0], normal[i][:, None], axis=0)
-            rows[:, SEAT] = model.angle[i - n] * bench.C_sb[i] @ leans  # it turns about the slab's normal
+            tilts = np.cross(seating_rotations([bench.placements[i].position])[0], normal[i][:, None], axis=0)
+            rows[:, SEAT] = model.angle[i - n] * bench.C_sb[i] @ tilts  # it turns about the slab's normal
     return found[:n], found[n:]
 
 
@@ -122,13 +121,13 @@ def _seated(model: GyroscopeModel, n: int) -> tuple[Callable[[FloatArray], Float
     First those of each shared parameter, then the three of all headings and of both tilts of all seats.
     """
     bench = model.bench
-    leans = seating_rotations([at.position for at in bench.placements])
+    rotations = seating_rotations([at.position for at in bench.placements])
 
     def attitudes(change: FloatArray) -> FloatArray:
         x, seats = np.zeros(bench.size), np.zeros((len(bench.placements), 2))
         x[: bench.shared + n] = change[: bench.shared + n]
         seats[:n] = change[bench.shared + n :].reshape(n, 2)
-        return bench.attitudes(x, (leans @ seats[..., None])[..., 0])[:n]
+        return bench.attitudes(x, (rotations @ seats[..., None])[..., 0])[:n]
 
     size, seats = bench.shared + 3 * n, bench.shared + n
     headings, tilts = slice(bench.shared, seats), (slice(seats, None, 2), slice(seats + 1, None, 2))

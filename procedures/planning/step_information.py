@@ -22,14 +22,14 @@ class UnitNoise:
     """White noise (3,) of the accelerometers [g sqrt(s)] and gyroscopes [deg/sqrt(s)], and what one count is.
 
     ``accel_scale`` (3,) [count/(g s)] and ``gyro_scale`` (3,) [count/deg] are infinite where nothing is counted.
-    ``wander`` [deg/s] is 1 sigma of the gyroscopes' bias from step to step.
+    ``instability`` [deg/s] is 1 sigma of the gyroscopes' bias from step to step.
     """
 
     accel_white: FloatArray
     gyro_white: FloatArray
     accel_scale: FloatArray
     gyro_scale: FloatArray
-    wander: float
+    instability: float
 
     def times(self, accel: float, gyro: float) -> "UnitNoise":
         """Return it with white noise that is larger by these factors."""
@@ -41,12 +41,12 @@ class UnitNoise:
 
     def gyro_variance(self, seconds: FloatArray) -> FloatArray:
         """Return (n, 3) [deg2/s2] of the rate in dwells of ``seconds`` (n,), the bias instability in it."""
-        return _dwell_variance(self.gyro_white, self.gyro_scale, seconds) + self.wander**2
+        return _dwell_variance(self.gyro_white, self.gyro_scale, seconds) + self.instability**2
 
     def turn_variance(self, seconds: float) -> FloatArray:
         """Return (3,) [deg2] of the total of a turn of ``seconds``; a counter's two remainders have 1/6."""
         found: FloatArray = (
-            self.gyro_white**2 * seconds + 1 / 6 / self.gyro_scale**2 + (self.wander * seconds) ** 2
+            self.gyro_white**2 * seconds + 1 / 6 / self.gyro_scale**2 + (self.instability * seconds) ** 2
         )
         return found
 
@@ -54,7 +54,7 @@ class UnitNoise:
         """Return [rad2] of each component of a move's rotation: noise, rounding, the bias instability, coning."""
         rounding = 2 / 12 * float(np.mean(1 / self.gyro_scale**2))
         white = float(np.mean(self.gyro_white**2)) * seconds
-        return (white + rounding + (self.wander * seconds) ** 2) * RAD_PER_DEG**2 + CONING_RAD**2
+        return (white + rounding + (self.instability * seconds) ** 2) * RAD_PER_DEG**2 + CONING_RAD**2
 
 
 def _dwell_variance(white: FloatArray, scale: FloatArray, seconds: FloatArray) -> FloatArray:

@@ -43,7 +43,7 @@ class Fit:
     def leverage(self) -> FloatArray:
         """Share (n,) of each row's variance that the fit absorbs: the residual's variance is one less that.
 
-        By its own rows: the covariance may hold more, such as what effects beside the model leave open.
+        By its own rows: the covariance may hold more, such as what effects in addition to the model leave open.
         """
         Q = np.linalg.qr(self.jacobian / np.linalg.norm(self.jacobian, axis=0))[0]
         absorbed: FloatArray = np.sum(Q**2, axis=1)

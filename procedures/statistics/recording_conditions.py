@@ -38,7 +38,7 @@ from procedures.statistics.spectrum import MIN_SAMPLES
 MIN_ZEROS = 10
 EXCESS = 2.0  # times as many zeros as log-concavity allows: drift mixes distributions
 OUTLIER_SIGMAS = 4.0
-BIN_SHARE = 1 / 16  # of the differences that are not zero, in each of the two bins beside zero
+BIN_SHARE = 1 / 16  # of the differences that are not zero, in each of the two bins next to zero
 MIN_FROZEN = 20  # samples
 REGULAR_STD = 0.45  # samples, of a change about its regular place: 0.29 of one that waits for the next row
 REGULAR_RUNS = 256  # runs over which a regular rate must hold

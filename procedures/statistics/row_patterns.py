@@ -26,7 +26,7 @@ MAX_OUTLIER_SHARE = 0.01  # of the rows, replaced; of more it is no outlier
 FAR = 30.0  # noise from row to row, between two ranges of values
 NEAR_SHARE, NEAR_SIGMAS = 0.1, 0.1257  # of the differences; that quantile of absolute Gaussian ones
 MIN_ROWS = 3  # in each of them, and in sequence: others are outliers
-CLIP_TIMES, MIN_CLIPPED, CLIP_SHARE = 5.0, 10, 5e-4  # as often as the values beside it; rows; of all rows
+CLIP_TIMES, MIN_CLIPPED, CLIP_SHARE = 5.0, 10, 5e-4  # as often as the values next to it; rows; of all rows
 MAX_WINDOW = 64  # rows that are compared for copies
 COPY_BITS = 24.0  # of entropy, beyond that of all pairs of rows: once in 2^24 recordings
 MIN_COPIED = 16  # rows
@@ -146,8 +146,8 @@ def clipped_rows(rate: FloatArray, step: float) -> Condition | None:
     for end, name in ((rate.max(), "largest"), (rate.min(), "smallest")):
         rows = int(np.sum(rate == end))
         off = np.abs(rate - end)
-        beside = int(np.sum((off > 0) & (off < 3.5 * step))) / 3
-        if rows >= max(MIN_CLIPPED, CLIP_SHARE * len(rate)) and rows > CLIP_TIMES * (beside + 1):
+        neighbours = int(np.sum((off > 0) & (off < 3.5 * step))) / 3
+        if rows >= max(MIN_CLIPPED, CLIP_SHARE * len(rate)) and rows > CLIP_TIMES * (neighbours + 1):
             share = rows / len(rate)
             text = f"{100 * share:.3g} % of the rows stand at the {name} value: the output is clipped there."
             return Condition("clipped", text, ALL, {"share": share, "value": float(end)})

@@ -89,7 +89,7 @@ WIDEST_TAU, NARROWEST_TAU = 20.0, 0.1  # times the range seen, times the median 
 
 
 def tau_levels(value: FloatArray, std: FloatArray, per_decade: int = TAU_LEVELS_PER_DECADE) -> FloatArray:
-    """Return scatters tau (k,) in equal ratios, from what cannot be told from 0 to far beyond the range seen.
+    """Return scatters tau (k,) in equal ratios, from what is as good as 0 to far beyond the range seen.
 
     ``value`` and 1 sigma ``std`` are (n,), in any unit, which tau has too.
     """

@@ -86,7 +86,7 @@ def _is_material(bands: Bands, S: FloatArray, used: slice) -> bool:
 
 
 def spectral_condition(rate: FloatArray, period: float) -> tuple[Condition, float] | None:
-    """Return what the spectrum of ``rate`` (n,), any unit, ``period`` [s] apart, has beside noise, if anything.
+    """Return what the spectrum of ``rate`` (n,), any unit, ``period`` [s] apart, has beyond noise, if anything.
 
     With it the least averaging time [s] at which the Allan deviation is that of the noise terms.
     """

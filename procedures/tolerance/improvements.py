@@ -41,7 +41,7 @@ CUBE_EDGES = np.array([u for u in itertools.product((-1.0, 0.0, 1.0), repeat=3) 
 
 @dataclass(frozen=True, slots=True)
 class Remedy:
-    """What is at hand beside twelve positions.
+    """What is at hand in addition to twelve positions.
 
     ``certificate`` is 1 sigma [rad] of every certified tilt, None without a certificate. ``turns`` (0..2): so
     often twelve more positions are taken with the IMU turned in the cube (`MOUNTINGS`). Free positions:

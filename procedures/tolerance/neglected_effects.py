@@ -15,8 +15,8 @@ from types import MappingProxyType
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.earth.geodesy import EARTH_RATE
 from procedures.frames import AXES
+from procedures.geodesy import EARTH_RATE
 from procedures.tolerance.estimator_errors import tilt_std
 from procedures.units import PPM_PER_ONE, RAD_S_PER_DEG_H, UG_PER_G
 
@@ -120,7 +120,7 @@ def _nonlinearity(size: float, case: SetAsideCase) -> dict[str, FloatArray]:
     return {"gyroscope.scale_factor": np.full(3, UNIFORM * size / PPM_PER_ONE)}
 
 
-def _accelerometer_wander(size: float, case: SetAsideCase) -> dict[str, FloatArray]:
+def _accelerometer_instability(size: float, case: SetAsideCase) -> dict[str, FloatArray]:
     s = np.full(3, UNIFORM * size / UG_PER_G)
     return {
         "accelerometer.bias_12_position": s / np.sqrt(12),
@@ -131,7 +131,7 @@ def _accelerometer_wander(size: float, case: SetAsideCase) -> dict[str, FloatArr
     }
 
 
-def _gyroscope_wander(size: float, case: SetAsideCase) -> dict[str, FloatArray]:
+def _gyroscope_instability(size: float, case: SetAsideCase) -> dict[str, FloatArray]:
     s = np.full(3, UNIFORM * size * RAD_S_PER_DEG_H)
     turned = s * case.turn_s / (np.sqrt(2) * 2 * np.pi * REVOLUTIONS)
     return {
@@ -161,10 +161,10 @@ SET_ASIDE: Mapping[str, SetAsideItem] = MappingProxyType({
     "seat-stop-parallelism": SetAsideItem("parallelism of the stop to A", "mm", 0.02, "Yao 2018, 3", _seat_stop),
     "quadratic": SetAsideItem("K2 of the accelerometers", "ug/g2", 10.0, "IEEE 1293; Yao 2018 (2)", _quadratic),
     "accelerometer-wander": SetAsideItem(
-        "accelerometer bias, step to step", "ug", 1.0, "IEEE 1293, bias repeatability", _accelerometer_wander
+        "accelerometer bias, step to step", "ug", 1.0, "IEEE 1293, bias repeatability", _accelerometer_instability
     ),
     "gyroscope-wander": SetAsideItem(
-        "gyroscope bias, step to step", "deg/h", 0.01, "IEEE 952; Yao 2018 (1)", _gyroscope_wander
+        "gyroscope bias, step to step", "deg/h", 0.01, "IEEE 952; Yao 2018 (1)", _gyroscope_instability
     ),
     "asymmetry": SetAsideItem("gyroscope asymmetry", "ppm", 10.0, "IEEE 952; Yao 2018 (1)", _asymmetry),
     "nonlinearity": SetAsideItem(

@@ -2,9 +2,9 @@
 
 Yao, Hu and He 2018: ``N = k * (E u + D)``, eq. (1), (2). The closed form (3)-(8) takes every face as perfect;
 the two-direction bias (9)-(11) uses only the positions with the axis up or down, in which a face's tilt enters
-at second order. The joint solve estimates face parallelism and slab tilt beside k, E and D, so that nothing is
-assumed of the bench but how far off it may plausibly be; its bias has the two-direction one's variance or less.
-Eq. (7) of the paper divides by k of the gyroscope; the accelerometer's own is meant.
+at second order. The joint solve estimates face parallelism and slab tilt in addition to k, E and D, so that
+nothing is assumed of the bench but how far off it may plausibly be; its bias has the two-direction one's variance
+or less. Eq. (7) of the paper divides by k of the gyroscope; the accelerometer's own is meant.
 
 A unit switched off and on within a campaign: each turn-on has biases of its own, and the mean is solved.
 With J turn-ons the bias of turn-on j is ``b + s_j``, the s_j summing to zero: b is their mean, a better guess of

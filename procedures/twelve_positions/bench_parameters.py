@@ -27,7 +27,7 @@ from procedures.units import STANDARD_GRAVITY
 
 FACE_TILT_RANGE_RAD = 1e-3  # rad, 1 sigma: a cube 0.4 mm off in 400 mm is not a fixture
 MACHINING_ITEMS_UP, MACHINING_ITEMS_DOWN = np.array([1.0, 3.0, 3.0]), np.array([3.0, 5.0, 5.0])
-HELD_STD_RAD = 1e-9  # rad, 1 sigma of what is held: nothing beside any tilt, yet no more than the arithmetic bears
+HELD_STD_RAD = 1e-9  # rad, 1 sigma of what is held: far below any tilt, yet no more than the arithmetic bears
 SLAB_TILT_RANGE_RAD = 5e-3  # rad, 1 sigma: 0.3 deg
 
 

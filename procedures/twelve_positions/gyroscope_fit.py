@@ -21,8 +21,9 @@ has of another rate follows by one more linear step, since the outputs are linea
     min | r + J dx + R (dh, G) |^2,    G (3, 3) a bias per specific force
 
 ``dh`` is the change of the horizontal rate, ``tr G / 3`` that of the vertical one: a bias that is proportional to
-gravity along each axis cannot be told from it. What the other eight numbers of G show of the unit's sensitivity to
-gravity is the 1 sigma of that. Bias is in dx, told apart as the cube stands on opposite faces and headings.
+gravity along each axis cannot be distinguished from it. What the other eight numbers of G show of the unit's
+sensitivity to gravity is the 1 sigma of that. Bias is in dx, separated as the cube stands on opposite faces and
+headings.
 """
 
 from collections.abc import Sequence
@@ -33,8 +34,8 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.observations import TriadDwells, TurnTotal
-from procedures.earth.geodesy import EARTH_RATE, earth_rate_n
 from procedures.frames import face_normal, face_of
+from procedures.geodesy import EARTH_RATE, earth_rate_n
 from procedures.twelve_positions.accelerometer_fit import MIN_RESPONSE_SIGMAS, TriadFit, dwell_bench
 from procedures.twelve_positions.gyroscope_model import GyroscopeModel, MovesSeen, gyroscope_bench
 from procedures.twelve_positions.manual_rotations import (
@@ -62,7 +63,7 @@ class GyroscopeFit:
     """The gyroscopes' joint fit, the turns in it and 1 sigma (t, 3) of their totals, closure not in it.
 
     ``broken`` names turns left out for a gap while turning; ``moves`` is what the moves between placements show;
-    ``leans`` (t) how the cube tilted in each turn, None where nothing determines it.
+    ``tilts`` (t) how the cube tilted in each turn, None where nothing determines it.
     """
 
     joint: TriadFit
@@ -71,7 +72,7 @@ class GyroscopeFit:
     geometry: tuple[RotationGeometry, ...]
     broken: tuple[str, ...]
     moves: MovesSeen | None = None
-    leans: tuple[RotationTilt | None, ...] = ()
+    tilts: tuple[RotationTilt | None, ...] = ()
 
 
 def solve_gyroscope(
@@ -79,11 +80,11 @@ def solve_gyroscope(
     seen: TriadDwells,
     turns: Sequence[TurnTotal],
     accelerometer: TriadFit | None,
-    leans: Sequence[RotationTilt | None] = (),
+    tilts: Sequence[RotationTilt | None] = (),
 ) -> GyroscopeFit | None:
     """Solve k, E and D of the gyroscopes; None if dwells, turns and moves do not determine them.
 
-    Face and slab tilts come from the accelerometers' fit, with its covariance, where there is one. ``leans`` are
+    Face and slab tilts come from the accelerometers' fit, with its covariance, where there is one. ``tilts`` are
     those of the turns as the accelerometers saw them; none: the cube sat well in all.
     """
     refuse_disagreeing(campaigns, turns)
@@ -92,10 +93,10 @@ def solve_gyroscope(
         return None
     K, b = guess
     histories = [_history(campaigns, turn, K, b) for turn in turns]
-    turned = list(zip(turns, histories, leans or [None] * len(turns), strict=True))
+    turned = list(zip(turns, histories, tilts or [None] * len(turns), strict=True))
     broken = tuple(turn.record.name for turn, heading, _ in turned if is_broken(turn, heading))
     turned = [each for each in turned if not is_broken(*each[:2])]
-    turns, kept = [turn for turn, _, _ in turned], tuple(lean for _, _, lean in turned)
+    turns, kept = [turn for turn, _, _ in turned], tuple(tilt for _, _, tilt in turned)
     if broken and _guess(campaigns, seen, turns) is None:
         return None
     shapes = tuple(geometry(turn, heading, campaigns[turn.campaign].sigma.closure) for turn, heading, _ in turned)

@@ -8,15 +8,20 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord
 from procedures.campaign.observations import TriadDwells, TurnTotal
-from procedures.earth.geodesy import earth_rate_n
 from procedures.frames import cross_axes, face_of, rotation
+from procedures.geodesy import earth_rate_n
 from procedures.statistics.least_squares import Fit, joined_rows
 from procedures.twelve_positions.accelerometer_fit import TriadFit, TurnOnFit, fit_with_turn_ons
 from procedures.twelve_positions.bench_parameters import BenchParameters, BenchPrior, Placement, cube_numbers
 from procedures.twelve_positions.manual_rotations import RotationGeometry
-from procedures.twelve_positions.placement_transfers import MovesModel, PlacementTransfers
+from procedures.twelve_positions.placement_transfers import (
+    MovesModel,
+    PlacementTransfers,
+    gain,
+    seated,
+    seating_rotations,
+)
 from procedures.twelve_positions.rotation_tilt import RotationTilt
-from procedures.twelve_positions.seating import gain, seated, seating_rotations
 from procedures.units import DEG_H_PER_DEG_S
 
 # deg/s, 1 sigma of what a bias may step by as a unit is switched off and on
@@ -29,15 +34,15 @@ class MovesSeen:
     """The ``moves`` of a fit, and ``error`` (m, 3) [rad] by which each is off; ``rows`` are the fit's (3 m).
 
     ``variance`` (m, 4) [rad2] of a component is by white noise, rounding, coning and the bias instability.
-    ``told`` (k, 3 n) is by how much the first k whitened rows of what is known change with the rates of the
-    accelerometers' n dwells [s/output], from whose fit they are; no row where there is none.
+    ``by_accelerometer`` (k, 3 n) is by how much the first k whitened rows of what is known change with the rates
+    of the accelerometers' n dwells [s/output], from whose fit they are; no row where there is none.
     """
 
     moves: PlacementTransfers
     error: FloatArray
     variance: FloatArray
     rows: slice
-    told: FloatArray
+    by_accelerometer: FloatArray
 
     @property
     def sigma(self) -> FloatArray:
@@ -55,7 +60,7 @@ class GyroscopeModel:
     def __init__(
         self, campaigns: Sequence[Campaign], seen: TriadDwells, turns: Sequence[TurnTotal],
         shapes: Sequence[RotationGeometry], accelerometer: TriadFit | None, moves: PlacementTransfers | None,
-        leans: Sequence[RotationTilt | None] = (),
+        tilts: Sequence[RotationTilt | None] = (),
     ) -> None:  # fmt: skip
         self.bench = gyroscope_bench(campaigns, seen, turns, moves is not None)
         self.seen, self.turns, self.moves = seen, turns, moves
@@ -70,14 +75,14 @@ class GyroscopeModel:
         self.unsettled_deg_s = np.degrees([each.unsettled_gyro for each in sigmas])
         seat = np.array([each.seat for each in sigmas]) if moves else np.zeros(0)
         self._tilts = seating_rotations([at.position for at in self.bench.placements])
-        self._lean = np.zeros((len(of), 2))  # rad, of cubes that tilted as they were turned
-        self.lean_std = np.zeros((len(of), 3))  # deg, 1 sigma of a turn by its axis, IMU axes
-        for i, lean in enumerate(leans, start=len(seen.dwells)):
-            if lean is not None and lean.is_off:
-                seat[i : i + 1] = lean.std.max()
-                self._lean[i] = lean.mean
+        self._tilt = np.zeros((len(of), 2))  # rad, of cubes that tilted as they were turned
+        self.tilt_std = np.zeros((len(of), 3))  # deg, 1 sigma of a turn by its axis, IMU axes
+        for i, tilt in enumerate(tilts, start=len(seen.dwells)):
+            if tilt is not None and tilt.is_off:
+                seat[i : i + 1] = tilt.std.max()
+                self._tilt[i] = tilt.mean
                 across = np.abs(self.bench.C_sb[i][:, list(cross_axes(face_of(of[i].position)))])
-                self.lean_std[i] = abs(self.angle[i - len(seen.dwells)]) * (across @ lean.axis_std)
+                self.tilt_std[i] = abs(self.angle[i - len(seen.dwells)]) * (across @ tilt.axis_std)
         self.prior = _prior(self.bench, seen.dwells, accelerometer, seat)
         self._total = np.array([t.total for t in turns]).reshape(-1, 3)
         self._total_std = np.array([t.std for t in turns]).reshape(-1, 3)
@@ -93,7 +98,7 @@ class GyroscopeModel:
         bench, closed = x[..., 12:closures], x[..., closures : closures + len(self.turns)]
         u = self.bench.seen(bench, self.earth, self.motion)
         normal = self.bench.to_cube(bench)[..., n:, :, 2]
-        if self.moves is not None or self._lean.any():
+        if self.moves is not None or self._tilt.any():
             # a cube tilts by its seat while it is turned, and turns about the slab's normal
             normal = (rotation(self._seats(x, 0.5)[..., n:, :]) @ normal[..., None])[..., 0]
         u[..., n:, :] += (self.angle + closed)[..., None] * normal
@@ -111,9 +116,9 @@ class GyroscopeModel:
         turned = slab @ rotation(closed[..., None] * [0.0, 0.0, -1.0]) @ np.swapaxes(slab, -1, -2)
         return self.moves.carried(attitudes, turned @ attitudes[..., n:, :, :])
 
-    def _seats(self, x: FloatArray, lean: float = 1.0) -> FloatArray:
-        """Return rotation vectors (..., m, 3) [rad] of placements' seats, with a share ``lean`` of tilts."""
-        seats = lean * self._lean
+    def _seats(self, x: FloatArray, tilt: float = 1.0) -> FloatArray:
+        """Return rotation vectors (..., m, 3) [rad] of placements' seats, with a share ``tilt`` of tilts."""
+        seats = tilt * self._tilt
         if self.moves is not None:
             seats = seats + x[..., 12 + self.bench.size + len(self.turns) :].reshape(*x.shape[:-1], -1, 2)
         rotated: FloatArray = (self._tilts @ seats[..., None])[..., 0]
@@ -123,7 +128,7 @@ class GyroscopeModel:
         """1 sigma (n + t, 3) of every dwell's rate and every turn's total; k, ``excess`` (3,) [output/s]."""
         std = np.vstack((self.seen.std, self._total_std))
         expected = np.hypot(std, self.unsettled(k) * self.seconds)
-        total: FloatArray = np.sqrt(expected**2 + (excess * self.seconds) ** 2 + (k * self.lean_std) ** 2)
+        total: FloatArray = np.sqrt(expected**2 + (excess * self.seconds) ** 2 + (k * self.tilt_std) ** 2)
         return total
 
     def unsettled(self, k: FloatArray) -> FloatArray:
@@ -142,7 +147,7 @@ class GyroscopeModel:
         observed = np.vstack((self.seen.rate, self._total))
         sigma, size, turns = self.sigma(excess, k), self.bench.size, len(self.turns)
         model = MovesModel(self.moves, start[:12], self.seen.noise) if self.moves else None
-        wander = self.wander(excess, k)
+        instability = self.instability(excess, k)
         turn_ons = [(number, dwell.turn_on) for number, dwell in self.seen.dwells]
         turn_ons += [(turn.campaign, turn.record.turn_on) for turn in self.turns]
 
@@ -150,7 +155,7 @@ class GyroscopeModel:
             rows = [(observed - steps * self.seconds - self.output(x)) / sigma]
             rows.append(x[..., 12 : 12 + size] @ self.prior.bench.matrix.T - self.prior.bench.mean)
             if model is not None and self.moves is not None:
-                moved = np.sqrt(model.variance.sum(axis=1) + wander)
+                moved = np.sqrt(model.variance.sum(axis=1) + instability)
                 bias = steps[..., self.moves.after, :]
                 error = model.errors(x[..., :12], self.carried(x), bias)
                 rows[-1] += x[..., 12 + size + turns :] @ self.prior.seats.T
@@ -169,7 +174,7 @@ class GyroscopeModel:
         )
         return fit_with_turn_ons(residual, start, scale, turn_ons, TURN_ON_STEP_STD_DEG_S * k)
 
-    def wander(self, excess: FloatArray, k: FloatArray) -> FloatArray:
+    def instability(self, excess: FloatArray, k: FloatArray) -> FloatArray:
         """Return the variance (m,) [rad2] of the moves by the scatter ``excess`` (3,) [output/s] of the bias.
 
         ``k`` (3,) are the scale factors [output/deg].
@@ -190,9 +195,9 @@ class GyroscopeModel:
         return MovesSeen(
             self.moves,
             model.errors(fit.x[:12], self.carried(fit.x), found.steps[self.moves.after]),
-            np.column_stack((model.variance, self.wander(excess, k))),
+            np.column_stack((model.variance, self.instability(excess, k))),
             slice(end - 3 * len(self.moves.records), end),
-            self.prior.told,
+            self.prior.by_accelerometer,
         )
 
     def excess(self, fit: Fit) -> FloatArray:
@@ -226,12 +231,13 @@ def gyroscope_bench(
 class _Prior:
     """Rows of what is known of bench and seats: ``bench.matrix @ x + seats @ s - bench.mean``; seats (k, 2 m).
 
-    ``told`` (j, 3 n) is the change of the first j with the rates of the accelerometers' n dwells [s/output].
+    ``by_accelerometer`` (j, 3 n) is the change of the first j with the rates of the accelerometers' n dwells
+    [s/output].
     """
 
     bench: BenchPrior
     seats: FloatArray
-    told: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+    by_accelerometer: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
 
 
 def _prior(
@@ -248,17 +254,17 @@ def _prior(
     if accelerometer is None or accelerometer.is_turned_freely:
         return _with_seating(prior, apart, np.zeros((len(prior.mean), len(apart))))
     freed = _freed(bench, accelerometer.bench) if bench.skew_seen else np.zeros(bench.size, dtype=bool)
-    told = np.flatnonzero(~freed[: bench.shared])
-    mean, own = accelerometer.fit.x[12 + told], accelerometer.fit.covariance[np.ix_(12 + told, 12 + told)]
-    columns, by_rate = told, gain(accelerometer.fit, accelerometer.sigma)[12 + told]
+    known = np.flatnonzero(~freed[: bench.shared])
+    mean, own = accelerometer.fit.x[12 + known], accelerometer.fit.covariance[np.ix_(12 + known, 12 + known)]
+    columns, by_rate = known, gain(accelerometer.fit, accelerometer.sigma)[12 + known]
     place = {(number, dwell.name): i for i, (number, dwell) in enumerate(dwells)}
     of = [place.get((number, dwell.name), -1) for number, dwell in accelerometer.seen.dwells]
     if len(seat) and -1 not in of:
         at = np.array([2 * i + k for i in of for k in (0, 1)])
         value, covariance, by_rate = seated(accelerometer, seat[of])
-        index = np.concatenate((told, bench.shared + np.arange(len(at))))
+        index = np.concatenate((known, bench.shared + np.arange(len(at))))
         mean, own, by_rate = value[index], covariance[np.ix_(index, index)], by_rate[index]
-        columns = np.concatenate((told, bench.size + at))
+        columns = np.concatenate((known, bench.size + at))
         apart = np.delete(apart, at, axis=0)
     white = np.linalg.inv(np.linalg.cholesky(own + TILT_FLOOR_RAD**2 * np.eye(len(own))))
     rows = np.zeros((len(own), bench.size + 2 * len(seat)))
@@ -269,7 +275,7 @@ def _prior(
     loose = np.concatenate((np.zeros(len(own), dtype=bool), prior.loose[kept]))
     joint = BenchPrior(np.concatenate((white @ mean, prior.mean[kept])), matrix, loose)
     seats = np.vstack((rows[:, bench.size :], np.zeros((int(kept.sum()), 2 * len(seat)))))
-    return replace(_with_seating(joint, apart, seats), told=-white @ by_rate)
+    return replace(_with_seating(joint, apart, seats), by_accelerometer=-white @ by_rate)
 
 
 def _with_seating(prior: BenchPrior, apart: FloatArray, seats: FloatArray) -> _Prior:

@@ -7,8 +7,8 @@ a tilt moves in second order only; else s is as wide as `TURN_ON_STEP_STD_G`. Wh
 the tilt.
 
 Whether debris goes round with the cube, which then turns about an axis that tilts in it by as much, or lies on
-the slab, so that the cube turns about its own face's normal and wobbles, cannot be told: half the tilt is taken,
-and half of it is 1 sigma. A cube that sits well, by five sigma, is taken to turn about its face's normal.
+the slab, so that the cube turns about its own face's normal and wobbles, cannot be determined: half the tilt is
+taken, and half of it is 1 sigma. A cube that sits well, by five sigma, is taken to turn about its face's normal.
 
 Where no dwell says s, turns from one position still say of each other whether the cube lay alike. If it did not,
 any of them may have tilted: each is taken to tilt by what it lies off their mean, give or take as much.
@@ -155,7 +155,7 @@ def _tilts(
     step, step_J, step_variance = _steps(campaigns, turns, dwells, off, J, noise, fitted)
     inverse = np.linalg.inv(fitted.K)
     cov = misfit * fitted.fit.covariance[: len(x), : len(x)]
-    found, wander = list[RotationTilt](), list[FloatArray]()
+    found, instability = list[RotationTilt](), list[FloatArray]()
     for i, turn in enumerate(turns):
         face = face_of(turn.record.start_position)
         to_tilt = (campaigns[turn.campaign].fixture.C_sb.T @ inverse)[list(cross_axes(face))]
@@ -164,13 +164,13 @@ def _tilts(
         std = np.sqrt(predicted + to_tilt**2 @ (noise[i] + step_variance[i]))
         both = to_tilt @ (rate[i] - expected[i] - step[i]).T
         found.append(RotationTilt(both[:, 0], both[:, 1], std, np.sqrt(to_tilt**2 @ variance[i].sum(axis=0))))
-        wander.append(np.sqrt(to_tilt**2 @ (misfit * unsettled[i])))
+        instability.append(np.sqrt(to_tilt**2 @ (misfit * unsettled[i])))
     assert len(found) == t
-    return against_each_other([(turn.campaign, turn.record) for turn in turns], found, wander)
+    return against_each_other([(turn.campaign, turn.record) for turn in turns], found, instability)
 
 
 def against_each_other(
-    turns: Sequence[tuple[int, TurnRecord]], tilts: Sequence[RotationTilt], wander: Sequence[FloatArray]
+    turns: Sequence[tuple[int, TurnRecord]], tilts: Sequence[RotationTilt], instability: Sequence[FloatArray]
 ) -> list[RotationTilt]:
     """Return tilts in which contradicting turns, whose tilt nothing else determines, are marked as apart.
 
@@ -180,7 +180,7 @@ def against_each_other(
     ----------
     turns : (campaign, record)
     tilts : of each
-    wander : (2,) [rad] of each, 1 sigma of its bias off that of the others of its turn-on
+    instability : (2,) [rad] of each, 1 sigma of its bias off that of the others of its turn-on
     """
     found = list(tilts)
     alike = [(number, turn.turn_on, turn.start_position) for number, turn in turns]
@@ -188,7 +188,7 @@ def against_each_other(
         group = [i for i, other in enumerate(alike) if other == one]
         mean, known = np.array([tilts[i].mean for i in group]), np.min([tilts[i].std for i in group], axis=0)
         apart = np.ptp(mean, axis=0)
-        noise = np.max([np.hypot(tilts[i].noise / np.sqrt(2), np.sqrt(2) * wander[i]) for i in group], axis=0)
+        noise = np.max([np.hypot(tilts[i].noise / np.sqrt(2), np.sqrt(2) * instability[i]) for i in group], axis=0)
         if np.any((apart > np.maximum(MIN_TILT_SIGMAS * noise, MIN_TILT_RAD)) & (apart < known)):
             for i in group:
                 found[i] = _apart(tilts[i], mean.mean(axis=0), apart / 2)

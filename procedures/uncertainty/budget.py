@@ -133,7 +133,7 @@ def _gyroscope(fits: CampaignFits, accelerometer: _FitGain | None, inputs: Given
     assert gyroscope is not None
     joint = gyroscope.joint
     given = fits.accelerometer is not None and not fits.accelerometer.is_turned_freely
-    given &= gyroscope.moves is None  # with seats beside them, the tilts are no longer the accelerometers' rows
+    given &= gyroscope.moves is None  # with seats, the tilts are no longer the accelerometers' rows
     observations = 3 * (len(joint.seen.dwells) + len(gyroscope.turns))
     observed = np.arange(len(joint.fit.residual)) < observations
     effect = temperature_effect(joint.fit, gyroscope_columns(gyroscope))

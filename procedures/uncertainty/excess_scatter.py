@@ -146,7 +146,7 @@ def unexplained(
 
 
 def unexplained_within(triad: str, joint: TriadFit, dof: int, squares: float) -> Shares:
-    """Return the variance (n,) that the rows of dwells lack by what wanders within them.
+    """Return the variance (n,) that the rows of dwells lack by what drifts within them.
 
     ``squares`` of the counting noise of their means are added to each, as well known as the fit's ``dof`` shows.
     """

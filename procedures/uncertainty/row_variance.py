@@ -117,7 +117,7 @@ def excess_cell(joint: TriadFit, triad: str) -> SourceCell:
 
 
 def scatter_dof(free: float, expected: FloatArray, excess: FloatArray) -> float:
-    """Return the degrees of freedom of a variance ``excess`` found beside ``expected``, both of the same shape.
+    """Return the degrees of freedom of a variance ``excess`` found beyond ``expected``, both of the same shape.
 
     It is a difference, total less expected. The total has ``free``; of the difference, a share s of the total,
     ``free s^2`` remain. At least 1, below which Student's distribution is of no use.
@@ -146,7 +146,7 @@ def _turn_shares(gyroscope: GyroscopeFit, n: int) -> Shares:
     white = np.minimum(seen.noise**2 * seconds, std**2)
     excess = (joint.excess * seconds) ** 2
     drift = gyroscope.turn_sigma**2 - std**2 - excess
-    leant = np.array([lean is not None and lean.is_off for lean in gyroscope.leans or [None] * len(turns)])[
+    is_tilted = np.array([tilt is not None and tilt.is_off for tilt in gyroscope.tilts or [None] * len(turns)])[
         :, None
     ]
     dof = noise_dof([dwell.series for _, dwell in seen.dwells], seen.noise)
@@ -154,10 +154,10 @@ def _turn_shares(gyroscope: GyroscopeFit, n: int) -> Shares:
     parts |= by_axis(sources.QUANTISATION, "gyroscope", std**2 - white)
     parts |= {
         excess_cell(joint, "gyroscope"): excess,
-        SourceCell(sources.WARM_UP, "gyroscope"): np.where(leant, 0.0, np.maximum(drift, 0.0)),
+        SourceCell(sources.WARM_UP, "gyroscope"): np.where(is_tilted, 0.0, np.maximum(drift, 0.0)),
     }
-    if leant.any():  # far beyond any drift
-        parts[SourceCell(sources.SEAT, "turns")] = np.where(leant, np.maximum(drift, 0.0), 0.0)
+    if is_tilted.any():  # far beyond any drift
+        parts[SourceCell(sources.SEAT, "turns")] = np.where(is_tilted, np.maximum(drift, 0.0), 0.0)
     return {cell: padded(part / gyroscope.turn_sigma**2, first, n) for cell, part in parts.items()}
 
 
@@ -256,11 +256,11 @@ def _move_parts(moves: MovesFit, joint: TriadFit, dof: FloatArray) -> Shares:
     """Split the moves' rows (m, 2): noise, the scatter of rests that the up vectors have, that of the moves."""
     assert joint.rests is not None
     noise, own = moves.sigma**2 - moves.scatter[0] ** 2, np.full(len(moves.sigma), moves.scatter[0] ** 2)
-    lean = np.full(len(moves.sigma), 2 * joint.rests.excess**2)
+    tilt = np.full(len(moves.sigma), 2 * joint.rests.excess**2)
     free = float(np.sum(1 - moves.fit.leverage[: moves.error.size]))
     parts = {
-        SourceCell(sources.COUNTING, "moves", float(dof.sum())): noise - lean,
-        SourceCell(sources.REST_SCATTER, "up vectors"): lean,
+        SourceCell(sources.COUNTING, "moves", float(dof.sum())): noise - tilt,
+        SourceCell(sources.REST_SCATTER, "up vectors"): tilt,
         SourceCell(sources.MOVE_SCATTER, "", scatter_dof(free, noise, own)): own,
     }
     return {cell: np.repeat(part / moves.sigma**2, 2) for cell, part in parts.items()}
@@ -268,11 +268,11 @@ def _move_parts(moves: MovesFit, joint: TriadFit, dof: FloatArray) -> Shares:
 
 def _rest_parts(moves: MovesFit, seen: MovesAndRests) -> tuple[Shares, SourceCell]:
     """Split the rests' rows (r, 3): noise, quantisation, and bias instability, whose cell is returned too."""
-    wander = np.broadcast_to((moves.scatter[1] * np.linalg.norm(moves.K, axis=1)) ** 2, seen.std.shape)
+    instability = np.broadcast_to((moves.scatter[1] * np.linalg.norm(moves.K, axis=1)) ** 2, seen.std.shape)
     white = white_variance(seen.noise, durations_s(seen.rests), seen.std**2)
     rows = slice(moves.error.size, moves.error.size + seen.rate.size)
     free = float(np.sum(1 - moves.fit.leverage[rows]))
-    scatter = SourceCell(sources.INSTABILITY, "gyroscope", scatter_dof(free, seen.std**2, wander))
+    scatter = SourceCell(sources.INSTABILITY, "gyroscope", scatter_dof(free, seen.std**2, instability))
     parts = by_axis(sources.COUNTING, "gyroscope", white, noise_dof(seen.rests, seen.noise))
-    parts |= by_axis(sources.QUANTISATION, "gyroscope", seen.std**2 - white) | {scatter: wander}
-    return {cell: part / (seen.std**2 + wander) for cell, part in parts.items()}, scatter
+    parts |= by_axis(sources.QUANTISATION, "gyroscope", seen.std**2 - white) | {scatter: instability}
+    return {cell: part / (seen.std**2 + instability) for cell, part in parts.items()}, scatter

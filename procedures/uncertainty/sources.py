@@ -71,7 +71,7 @@ def type_of(source: str) -> str:
 class Unexplained:
     """What a diagnosis could not explain of a triad.
 
-    ``within`` is what wanders within its dwells, in squares of the counting noise of their means. ``moved`` (15,)
+    ``within`` is what drifts within its dwells, in squares of the counting noise of their means. ``moved`` (15,)
     bounds by how much k, E and D, each in its unit, are off for what effects took that is not theirs.
     """
 

@@ -1,4 +1,4 @@
-"""A calibration applied to a source, written to a file that is complete or absent."""
+"""A calibration applied to a source as `OutputRequest` asks, written to a file that is complete or absent."""
 
 import json
 import sys
@@ -13,21 +13,92 @@ import numpy as np
 
 from fixtures_db.database import open_db
 from fixtures_db.stored_calibrations import history
+from procedures.arrays import FloatArray
 from procedures.campaign.campaign import UNKNOWN
 from procedures.effects.term.inputs import AUXILIARY
+from procedures.units import STANDARD_GRAVITY
 from station.applying.checked_samples import CheckedSamples, Survey, survey
 from station.applying.log_source import refuse_other_units
-from station.applying.output_request import SI, OutputRequest, axes_of, columns_of, document_of, names_of
-from station.applying.source import Source
+from station.applying.source import Samples, Source
 from station.calibrated.applied_calibration import CalibrationModel
+from station.calibrated.output_frame import Frame
 from station.calibrated.remaining_uncertainty import lacking
 from station.calibration import Calibrated, Calibration, calibration_of
 from station.errors import DataRefused
 from station.files.atomic_file import refuse_own, write_file_pair, write_json
 from station.files.calibration_document import doubts
-from station.files.sample_arrays import SampleColumns
-from station.files.sample_files import writer_for
+from station.files.output_units import ACCEL_UNITS, GYRO_UNITS
+from station.files.sample_files import SampleColumns, writer_for
+from station.results.solution_json import software_version
 from station.text import plural
+
+SUFFIX = {"m/s2": "m_s2", "rad/s": "rad_s", "deg/s": "deg_s", "deg/h": "deg_h", "cm/s2": "cm_s2",
+          "mdeg/s": "mdeg_s", "mrad/s": "mrad_s"}  # fmt: skip
+SI = ("m/s2", "rad/s")
+
+
+@dataclass(frozen=True, slots=True)
+class OutputRequest:
+    """How samples are wanted: ``units`` of force and rate, ``frame``, ``axes`` (docs/how-to/applying.md).
+
+    With ``force`` they are written even if they are physically impossible.
+    """
+
+    frame: Frame = "sensor"
+    axes: str | None = None
+    units: tuple[str, str] = SI
+    force: bool = False
+
+
+def axes_of(source: Source, asked: OutputRequest) -> str | None:
+    """Return the axes that go with the frame: as asked, of a cube else as the source is mounted."""
+    return asked.axes or (source.stated.mounting if asked.frame == "cube" else None)
+
+
+def names_of(source: Source, asked: OutputRequest) -> tuple[str, ...]:
+    """Return the names of the columns that are written."""
+    force, rate = (SUFFIX.get(unit, unit) for unit in asked.units)
+    names = ["t_s", *(f"f_{axis}_{force}" for axis in "xyz"), *(f"omega_{axis}_{rate}" for axis in "xyz")]
+    return (*names, *(["temp_c"] if source.stated.temperature else []), *source.stated.auxiliary)
+
+
+def columns_of(block: Samples, got: Calibrated, source: Source, asked: OutputRequest) -> list[FloatArray]:
+    """Return a block's columns (n,), in the units of their names."""
+    per_force = ACCEL_UNITS[asked.units[0]] / STANDARD_GRAVITY
+    per_rate = GYRO_UNITS[asked.units[1]] / GYRO_UNITS["rad/s"]
+    force = got.specific_force if asked.units[0] == SI[0] else got.specific_force * per_force
+    rate = got.angular_rate if asked.units[1] == SI[1] else got.angular_rate * per_rate
+    unknown = np.full(len(block.t), np.nan)
+    columns = [block.t, *force.T, *rate.T]
+    if source.stated.temperature:
+        columns.append(unknown if block.temperature is None else block.temperature)
+    return columns + [block.auxiliary.get(name, unknown) for name in source.stated.auxiliary]
+
+
+def document_of(
+    source: Source, calibration: Calibration, found: Survey, asked: OutputRequest, samples: int,
+    spans: list[Calibrated], warnings: tuple[str, ...],
+) -> dict[str, Any]:  # fmt: skip
+    """Return applied/1: what is to know of the file next to it, ``spans`` one a block."""
+
+    def of(name: str) -> list[Any]:
+        values = np.concatenate([getattr(each, name) for each in spans])
+        return [[None if np.isnan(v) else v for v in row] for row in values.tolist()]
+
+    known = calibration.document
+    about = {
+        name: known[name] for name in ("model", "serial", "accepted_utc", "status", "valid_until") if name in known
+    }
+    return {
+        "format": "applied/1", "input": source.stated.name, "samples": samples, "period_s": found.period,
+        "frame": asked.frame, "axes": axes_of(source, asked), "mounting": source.stated.mounting,
+        "units": list(asked.units), "software": software_version(),
+        "calibration": {**about, "sha256": calibration.sha256}, "effects": list(calibration.effects),
+        "warnings": list(warnings),
+        "spans_s": of("spans"), "specific_force_std_m_s2": of("specific_force_std"),
+        "angular_rate_std_rad_s": of("angular_rate_std"),
+    }  # fmt: skip
+
 
 EVERY_S = 1.0  # on a terminal
 EVERY_LINE_S = 10.0  # elsewhere, a line each
@@ -68,7 +139,7 @@ class Progress:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Applied:
-    """What came of it: samples, the period [s], the document beside the file, and what to know, in words."""
+    """What came of it: samples, the period [s], the document next to the file, and what to know, in words."""
 
     samples: int
     period: float
@@ -97,11 +168,11 @@ def apply_to(
     """
     _refuse_unlike(source, calibration)
     writer = writer_for(out)
-    refuse_own([out, _beside(out)], _read(source, known))
+    refuse_own([out, _document_path(out)], _read(source, known))
     found = survey(source)
     names = names_of(source, asked)
     columns = SampleColumns(names, found.rows, asked.frame, asked.units == SI)
-    with write_file_pair(out, _beside(out)) as (aside, beside):
+    with write_file_pair(out, _document_path(out)) as (aside, document):
         written = writer(aside, columns)
         try:
             applied = _run(source, calibration, found, asked, written.write, progress)
@@ -111,7 +182,7 @@ def apply_to(
             raise
         finally:
             progress.end()
-        write_json(beside, {**applied.document, "columns": list(names)})
+        write_json(document, {**applied.document, "columns": list(names)})
     return applied
 
 
@@ -149,8 +220,8 @@ def _run(
         f"{plural(samples.lost, 'row')} without a number in time or outputs: discarded" if samples.lost else "",
         f"repeated rows discarded: {samples.repeated}" if samples.repeated else "",
     ]
-    said = (*filter(None, left), *doubts(calibration.document, datetime.now(UTC)), *last.warnings)
-    return Applied(count, found.period, document_of(source, calibration, found, asked, count, spans, said), said)
+    text = (*filter(None, left), *doubts(calibration.document, datetime.now(UTC)), *last.warnings)
+    return Applied(count, found.period, document_of(source, calibration, found, asked, count, spans, text), text)
 
 
 def _refuse_unlike(source: Source, calibration: Calibration) -> None:
@@ -188,7 +259,7 @@ def _of_spans(got: Calibrated) -> Calibrated:
     return Calibrated(np.empty(0), none, none, got.spans, got.specific_force_std, got.angular_rate_std)
 
 
-def _beside(out: Path) -> Path:
+def _document_path(out: Path) -> Path:
     return out.with_name(f"{out.name}.json")
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
 from procedures.counts.sample_times import GAP_PERIODS, own_period
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.applying.source import Samples, Source, Stated
 from station.errors import DataRefused
 
@@ -61,9 +61,9 @@ def survey(source: Source) -> Survey:
     found = mean if abs(mean / pace - 1) < MEAN_TOLERANCE else pace
     stated = source.stated.period
     if stated is not None and abs(found / stated - 1) > TOLERANCE:
-        said = f"a sample rate of {1 / found:.6g} Hz by the times, {found / stated - 1:+.1%} of the period"
+        text = f"a sample rate of {1 / found:.6g} Hz by the times, {found / stated - 1:+.1%} of the period"
         raise DataRefused(
-            source.stated.name, None, said, f"{1 / stated:.6g} Hz as stated, within 1 %", "correct one"
+            source.stated.name, None, text, f"{1 / stated:.6g} Hz as stated, within 1 %", "correct one"
         )
     return Survey(rows, first, last, found)
 

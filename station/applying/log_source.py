@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.counts.time_decision import evidence_rows, may_be_clock
 from procedures.effects.term.inputs import AUXILIARY
-from procedures.error_codes import ErrorCode
-from procedures.recordings.time_decision import evidence_rows, may_be_clock
+from procedures.errors import ErrorCode
 from station.applying.source import Samples, Stated, Times, channels_by_column
 from station.errors import DataRefused
 from station.files.logs.header_guesses import guessed_time, split_unit
@@ -108,7 +108,7 @@ class LogSource:
         notes = tuple(guess for guess in found.guesses if "reference" not in guess)
         period = 1 / stated.rate_hz if stated.rate_hz else None
         has_temperature = found.temperature is not None
-        said = Stated(
+        text = Stated(
             str(file), rates_in=rates[0] if rates else "", period=period, temperature=has_temperature,
             auxiliary=tuple(auxiliary), notes=notes, units=tuple((n, u) for n, u in own_units if u is not None),
             triads=tuple(n for n, own in (("accelerometer", found.accel), ("gyroscope", found.gyro)) if any(own)),
@@ -119,7 +119,7 @@ class LogSource:
                 block = next(read)
             unit = unit_of_time(table.head, column, stated.unit_time, stated.rate_hz, [], partial(_stamps, table))
             refuse_other_rate(unit.linear(block.columns[column]) * unit.seconds, column, stated.rate_hz, str(file))
-        return cls(table, found, auxiliary, stated.rate_hz, said)
+        return cls(table, found, auxiliary, stated.rate_hz, text)
 
     def times(self) -> Generator[Times]:
         """Yield the times (n,) [s] of all rows, as `Source`."""
@@ -146,10 +146,10 @@ class LogSource:
             if found.temperature is not None:
                 zero, per = TEMPERATURE_UNITS[found.temperature_unit]
                 temperature = (block.columns[found.temperature] - zero) * per
-            beside = {key: block.columns[name] for key, name in self.auxiliary.items()}
+            auxiliary = {key: block.columns[name] for key, name in self.auxiliary.items()}
             lines = _lines(block, row)
             row += n
-            yield Samples(t, values, temperature, beside, block.done, self.stated.name, lines)
+            yield Samples(t, values, temperature, auxiliary, block.done, self.stated.name, lines)
 
     @property
     def _outputs(self) -> tuple[str | None, ...]:
@@ -181,7 +181,7 @@ def _stamps(blocks: TableReader, column: str, whole: bool) -> FloatArray:
     return np.concatenate((first, last[last > first[-1:]])) if whole else first
 
 
-def _compare_clocks(blocks: TableReader, found: LogColumns, is_told: bool) -> None:
+def _compare_clocks(blocks: TableReader, found: LogColumns, is_stated: bool) -> None:
     """Compare the clocks of as many rows as of a log that is read whole."""
     if found.time is None or not found.clocks:
         return
@@ -194,11 +194,11 @@ def _compare_clocks(blocks: TableReader, found: LogColumns, is_told: bool) -> No
                 rows += len(block.columns[found.time])
                 if rows >= CLOCK_ROWS:
                     break
-    except DataRefused:  # text in a clock that is not needed; what is wrong with the time is said where it is read
+    except DataRefused:  # text in a clock that is not needed; a wrong time is reported when it is read
         return
     columns = {name: np.concatenate([block.columns[name] for block in read]) for name in names}
     found.guesses.extend(
-        compare_clocks(replace(blocks.head, columns=columns), found.time, found.unit_time, found.clocks, is_told)
+        compare_clocks(replace(blocks.head, columns=columns), found.time, found.unit_time, found.clocks, is_stated)
     )
 
 
@@ -209,14 +209,14 @@ def _lines(block: Block, before: int) -> Sequence[int]:
 
 
 def step_source(file: Path, stated: Stated) -> LogSource:
-    """Open a step's CSV file of campaign/1; ``told`` is what the campaign says."""
+    """Open a step's CSV file of campaign/1; ``stated`` is what the campaign says."""
     columns = ColumnOptions(time="t_s", gyro=None, accel=None, unit_time="s")
     found = LogSource.open(file, columns)
     if not any(found.found.gyro) and not any(found.found.accel):
         raise DataRefused(file, 1, "no outputs", "gx, gy, gz or ax, ay, az", code=ErrorCode.COLUMNS)
     own = found.stated
-    said = replace(
+    text = replace(
         stated, name=own.name, temperature=own.temperature, auxiliary=own.auxiliary, triads=own.triads,
         accelerometers=own.accelerometers,
     )  # fmt: skip
-    return replace(found, stated=said)
+    return replace(found, stated=text)

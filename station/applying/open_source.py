@@ -5,7 +5,7 @@ from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from procedures.frames import TRIADS
 from station.applying.log_source import LogSource, step_source
 from station.applying.recording_source import RawSource, RecordingSource
@@ -33,12 +33,12 @@ class CampaignSource:
         tables, _, _ = read_campaign_toml(folder)
         imu = tables.imu
         mounting = ",".join(tables.fixture.imu_axes) if tables.fixture is not None else None
-        said = Stated(
+        stated = Stated(
             str(folder), imu.model, imu.serial, imu.output, imu.wrap_bits, period=imu.sample_period_s,
             mounting=mounting, rates_in=imu.unit_gyro or imu.unit_accel or "",
         )  # fmt: skip
         names = [table.file for kind in STEP_KINDS for table in getattr(tables, kind)]
-        opened = [_step(folder, name, said) for name in names]
+        opened = [_step(folder, name, stated) for name in names]
         if not opened:
             raise DataRefused(folder / CAMPAIGN_TOML, None, "no step", f"at least one of {', '.join(STEP_KINDS)}")
         begins = [_begin(step) for step in opened]
@@ -48,7 +48,9 @@ class CampaignSource:
         warm = any(step.stated.temperature for step in steps)
         there = [step.stated.accelerometers for step in steps if any(step.stated.accelerometers)] or [(True,) * 3]
         axes = tuple(all(each) for each in zip(*there, strict=True))
-        return cls(steps, replace(said, temperature=warm, auxiliary=channels, triads=triads, accelerometers=axes))
+        return cls(
+            steps, replace(stated, temperature=warm, auxiliary=channels, triads=triads, accelerometers=axes)
+        )
 
     def times(self) -> Generator[Times]:
         """Yield the times (n,) [s] of all samples, as `Source`."""
@@ -67,11 +69,13 @@ def _begin(step: Source) -> float:
         return float(next(times)[0][0])
 
 
-def _step(folder: Path, name: str, said: Stated) -> LogSource | RecordingSource:
+def _step(folder: Path, name: str, stated: Stated) -> LogSource | RecordingSource:
     with open_inside(folder, name, folder / CAMPAIGN_TOML, None):
         pass
     return (
-        RecordingSource.open(folder / name, said) if name.endswith(".mcap") else step_source(folder / name, said)
+        RecordingSource.open(folder / name, stated)
+        if name.endswith(".mcap")
+        else step_source(folder / name, stated)
     )
 
 

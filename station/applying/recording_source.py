@@ -14,7 +14,7 @@ from drivers.errors import ReplayEnded
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import UNKNOWN
 from procedures.counts.sample_records import SampleBlock
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from procedures.frames import TRIADS
 from station.applying.source import Samples, Stated, Times, channels_by_column
 from station.errors import DataRefused
@@ -37,7 +37,7 @@ class RecordingSource:
 
     @classmethod
     def open(cls, file: Path, stated: Stated) -> "RecordingSource":
-        """Open an MCAP file; ``told`` is what its campaign says.
+        """Open an MCAP file; ``stated`` is what its campaign says.
 
         Raises
         ------
@@ -53,12 +53,12 @@ class RecordingSource:
         if stated.output is not None and (stated.output == "rate") != (found.output == "rate"):
             raise DataRefused(file, None, f"{found.output} messages", f"{stated.output}, as imu.output says")
         triads = tuple(name for name in TRIADS if name in found.triads)
-        beside = channels_by_column(sorted(found.channels - {"utc_s"}), str(file))
-        said = replace(
+        auxiliary = channels_by_column(sorted(found.channels - {"utc_s"}), str(file))
+        text = replace(
             stated, name=str(file), output=stated.output or found.output, temperature=found.temperature,
-            auxiliary=tuple(beside), triads=triads, damage=" ".join(found.damage),
+            auxiliary=tuple(auxiliary), triads=triads, damage=" ".join(found.damage),
         )  # fmt: skip
-        return cls(file, said, tuple(beside.values()))
+        return cls(file, text, tuple(auxiliary.values()))
 
     def times(self) -> Generator[Times]:
         """Yield the times (n,) [s] of all samples, as `Source`."""
@@ -74,13 +74,13 @@ class RecordingSource:
             temperature = (
                 np.array([message.temperature_c for message in samples]) if self.stated.temperature else None
             )
-            beside = {
+            auxiliary = {
                 key: np.array([message.aux.get(name, np.nan) for message in samples])
                 for key, name in zip(self.stated.auxiliary, self.channels, strict=True)
             }
             t = np.array([message.device_ns for message in samples]) / 1e9
             lines = range(first, first + len(part))
-            yield Samples(t, values, temperature, beside, part[-1][1], self.stated.name, lines)
+            yield Samples(t, values, temperature, auxiliary, part[-1][1], self.stated.name, lines)
 
 
 @dataclass(slots=True)
@@ -131,7 +131,7 @@ TRIAD_WORDS = {"gyroscope": "gyro", "accelerometer": "accel"}
 
 @dataclass(frozen=True, slots=True)
 class RawSource:
-    """A file of bytes that make so many ``samples``; ``told`` is what the device says of itself."""
+    """A file of bytes that make so many ``samples``; ``stated`` is what the device says of itself."""
 
     file: Path
     stated: Stated
@@ -150,14 +150,14 @@ class RawSource:
         assert feed.unit is not None
         kind, output = feed.stream.decoder.kind, "increments" if feed.wire.output == "increments" else "rate"
         triads = tuple(name for name in ("accelerometer", "gyroscope") if TRIAD_WORDS[name] in kind.triads)
-        said = replace(
+        text = replace(
             stated, name=str(file), output=output, model=stated.model or feed.unit.model,
             serial=stated.serial or feed.unit.serial, triads=triads,
         )  # fmt: skip
         warm, samples, damage = False, 0, list[str]()
-        for block, _ in _blocks(file, said, damage.append):
+        for block, _ in _blocks(file, text, damage.append):
             warm, samples = warm or bool(np.isfinite(block.temperature).any()), samples + len(block)
-        return cls(file, replace(said, temperature=warm, damage=" ".join(damage)), samples)
+        return cls(file, replace(text, temperature=warm, damage=" ".join(damage)), samples)
 
     def times(self) -> Generator[Times]:
         """Yield the times (n,) [s] of all samples, as `Source`."""

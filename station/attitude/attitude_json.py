@@ -23,9 +23,9 @@ from station.results.diagnosis.diagnosis_json import (
 from station.results.diagnosis.diagnosis_text import coefficient_rows
 from station.results.diagnosis.diagnosis_wording import (
     OTHERS_TITLE,
-    alternatives_said,
+    alternatives_in_words,
     both,
-    confidence_said,
+    confidence_in_words,
     other_terms,
 )
 from station.text import plural
@@ -194,11 +194,11 @@ def attitude_diagnosis_text(document: Mapping[str, Any]) -> str:
         lines += [
             "",
             f"{number}. {finding['effect']} ({finding['kind']})",
-            f"   {confidence_said(finding)}",
+            f"   {confidence_in_words(finding)}",
         ]
         lines += [f"   {name:<9} {value:<44} {size:>12}" for name, value, size in coefficient_rows(finding)]
         if finding["aliases"]:
-            lines.append(f"   it may also be: {alternatives_said(finding)}")
+            lines.append(f"   it may also be: {alternatives_in_words(finding)}")
             lines.append(f"   to separate them: {finding['separate_by']}")
     for error in document["error"]:
         lines += ["", f"error, rms {error['unit']}: {error['quantity']}"]

@@ -14,7 +14,7 @@ from procedures.arrays import BoolArray
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.axes_check import AxesDisagreement, disagreement, is_near
 from procedures.attitude.mean_force import GravityCheck, gravity_check, windows_of
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from procedures.units import STANDARD_GRAVITY
 from station.errors import DataRefused
 from station.files.opening import open_inside
@@ -38,7 +38,6 @@ class LogPlace:
     file: Path | str
     line: Callable[[int], int | None] = lambda _row: None
     rate_unit: str = "rad/s"
-    force_unit: str = "m/s2"
     units_by_option: bool = False
     rate_names: tuple[str, ...] = ("p", "q", "r")
     outputs_per_deg_s: float | None = None  # stated as N/(deg/s)
@@ -265,13 +264,13 @@ def _check_size(table: Table) -> None:
             _check_column(table, name, most, f"beyond any sensor's range: looks like {guess}", unit)
     for name, (most, guess) in MAX_AID_VALUES.items():
         if name in table.columns:
-            said = f"beyond {most:.4g}" + (f": looks like {guess}" if guess else "")
-            _check_column(table, name, most, said, "rad" if guess else "m/s")
+            text = f"beyond {most:.4g}" + (f": looks like {guess}" if guess else "")
+            _check_column(table, name, most, text, "rad" if guess else "m/s")
 
 
-def _check_column(table: Table, name: str, most: float, said: str, unit: str) -> None:
+def _check_column(table: Table, name: str, most: float, text: str, unit: str) -> None:
     values = table.columns[name]
     beyond = np.flatnonzero(np.abs(values) > most)
     if len(beyond):
-        found = f"{name} = {values[beyond[0]]:g}, {said}"
+        found = f"{name} = {values[beyond[0]]:g}, {text}"
         raise DataRefused(table.file, table.line(int(beyond[0])), found, unit, f"convert the column to {unit}")

@@ -7,7 +7,7 @@ the Earth's rotation. What is left is the error of the reading: of level [deg], 
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.earth.geodesy import EARTH_RATE
+from procedures.geodesy import EARTH_RATE
 from procedures.units import DEG_H_PER_RAD_S, STANDARD_GRAVITY
 from station.attitude.live_readings import RestErrorComparison, RestErrors
 from station.calibrated.rates_and_forces import CalibratedTick, RatesAndForces

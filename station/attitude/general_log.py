@@ -9,7 +9,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.axes_check import unit_by_motion
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from procedures.units import STANDARD_GRAVITY
 from station.attitude.attitude_log import (
     MAX_FORCE_M_S2,

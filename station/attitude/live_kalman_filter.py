@@ -1,7 +1,7 @@
 """Live attitude by the joint (Kalman) filter: the noise from the first seconds, then tick by tick.
 
 Without aid, `VehicleWatch` decides whether the unit moves as a vehicle does; the filter then continues with the
-uncertainty that it has. As of a log (`procedures.attitude.unaided_motion`), but from the last seconds of motion.
+uncertainty that it has. As of a log (`unaided_motion`), but from the last seconds of motion.
 """
 
 import math
@@ -13,15 +13,15 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog, inclination, roll_pitch_of
-from procedures.attitude.kalman_filter import AttitudeKalmanFilter
-from procedures.attitude.kalman_state import KalmanSettings
-from procedures.attitude.unaided_motion import MIN_MOTION_S, VEHICLE_RUNS, settings_in_vehicle
+from procedures.attitude.kalman.kalman_filter import AttitudeKalmanFilter
+from procedures.attitude.kalman.kalman_state import KalmanSettings
+from procedures.attitude.kalman.unaided_motion import MIN_MOTION_S, VEHICLE_RUNS, settings_in_vehicle
 from procedures.units import DEG_H_PER_RAD_S
 from station.attitude.live_readings import AttitudeReading
 from station.calibrated.rates_and_forces import RatesAndForces
 
 # times the noise assumed, over `MIN_MOTION_S`: 0.55 m/s*sqrt(s), where hands reach 0.40 and a calm ship 0.74
-WANDER_LIMIT = 2.5
+DRIFT_LIMIT = 2.5
 MAX_TICKS = 600  # that are kept: a minute
 
 
@@ -33,7 +33,7 @@ class VehicleWatch:
         self.is_vehicle = False
         self._rest: AttitudeKalmanFilter | None = None  # as it was at the end of the last one
         self._since = list[AttitudeLog]()
-        self._seen = deque[tuple[float, float]]()  # seconds of motion, and what the velocity wandered, squared
+        self._seen = deque[tuple[float, float]]()  # seconds of motion, and what the velocity drifted, squared
 
     def reset(self) -> None:
         """Forget what came before: time restarts."""
@@ -44,11 +44,11 @@ class VehicleWatch:
     def follow(self, kept: AttitudeKalmanFilter, log: AttitudeLog) -> AttitudeKalmanFilter:
         """Take a tick that ``kept`` has filtered; return the filter to continue with."""
         if self.is_vehicle:
-            if kept.state.memory[0].wander_time >= MIN_MOTION_S:
+            if kept.state.memory[0].drift_time >= MIN_MOTION_S:
                 kept.settings = settings_in_vehicle(kept)
             return kept
         self._keep(kept, log)
-        if not self._wanders(kept):
+        if not self._drifts(kept):
             return kept
         self.is_vehicle = True
         found = self._filtered_again(self._in_vehicle(kept.settings))
@@ -64,9 +64,9 @@ class VehicleWatch:
             self._rest = None
             del self._since[: MAX_TICKS // 2]
 
-    def _wanders(self, kept: AttitudeKalmanFilter) -> bool:
+    def _drifts(self, kept: AttitudeKalmanFilter) -> bool:
         memory = kept.state.memory[0]
-        now, squared = float(memory.wander_time), float(memory.wander_squared)
+        now, squared = float(memory.drift_time), float(memory.drift_squared)
         if self._seen and now < self._seen[-1][0]:  # it was aligned again
             self._seen.clear()
         self._seen.append((now, squared))
@@ -75,7 +75,7 @@ class VehicleWatch:
         lasted = now - self._seen[0][0]
         if lasted < MIN_MOTION_S:
             return False
-        return math.sqrt((squared - self._seen[0][1]) / lasted) > WANDER_LIMIT * kept.settings.speed_noise
+        return math.sqrt((squared - self._seen[0][1]) / lasted) > DRIFT_LIMIT * kept.settings.speed_noise
 
     def _filtered_again(self, settings: KalmanSettings) -> AttitudeKalmanFilter:
         log = joined(self._since)
@@ -95,7 +95,7 @@ def joined(logs: Sequence[AttitudeLog]) -> AttitudeLog:
 
 
 ALIGN_S = 2.0
-# of rest, from which north is stated: a little more than `procedures.attitude.unaided_motion` asks for
+# of rest, from which north is stated: a little more than `procedures.attitude.kalman.unaided_motion` asks for
 NORTH_S = 31.0
 RESIDUAL_SHARE = 0.1  # of each tick: a second
 # put between what has no relation in time: the filter then restarts with the biases learnt

@@ -75,7 +75,7 @@ class FilterReading:
     ``down`` is the unit vector of gravity; ``form`` says how it takes the velocity; ``note`` what is against it.
     """
 
-    law: str
+    name: str
     form: str
     roll: float
     pitch: float
@@ -93,10 +93,10 @@ class FilterDifference(NamedTuple):
     angle: float
 
 
-def difference(laws: Sequence[FilterReading]) -> FilterDifference | None:
+def difference(filters: Sequence[FilterReading]) -> FilterDifference | None:
     """Return how two filters differ; None where there are not two."""
-    if len(laws) < 2:
+    if len(filters) < 2:
         return None
-    first, second = laws[:2]
+    first, second = filters[:2]
     angle = np.degrees(inclination(np.array(first.down), np.array(second.down)))
     return FilterDifference((second.roll - first.roll + 180) % 360 - 180, second.pitch - first.pitch, float(angle))

@@ -11,7 +11,7 @@ from fixtures_db.database import open_db
 from fixtures_db.schema import CalibrationRow
 from fixtures_db.stored_calibrations import last_calibration
 from procedures.campaign.campaign import UNKNOWN
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from procedures.frames import TRIADS
 from station.calibrated import InUse
 from station.errors import DataRefused

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from procedures.attitude.attitude_log import AttitudeLog, earth_rate_ned
-from procedures.attitude.kalman_state import AIDED_SETTINGS, UNAIDED_SETTINGS, KalmanSettings
+from procedures.attitude.kalman.kalman_state import AIDED_SETTINGS, UNAIDED_SETTINGS, KalmanSettings
+from procedures.attitude.kalman.unaided_motion import vehicle_settings
 from procedures.attitude.sensor_noise import gyro_noise
-from procedures.attitude.unaided_motion import vehicle_settings
-from procedures.earth.geodesy import EARTH_RATE
+from procedures.geodesy import EARTH_RATE
 from procedures.statistics.white_noise import white_noise
 from procedures.units import DEG_H_PER_DEG_S, RAD_S_PER_DEG_H, STANDARD_GRAVITY
 

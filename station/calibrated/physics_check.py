@@ -7,9 +7,9 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
 from procedures.counts.sample_times import own_period
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from procedures.frames import AXES
-from procedures.recordings.rest_physics import (
+from procedures.rest_physics import (
     ALL_AXES,
     GRAVITY_TOLERANCE,
     MAX_RAW_RATE,

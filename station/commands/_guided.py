@@ -21,7 +21,7 @@ import typer
 from pydantic import BaseModel, ValidationError
 
 from station.commands._options import option
-from station.exit_codes import CANCELLED
+from station.errors import CANCELLED
 from station.files.campaign_setup import Setup
 from station.files.toml_file import expected_of
 from station.guide.client import EngineConnection

@@ -55,8 +55,7 @@ def apply(
 
     Example: station apply drive.csv --calibration S123 --out drive.parquet
     """
-    from station.applying.applying import Progress, apply_to
-    from station.applying.output_request import OutputRequest
+    from station.applying.applying import OutputRequest, Progress, apply_to
     from station.calibrated.output_frame import frame_named
     from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, unit_named
 

@@ -157,7 +157,7 @@ def _chosen_aid(aid: str | None, gains: "Gains | None", read: "AttitudeLog", log
     import numpy as np
 
     from procedures.attitude.attitude_estimate import AID_COLUMN, AIDS, default_aid, takes_gains
-    from procedures.attitude.kalman_filter import AID_CODE
+    from procedures.attitude.kalman.kalman_filter import AID_CODE
 
     chosen = aid or default_aid(read)
     if chosen not in AIDS:
@@ -204,8 +204,7 @@ def _estimated(
     """Return the attitude forwards or in both directions, with its document and text."""
     from functools import partial
 
-    from procedures.attitude.attitude_estimate import estimate
-    from procedures.attitude.both_directions import estimate_both_directions
+    from procedures.attitude.attitude_estimate import estimate, estimate_both_directions
     from station.attitude.attitude_json import attitude_document, attitude_text
 
     run: Any = estimate_both_directions if direction == "both" else partial(estimate, gains=gains)

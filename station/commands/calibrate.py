@@ -147,7 +147,7 @@ def _refuse_contradicting(
         return
     if given := [name for name, value in fixed.items() if value is not None]:
         raise typer.BadParameter(f"the plan is not fixed with --until-limits or --sigma: omit {', '.join(given)}")
-    from station.results.required_uncertainty import wanted_by_name
+    from station.results.plan_inputs import wanted_by_name
 
     with refused_as("--sigma"):
         wanted_by_name(sigma)

@@ -9,7 +9,7 @@ import typer
 
 from station.commands import Database
 from station.commands._options import argument, day_option, option
-from station.commands._signatures import (
+from station.commands._tamper_evidence import (
     Copy,
     check_copy,
     check_out,
@@ -101,7 +101,7 @@ def certificate(
             row = _issue(database, calibration, lab, amend, out, dcc)
     html = Path(f"{row.number}.html") if out is None else out
     if key is None:
-        refuse_signed(_beside(html, pdf, dcc))
+        refuse_signed(_copy_paths(html, pdf, dcc))
     try:
         if dcc and row.dcc is None:
             raise NoXml(row.number)
@@ -121,7 +121,7 @@ def _check_files(out: Path | None, timestamp: str | None, pdf: bool, dcc: bool, 
     if is_signed and not (dcc or pdf):
         raise typer.BadParameter("--sign and --token sign the XML and the PDF; add --dcc, --pdf or both")
     if out is not None and not is_signed:
-        refuse_signed(_beside(out, pdf, dcc))
+        refuse_signed(_copy_paths(out, pdf, dcc))
 
 
 def _example() -> str:
@@ -130,7 +130,7 @@ def _example() -> str:
     return (files("station.results.certificate") / "laboratory_example.toml").read_text(encoding="utf-8")
 
 
-def _beside(html: Path, pdf: bool, dcc: bool) -> list[Path]:
+def _copy_paths(html: Path, pdf: bool, dcc: bool) -> list[Path]:
     return [html.with_suffix(kind) for kind, asked in ((".xml", dcc), (".pdf", pdf)) if asked]
 
 

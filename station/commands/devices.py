@@ -34,7 +34,7 @@ def devices(
 
     Example: station devices --url serial:///dev/ttyUSB0?baud=921600
     """
-    from drivers.address_guess import whole_url
+    from drivers.addresses import whole_url
     from station.device_survey import SurveyedPort, ports_present, survey
 
     url = [whole_url(each) for each in url or ()]

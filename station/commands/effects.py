@@ -29,7 +29,7 @@ def list_(
     Example: station effects list --catalogue
     """
     from fixtures_db.database import open_db
-    from fixtures_db.user_effects import all_in_force, owner
+    from fixtures_db.imu_models import all_in_force, owner
     from procedures.effects import EFFECTS
     from station.files.effect_file import check_stored
     from station.text import table_lines
@@ -59,7 +59,7 @@ def show(
     Example: station effects show dead_zone.toml
     """
     from fixtures_db.database import open_db
-    from fixtures_db.user_effects import all_in_force, owner
+    from fixtures_db.imu_models import all_in_force, owner
     from procedures.effects import EFFECTS
     from station.files.effect_file import check_stored, read_effect, stored_effect
     from station.results.user_defined_effects import effect_text, file_text
@@ -106,7 +106,7 @@ def add(
     """
     from fixtures_db.campaigns import is_known_imu
     from fixtures_db.database import open_db
-    from fixtures_db.user_effects import add_effect, owner
+    from fixtures_db.imu_models import add_effect, owner
     from station.files.effect_file import read_effect
 
     for name, value in (("--model", model), ("--serial", serial)):
@@ -140,7 +140,7 @@ def try_(
     """
     from station.files.campaign_folder.campaign_reading import read_for_solve
     from station.files.effect_file import read_effect
-    from station.results.effect_tried import tried_text
+    from station.results.user_defined_effects import tried_text
 
     effect = read_effect(file)
     typer.echo(tried_text(effect, read_for_solve(campaigns)))
@@ -169,8 +169,8 @@ def adopt(
 
     effect, why = adopted(diagnosis, finding, out)
     typer.echo(f"{out}: {effect.name}, effect/1, sha256 {effect.sha256}")
-    if said := confidence_text(effect, why):
-        typer.echo(said)
+    if text := confidence_text(effect, why):
+        typer.echo(text)
 
 
 def withdraw(
@@ -188,7 +188,7 @@ def withdraw(
     Example: station effects withdraw gyroscope.dead_zone --model FOG-3 --serial S107
     """
     from fixtures_db.database import open_db
-    from fixtures_db.user_effects import owner, withdraw_effect
+    from fixtures_db.imu_models import owner, withdraw_effect
 
     with open_db(db) as database, database.write() as session:
         withdraw_effect(session, name, model, serial)

@@ -104,9 +104,9 @@ def import_(
         raise typer.BadParameter("--trust, --crl, --unsigned and --due are of a certificate's .xml; expected one")
     from fixtures_db.database import open_db
     from fixtures_db.errors import DatabaseError
-    from fixtures_db.fixture_transfer import restore
+    from fixtures_db.fixture_measurements import restore
     from station.errors import DataRefused
-    from station.files.fixture_files import read_csv, read_toml_file
+    from station.files.database_files import read_csv, read_toml_file
 
     tables = read_toml_file(file) if file.suffix == ".toml" else read_csv(file)
     try:
@@ -131,20 +131,19 @@ def _certificate(
     from station.files.xml_document import read_document
     from station.results.certificate.signing.key_certificate import read_trust
     from station.results.certificate.signing.verification import verify_xml
-    from station.results.fixtures.certificate_import import refuse_unproven, take_in
-    from station.results.fixtures.fixture_document import read_fixture
+    from station.results.fixtures.certificate_import import read_fixture, refuse_unproven, take_in
 
     found = verify_xml(read_document(file), file, read_trust(roots, lists))
     proven = refuse_unproven(found, file, unsigned)
     read = read_fixture(found.document, file)
     try:
         with open_db(db) as database, database.write() as session:
-            said = take_in(session, read, proven, None if due is None else due.date(), file)
+            text = take_in(session, read, proven, None if due is None else due.date(), file)
     except ValueError as error:
         if isinstance(error, DatabaseError | DataRefused):
             raise
         raise DataRefused(file, None, str(error), "possible values") from error
-    typer.echo(f"{file}: added {said}")
+    typer.echo(f"{file}: added {text}")
 
 
 def export(
@@ -158,9 +157,9 @@ def export(
     Example: station fixtures export fixtures.toml
     """
     from fixtures_db.database import open_db
-    from fixtures_db.fixture_transfer import dump
+    from fixtures_db.fixture_measurements import dump
     from station.files.atomic_file import replace_file
-    from station.files.fixture_files import to_toml, write_csv
+    from station.files.database_files import to_toml, write_csv
 
     with open_db(db) as database, database.read() as session:
         rows = dump(session)
@@ -236,7 +235,7 @@ def limits(
 
 
 def _import(database: "OpenDatabase", model: str, file: Path) -> str:
-    from fixtures_db.model_limits import set_limits
+    from fixtures_db.imu_models import set_limits
     from station.errors import DataRefused
     from station.files.limits_file import limits_in
     from station.files.toml_file import read_text_file
@@ -251,7 +250,7 @@ def _import(database: "OpenDatabase", model: str, file: Path) -> str:
 
 def _limits(database: "OpenDatabase", model: str | None) -> str:
     from fixtures_db.errors import NotInDatabase
-    from fixtures_db.model_limits import limited_models, limits_of
+    from fixtures_db.imu_models import limited_models, limits_of
     from station.results.verdict import limit_in_words
 
     with database.read() as session:

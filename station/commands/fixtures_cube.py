@@ -63,8 +63,8 @@ def measure(
                     session, cube, found.measured, campaigns=found.campaigns,
                     measured_utc=found.measured_utc, due_date=day(due),
                 )  # fmt: skip
+    from station.results.fixtures.fixture_listing import study_text
     from station.results.fixtures.measured_cube import document
-    from station.results.fixtures.measured_cube_text import study_text
 
     text = study_text(found) + (f"\nstored as measured certificate of cube {cube}" if store else "")
     write_result(document(found), text, json, f"cube {cube} as measured" + (", stored" if store else ""))
@@ -125,13 +125,15 @@ def tolerance(
     from procedures.tolerance.tolerances_for_accuracy import AccuracyUnreachable
     from station.errors import DataRefused
     from station.files.atomic_file import replace_file, write_json
-    from station.results.fixtures.tolerance_inputs import (
+    from station.results.fixtures.tolerance_study import (
+        ToleranceQuestion,
+        document,
         drawing_of_cube,
         drawing_of_file,
         paper_unit,
+        study,
         unit_of_solution,
     )
-    from station.results.fixtures.tolerance_study import ToleranceQuestion, document, study
     from station.results.fixtures.tolerance_text import tolerance_text
 
     drawing = drawing_of_file(items) if items is not None else drawing_of_cube(db, str(cube))
@@ -148,7 +150,7 @@ def tolerance(
         remedy = "the limit of a perfect cube; use another estimator, or correct for K2"
         raise DataRefused(f"cube {drawing.cube}", None, asked_for, least, remedy) from None
     if svg is not None:
-        from station.results.fixtures.tolerance_figure import tolerance_svg
+        from station.results.fixtures.tolerance_text import tolerance_svg
 
         replace_file(svg, tolerance_svg(found).encode())
     if out is not None:

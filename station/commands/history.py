@@ -63,7 +63,7 @@ def _of_unit(session: "Session", serial: str, at: datetime | None) -> dict[str, 
     from datetime import UTC
 
     from fixtures_db.errors import NotInDatabase
-    from fixtures_db.model_limits import limits_of
+    from fixtures_db.imu_models import limits_of
     from fixtures_db.stored_calibrations import calibrated_serials, stored_runs
     from station.results.history.unit_history import analysis, entries
 

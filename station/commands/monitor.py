@@ -89,8 +89,8 @@ def monitor(
     """
     import sys
 
-    from drivers.address_guess import whole_url
     from drivers.address_parsing import parse_device_url
+    from drivers.addresses import whole_url
     from drivers.errors import PortNotFound
     from procedures.attitude.filter_choice import JOINT, parse_filters, refuse_without_velocity
     from station.calibrated.output_frame import body_axes
@@ -105,15 +105,15 @@ def monitor(
     _check_sources(aid, locate, camera, wheel, has_receiver=bool(gnss) or url.startswith("replay:"))
     aid = "airspeed-filter" if aid == "airspeed" else aid
     with refused_as("--law"):
-        laws = parse_filters(law) if law else ()
-        if laws and not url.startswith("replay:"):
-            refuse_without_velocity(laws, aid or ("gnss" if gnss else "none"))
+        filters = parse_filters(law) if law else ()
+        if filters and not url.startswith("replay:"):
+            refuse_without_velocity(filters, aid or ("gnss" if gnss else "none"))
     with refused_as("--lever-arm"):
         arm = lengths(lever_arm)
     with refused_as("--alarm"):
         alarms = tuple(parse_alarm(text) for text in alarm or ())
-    if laws and laws[0] != JOINT and any(each.name == "sigma" for each in alarms):
-        raise typer.BadParameter(f"law {laws[0]} has no uncertainty; name joint first", param_hint="--alarm")
+    if filters and filters[0] != JOINT and any(each.name == "sigma" for each in alarms):
+        raise typer.BadParameter(f"law {filters[0]} has no uncertainty; name joint first", param_hint="--alarm")
     for text in stream or ():
         if kind_of(text).scheme == "stdout":
             raise typer.BadParameter("stdout has the monitor's own lines; expected another", param_hint="--stream")
@@ -128,7 +128,7 @@ def monitor(
         url=url, C=C, aid=aid, gnss=gnss, mavlink_out=mavlink_out, calibration=calibration, latitude_deg=latitude,
         heading_deg=heading, gravity=gravity, alarms=alarms, folder=folder, records=record, seconds=seconds,
         speed=speed, model=model, serial=serial, database=db, locate=locate, lever_arm=arm,
-        camera=camera, wheel=wheel, laws=laws, tau_s=tau, stream=tuple(stream or ()),
+        camera=camera, wheel=wheel, filters=filters, tau_s=tau, stream=tuple(stream or ()),
     )  # fmt: skip
     show = partial(run_monitor, slow=slow, quiet=quiet)
     run(wanted, "json" if json else "plain" if plain else "screen", show, quiet=quiet)

@@ -46,7 +46,7 @@ def noise(
     })  # fmt: skip
     loaded = _loaded(recordings, options)
     document = _document(loaded)
-    from station.results.report.noise_text import noise_text
+    from station.results.report.noise_document import noise_text
 
     write_result(document, noise_text(document), json, "noise/1")
     if html is not None:
@@ -76,7 +76,7 @@ def _loaded(recordings: Sequence[Path], options: _log_options.LogOptions) -> "li
 def _document(loaded: "Sequence[LoadedCampaign]") -> dict[str, Any]:
     from procedures.calibration.joint_calibration import solve
     from procedures.errors import NotObservable, ProcedureError
-    from station.results.report.noise_json import noise_document
+    from station.results.report.noise_document import noise_document
 
     try:
         solution = solve([one.campaign for one in loaded])

@@ -76,8 +76,14 @@ def plan(
     from procedures.planning.design_sigmas import DesignSigmas
     from procedures.planning.step_information import StepInformation
     from station.guide.campaign.campaign_tables import planned_bench
-    from station.results.known_from_campaigns import hand_times, known_noise
-    from station.results.required_uncertainty import last_values, limits_named, wanted_by, wanted_by_name
+    from station.results.plan_inputs import (
+        hand_times,
+        known_noise,
+        last_values,
+        limits_named,
+        wanted_by,
+        wanted_by_name,
+    )
 
     with refused_as("--sigma"):
         asked = wanted_by_name(sigma or [])
@@ -95,8 +101,8 @@ def plan(
     if so_far is not None:
         _continue(sigmas, asked.and_also(by_limits), so_far)
         return
-    said = {"noise": known.source, "hands": timed}
-    _plan(sigmas, asked.and_also(by_limits), minutes, said, json, out, turns=not no_turns)
+    stated = {"noise": known.source, "hands": timed}
+    _plan(sigmas, asked.and_also(by_limits), minutes, stated, json, out, turns=not no_turns)
 
 
 def _refuse_with_continue(*, has_wanted: bool, others: tuple[object, ...]) -> None:
@@ -111,7 +117,7 @@ def _continue(sigmas: "DesignSigmas", asked: "WantedSigmas", so_far: Path) -> No
     from procedures.planning.campaign_design import usual_design
     from procedures.planning.design_sigmas import with_all_solved
     from procedures.planning.least_time import next_placement
-    from station.results.continued_campaign import continued_text, placements_of
+    from station.results.plan_document import continued_text, placements_of
 
     whole = with_all_solved(asked, sigmas.of(usual_design()))
     found = next_placement(sigmas, whole, placements_of(so_far))
@@ -121,8 +127,8 @@ def _continue(sigmas: "DesignSigmas", asked: "WantedSigmas", so_far: Path) -> No
 
 
 def _plan(
-    sigmas: "DesignSigmas", asked: "WantedSigmas", minutes: float | None, said: dict[str, str], json: Path | None,
-    out: Path | None, *, turns: bool,
+    sigmas: "DesignSigmas", asked: "WantedSigmas", minutes: float | None, stated: dict[str, str],
+    json: Path | None, out: Path | None, *, turns: bool,
 ) -> None:  # fmt: skip
     import numpy as np
 
@@ -140,7 +146,7 @@ def _plan(
     else:
         with refused_as("--minutes"):
             found = most_in_time(sigmas, whole, minutes, turns=turns)
-    document = plan_document(found, asked, sigmas, said)
+    document = plan_document(found, asked, sigmas, stated)
     write_result(document, plan_text(document), json, "planned/1")
     if out is not None:
         write_plan(out, found.design.steps())

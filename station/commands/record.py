@@ -63,7 +63,7 @@ def record(
 
     Example: station record serial:///dev/ttyUSB0?format=counts --seconds 60 --out r1
     """
-    from drivers.address_guess import whole_url
+    from drivers.addresses import whole_url
 
     url = whole_url(url)
     made = _fusion(url, out, fusion, calibration, lever_arm, model, serial, db)
@@ -104,7 +104,7 @@ def record(
             raise no_recording(error, feed.wire.name) from error
         finally:
             if (folder / plain_recording.RECORDING_FILE).exists():
-                _say(out / plain_recording.RECORDING_FILE, feed, receiver, rate.said if receiver else "")
+                _say(out / plain_recording.RECORDING_FILE, feed, receiver, rate.text if receiver else "")
                 for each in auxiliary:
                     typer.echo(each.summary)
         typer.echo(f"{done.seconds:.3f} s of device time, {plural(done.samples, 'sample')}")

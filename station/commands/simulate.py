@@ -158,7 +158,7 @@ def simulate(
         path = load_track(read_text(track, "a CSV file")) if track is not None else None
     is_on_can = transport in CAN_TRANSPORTS
     planted, of_gnss = read_faults(faults, is_on_can=is_on_can) if faults is not None else ((), ())
-    beside = _autopilot(gnss, path, of_gnss)
+    autopilot = _autopilot(gnss, path, of_gnss)
     with blamed_on(truth):
         device = SimulatedDevice(
             unit, seed, format, speed,
@@ -171,7 +171,7 @@ def simulate(
     _end_on_signals()
     try:
         with ExitStack() as stack, blamed_on(truth):
-            serve(device, partial(_announce_all, stack, beside, path, wheel_file))
+            serve(device, partial(_announce_all, stack, autopilot, path, wheel_file))
     except OSError as error:
         reason = (error.strerror or str(error)).partition(";")[0]
         raise PortNotFound(str(pty or tcp or "pty"), reason, "choose another path or port") from error
@@ -237,7 +237,7 @@ def _autopilot(
         raise typer.BadParameter(f"gnss {where!r}: expected udp[:PORT], udpto:HOST:PORT, tcp[:PORT] or pty[:PATH]")
     number = int(port) if transport != "pty" and port else 0
     return lambda device: SimulatedGnss(
-        device.truth, faults=planted, track=path, seed=device.seed, beside=device,
+        device.truth, faults=planted, track=path, seed=device.seed, imu=device,
         transport=transport.removesuffix("to"), port=number,
         link=Path(rest) if transport == "pty" and rest else None,
         to=(host, number) if transport == "udpto" else None,
@@ -254,7 +254,7 @@ def _is_host(name: str) -> bool:
 
 
 def _announce_all(
-    stack: ExitStack, beside: "Callable[[SimulatedDevice], SimulatedGnss] | None", path: "VehicleTrack | None",
+    stack: ExitStack, autopilot: "Callable[[SimulatedDevice], SimulatedGnss] | None", path: "VehicleTrack | None",
     wheel_file: Path | None, device: "SimulatedDevice",
 ) -> None:  # fmt: skip
     """Serve what stands beside a device, and say where all of it is."""
@@ -262,10 +262,10 @@ def _announce_all(
         from drivers.simulated.companions.wheel_on_can import DBC, SimulatedWheel, wheel_toml
         from station.files.atomic_file import replace_file
 
-        wheel = stack.enter_context(SimulatedWheel(path, seed=device.seed, beside=device))
+        wheel = stack.enter_context(SimulatedWheel(path, seed=device.seed, imu=device))
         replace_file(wheel_file, wheel_toml(wheel.url, DBC).encode())
         typer.echo(f"wheel {wheel.url}")
-    _announce(device, stack.enter_context(beside(device)) if beside else None)
+    _announce(device, stack.enter_context(autopilot(device)) if autopilot else None)
 
 
 def _announce(

@@ -1,13 +1,18 @@
 """``station solve``, ``resolve`` and ``report``: campaigns solved, solved again, reported."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from station.commands import Database
 from station.commands._options import Effects, argument, option, write_result
+
+if TYPE_CHECKING:
+    from procedures.calibration.solution_values import Solution
+    from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 
 
 def solve(
@@ -35,14 +40,30 @@ def solve(
     from station.results.solution_text import solution_text
 
     loaded = with_effects(read_for_solve(campaigns, moves=not no_moves), effects or [])
-    # scipy and kernels: not before the data are right
-    from station.results.solve_with_effects import solved
-
-    document = solution_document(*solved(loaded), to_keep=json is not None)
+    document = solution_document(*_solved(loaded), to_keep=json is not None)
     if json is None:
         typer.echo(solution_text(document))
     else:
         write_json(json, document)
+
+
+def _solved(
+    campaigns: Sequence["LoadedCampaign"],
+) -> tuple["Solution", Sequence["LoadedCampaign"], list[dict[str, Any]]]:
+    """Return solution, campaigns and effects, as `station.results.solution_json.solution_document` takes them."""
+    from procedures.calibration.joint_calibration import solve  # scipy and kernels: not before the data are right
+    from station.files.campaign_folder.loaded_campaign import effects_of
+
+    files = effects_of(campaigns)
+    if not files:
+        return solve([one.campaign for one in campaigns]), campaigns, []
+    from procedures.diagnosis.declared_effects import solve_declared  # the loop, heavy: only where it is needed
+    from station.results.diagnosis.diagnosis_json import effect_entries
+    from station.results.diagnosis.magnetic_field import with_magnetic_field
+
+    campaigns = [with_magnetic_field(one) for one in campaigns]
+    found = solve_declared([one.campaign for one in campaigns], [file.term for file in files])
+    return found.solution, campaigns, effect_entries(found.effects, files)
 
 
 def resolve(
@@ -104,7 +125,7 @@ def resolve(
             from station.results.resolve.fleet import resolve_fleet
 
             document = resolve_fleet(list(dict.fromkeys(folders)), database, engine, keep, sys.stderr)
-    from station.results.resolve.resolve_text import exit_code, resolve_text
+    from station.results.resolve.fleet import exit_code, resolve_text
 
     write_result(document, resolve_text(document), json, "what changed, resolve/1")
     raise typer.Exit(exit_code(document))

@@ -73,10 +73,10 @@ def stream(
         raise typer.BadParameter(f"found {frame!r}, expected one of {', '.join(FRAMES)}", param_hint="--frame")
     if nominal and calibration:
         raise typer.BadParameter("--nominal and --calibration; expected one of them")
-    from drivers.address_guess import whole_url
+    from drivers.addresses import whole_url
     from station.calibrated.output_frame import body_axes
     from station.sending.outputs import kind_of
-    from station.sending.stream_command import StreamRequest, run
+    from station.sending.sender import StreamRequest, run
 
     with refused_as("--axes"):
         C = body_axes(axes)

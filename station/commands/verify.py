@@ -7,9 +7,16 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from station.commands import Database
-from station.commands._anchors import anchor_faults, keep, read_kept, witness_text
 from station.commands._options import argument, option, signing_libraries
-from station.commands._signatures import check_time_service, refuse_missing, verify_signed
+from station.commands._tamper_evidence import (
+    anchor_faults,
+    check_time_service,
+    keep,
+    read_kept,
+    refuse_missing,
+    verify_signed,
+    witness_text,
+)
 from station.text import plural
 
 if TYPE_CHECKING:
@@ -95,7 +102,7 @@ def verify(
 
 
 def _file(file: Path, db: str | None) -> str:
-    from station.files.fixture_files import seal_of
+    from station.files.database_files import seal_of
 
     if file.suffix not in {".json", ".html"}:
         return f"{file}: as written, sha256 {seal_of(file)[1]}"
@@ -108,10 +115,10 @@ def _file(file: Path, db: str | None) -> str:
     found, kind = sha256_of(file), "calibration" if file.suffix == ".json" else "certificate"
     with open_db(db) as database, database.read() as session:
         try:
-            said = _stored(session, kind, found)
+            text = _stored(session, kind, found)
         except NotInDatabase as error:
             raise Altered(file, f"sha256 {found}", f"that of a {kind} in {database.url}") from error
-        return f"{file}: as stored in {database.url}, {said}"
+        return f"{file}: as stored in {database.url}, {text}"
 
 
 def _stored(session: "Session", kind: str, sha256: str) -> str:
@@ -133,7 +140,7 @@ def _stored(session: "Session", kind: str, sha256: str) -> str:
 
 def _folder(folder: Path, db: str | None) -> None:
     from fixtures_db.database import default_path, open_db
-    from station.files.fixture_files import verify_csv
+    from station.files.database_files import verify_csv
 
     names = verify_csv(folder)
     typer.echo(f"{folder}: {plural(len(names), 'file')} as recorded")
@@ -167,7 +174,7 @@ def _database(
         elif head is not None:
             _refuse(missing_head(session, _whole(session, head)))
         now = take_anchor(session)
-        said = [
+        text = [
             f"{database.url}: as stored{' and as in ' if anchors else ''}{', '.join(map(str, anchors))}; "
             f"newest calibration {'none' if now.calibration == GENESIS else now.calibration}",
             _journal_text(session, now.code),
@@ -176,10 +183,10 @@ def _database(
         ]
     if to is not None:
         keep(to, now, stamp)
-        said.append(
+        text.append(
             f"{to}: written{'' if stamp is None else ' and stamped'}; keep it in another place than this database"
         )
-    return "\n".join(said)
+    return "\n".join(text)
 
 
 def _journal_text(session: "Session", code: str) -> str:

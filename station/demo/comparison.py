@@ -90,7 +90,7 @@ def comparison_text(rows: list[TrueAndFound]) -> str:
 
 
 def _comment(rows: Sequence[TrueAndFound]) -> str:
-    """Return what is to be said of the largest error; nothing where nine of ten runs have a smaller one."""
+    """Return what is to be reported of the largest error; nothing where nine of ten runs have a smaller one."""
     worst = max(abs(row.sigmas) for row in rows)
     high = float(np.sqrt(2) * erfinv(LIKELY ** (1 / len(rows))))
     return "" if worst <= high else f"! {worst:.1f} is larger than in {100 * LIKELY:.0f} of 100 runs"

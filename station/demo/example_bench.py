@@ -14,7 +14,7 @@ from sqlalchemy.orm import Session
 from drivers.simulated.truth import Truth
 from fixtures_db.fixture_measurements import add_level, certify_faces, face_certificate, faces_in_force
 from fixtures_db.fixtures import add_fixture
-from fixtures_db.model_limits import limits_of, set_limits
+from fixtures_db.imu_models import limits_of, set_limits
 from fixtures_db.schema import CubeRow, SiteRow, SlabLevelRow, SlabRow
 from procedures.campaign.campaign import FaceCertificate
 from procedures.frames import FACES

@@ -207,7 +207,7 @@ class DemoProgress:
         self._progress.update(self._task, description=line, total=len(view.steps) or None, completed=view.done)
 
     def busy(self, text: str) -> None:
-        """Say what goes on after the campaign: beside the bar, or in a line where there is no terminal."""
+        """Say what goes on after the campaign: next to the bar, or in a line where there is no terminal."""
         if not self._console.is_terminal:
             self._console.print(text, highlight=False, markup=False)
         self._progress.update(self._task, description=text, total=None)

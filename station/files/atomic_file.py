@@ -104,29 +104,29 @@ def refuse_own(outputs: Iterable[Path | None], inputs: Iterable[Path]) -> None:
 
 
 @contextmanager
-def write_file_pair(out: Path, beside: Path) -> Iterator[tuple[Path, Path]]:
+def write_file_pair(out: Path, second: Path) -> Iterator[tuple[Path, Path]]:
     """Give places to write a file, or a folder, and its companion to, under their names in a folder of their own.
 
     At the end they are put in their places, unless something is raised. What stood next to ``out`` goes first, and
-    its companion comes last: one that is cut off leaves a file that nothing is said of, none that it is not of.
+    its companion comes last: one that is cut off leaves a file that nothing is stated of, none that it is not of.
 
     Raises
     ------
     CannotWrite
         If a place cannot be written, or is a folder.
     """
-    for path in (out, beside):
+    for path in (out, second):
         if path.is_dir():
             raise CannotWrite(path, "a folder of this name is there")
     aside = out.with_name(f".{out.name}.{secrets.token_hex(6)}.tmp")
     try:
         aside.mkdir()
-        yield aside / out.name, aside / beside.name
+        yield aside / out.name, aside / second.name
         sync_folder(aside)
-        if beside.exists():
-            beside.unlink()
+        if second.exists():
+            second.unlink()
             sync_folder(out.parent)  # or a power cut may leave it alongside the new one
-        for path in (out, beside):
+        for path in (out, second):
             os.replace(aside / path.name, path)
             sync_folder(out.parent)
     except OSError as error:

@@ -55,7 +55,7 @@ def check_effect(entry: Any, where: str) -> None:
 
 def _check_of_catalogue(entry: Mapping[str, Any], name: str, where: str) -> None:
     expected = _UNITS.get((name, entry.get("shape", "")))
-    if expected is None:  # it is not corrected, and said to be
+    if expected is None:  # it is not corrected, and reported so
         return
     if entry.get("unit", expected) != expected and "relaxation" not in name:
         raise DataRefused(where, None, f"{name} in {shown(entry['unit'])}", repr(expected), "convert it")
@@ -227,8 +227,8 @@ def is_of_counts(document: Mapping[str, Any]) -> bool:
 def doubts(document: Mapping[str, Any], now: datetime) -> list[str]:
     """Say why a calibration/1 is ambiguous at a time: it expired, or is not what it was stored as."""
     until, status = document.get("valid_until"), document.get("status", "calibrated")
-    said = [f"it expired on {until[:10]}"] if until is not None and datetime.fromisoformat(until) < now else []
-    return said + ([str(document.get("status_reason", "") or status)] if status != "calibrated" else [])
+    text = [f"it expired on {until[:10]}"] if until is not None and datetime.fromisoformat(until) < now else []
+    return text + ([str(document.get("status_reason", "") or status)] if status != "calibrated" else [])
 
 
 def _check_beside(document: Mapping[str, Any], where: str) -> None:

@@ -201,7 +201,7 @@ def check_stored(session: "Session") -> None:
 
     Which effects are in force is then not known.
     """
-    from fixtures_db.user_effects import verify_effects  # a solve without a database does not wait for SQL
+    from fixtures_db.imu_models import verify_effects  # a solve without a database does not wait for SQL
 
     for fault in verify_effects(session):
         raise Altered(fault.row, fault.found, fault.expected, "restore the database from a copy")

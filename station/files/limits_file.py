@@ -5,7 +5,7 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from fixtures_db.model_limits import UNITS, Limit, covered, each_axis
+from fixtures_db.imu_models import UNITS, Limit, covered, each_axis
 from procedures.units import (
     DEG_H_PER_DEG_S,
     DEG_H_PER_RAD_S,

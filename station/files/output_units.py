@@ -4,7 +4,7 @@ import re
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from procedures.recordings.time_unit import BY_NAME, TimeUnit, unit_called
+from procedures.counts.time_unit import BY_NAME, TimeUnit, unit_called
 from procedures.units import DEG_H_PER_DEG_S, RAD_PER_DEG, STANDARD_GRAVITY, UG_PER_G
 
 TIME_UNITS: Mapping[str, float] = MappingProxyType(

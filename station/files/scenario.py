@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from drivers.errors import DriverError, TruthRefused, UnknownEffect
-from drivers.mavlink.signing import read_key
+from drivers.mavlink.frames import read_key
 from drivers.simulated.companions.camera_server import SimulatedCamera
 from drivers.simulated.companions.gnss_server import SimulatedGnss
 from drivers.simulated.companions.truths import AutopilotTruth, CameraTruth
@@ -52,7 +52,7 @@ class Scenario:
     camera: CameraTruth | None
     camera_faults: tuple[TimedFault, ...]
 
-    def beside(self, name: str) -> str:
+    def path_of(self, name: str) -> str:
         """Return the path of a file that is named in the scenario, from the folder it stands in."""
         return str(self.path.parent / name) if name else ""
 
@@ -178,7 +178,7 @@ def _camera(table: SimulatedCameraTable | None, where: _KeyLines) -> CameraTruth
         return None
     given = table.model_dump(exclude={"port", "imu_from_camera"})
     named = {name.removesuffix("_px"): value for name, value in given.items()}
-    for name, size in (("cx", table.width), ("cy", table.height)):  # the image's middle, where it is not said
+    for name, size in (("cx", table.width), ("cy", table.height)):  # the image's middle, where it is not reported
         named[name] = (size - 1) / 2 if named[name] is None else named[name]
     if table.imu_from_camera is not None:
         matrix = np.array(table.imu_from_camera)
@@ -237,7 +237,7 @@ def _device(scenario: Scenario, speed: float | None) -> SimulatedDevice:
         scenario.truth, scenario.table.seed, imu.format, scenario.table.speed if speed is None else speed,
         transport=imu.transport, link=Path(imu.link) if imu.link else None, port=imu.port,
         control_port=imu.control, faults=scenario.faults, moves=scenario.moves,
-        dbc=scenario.beside(imu.dbc), mapping=scenario.beside(imu.map),
+        dbc=scenario.path_of(imu.dbc), mapping=scenario.path_of(imu.map),
     )  # fmt: skip
     if scenario.drive is not None:
         device.device.drive(scenario.drive)
@@ -249,7 +249,7 @@ def _gnss(scenario: Scenario, device: SimulatedDevice) -> SimulatedGnss:
     assert gnss is not None
     return SimulatedGnss(
         scenario.truth, scenario.autopilot, scenario.gnss_faults, scenario.track, scenario.table.seed,
-        beside=device, transport=gnss.transport, port=gnss.port, to=gnss.peer,
+        imu=device, transport=gnss.transport, port=gnss.port, to=gnss.peer,
         link=Path(gnss.link) if gnss.link else None,
     )  # fmt: skip
 
@@ -258,5 +258,5 @@ def _served_camera(scenario: Scenario, device: SimulatedDevice) -> SimulatedCame
     assert scenario.table.camera is not None
     return SimulatedCamera(
         scenario.truth, scenario.camera, scenario.camera_faults, scenario.drive, scenario.table.seed,
-        beside=device, port=scenario.table.camera.port,
+        imu=device, port=scenario.table.camera.port,
     )  # fmt: skip

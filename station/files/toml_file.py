@@ -16,6 +16,7 @@ from typing import Annotated, Any, TypeVar, get_args
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstraints, ValidationError
 from pydantic_core import ErrorDetails
 
+from fixtures_db.hash_chain import utc_text
 from station.errors import DataRefused
 from station.files.opening import MAX_LINE, open_inside
 
@@ -47,8 +48,6 @@ def toml_value(value: object) -> str:
     if isinstance(value, list):
         return f"[{', '.join(toml_value(item) for item in value)}]"
     if isinstance(value, datetime):
-        from fixtures_db.calibration import utc_text  # numerics, for which a screen does not wait
-
         return utc_text(value)
     if isinstance(value, date):
         return value.isoformat()

@@ -11,7 +11,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Self
 
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import StationError
 from station.guide.options import EngineOptions
 from station.guide.view import ENDED_STAGES, CalibrationView, OperatorCommand

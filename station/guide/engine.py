@@ -18,8 +18,7 @@ from drivers.errors import DriverError, LinkSilent, PortNotFound
 from fixtures_db.database import Database
 from fixtures_db.errors import DatabaseError
 from procedures.errors import ProcedureError
-from station.errors import CannotWrite, DataRefused, DiskFull, StationError
-from station.exit_codes import exit_code
+from station.errors import CannotWrite, DataRefused, DiskFull, StationError, exit_code
 from station.files.campaign_setup import Setup
 from station.guide.last_setup import save_setup
 from station.guide.options import CalibrationOptions
@@ -357,6 +356,6 @@ def _is_planned_on_the_way(folder: Path) -> bool:
 def _awaited(setup: Setup) -> str:
     if not setup.gnss:
         return FOR_UNIT
-    from station.guide.campaign.gnss_receiver import MAX_SITE_WAIT_S, SITE_FIXES
+    from station.guide.campaign.port_check import MAX_SITE_WAIT_S, SITE_FIXES
 
     return f"waiting for the unit, and up to {MAX_SITE_WAIT_S:g} s for {SITE_FIXES} positions of the receiver"

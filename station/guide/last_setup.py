@@ -6,7 +6,7 @@ from pathlib import Path
 import platformdirs
 from pydantic import ValidationError
 
-from drivers.address_guess import with_absolute_paths
+from drivers.addresses import with_absolute_paths
 from station.errors import cannot_write
 from station.files.atomic_file import replace_file
 from station.files.campaign_setup import Setup

@@ -18,7 +18,7 @@ from station.guide.view import (
     StageName,
     Verdict,
 )
-from station.guide.wording import laws_in_words, soak_in_words
+from station.guide.wording import filters_in_words, soak_in_words
 from station.stream.stream_events import Event, NewEvents, Sound
 
 BELL_STROKES: dict[Sound, int] = {"": 0, "start": 1, "still": 2, "accepted": 3, "rejected": 4}
@@ -112,7 +112,11 @@ class PlainScreen:
             seconds = PROGRESS_EVERY_S * (view.accepted_s // PROGRESS_EVERY_S)
             text = f"{files_as_steps(view.live)}: {seconds:.0f} s accepted"
             more = (
-                soak_in_words(view.soak) if view.soak else laws_in_words(view.monitored) if view.monitored else ""
+                soak_in_words(view.soak)
+                if view.soak
+                else filters_in_words(view.monitored)
+                if view.monitored
+                else ""
             )
             self._once("seconds", f"{text}, {more}" if more else text)
         elif view.stage == "warm_up" and view.warm_up is not None:

@@ -20,7 +20,7 @@ from pydantic import ValidationError
 
 from fixtures_db.database import Database, open_db
 from fixtures_db.errors import DatabaseError
-from station.exit_codes import exit_code
+from station.errors import exit_code
 from station.guide.engine import CalibrationEngine, prefetch
 from station.guide.options import EngineOptions
 from station.guide.view import ENDED_STAGES, VERDICT_STAGES, CalibrationView, OperatorCommand

@@ -152,7 +152,7 @@ class SimulatedOperator:
         if task == self._done and seen < self._until + REPEAT_AFTER_S:
             return
         self._is_wrong = False
-        self._until = self._do(what, step, view.lean)
+        self._until = self._do(what, step, view.tilt)
         self._done = None if self._is_wrong else task
 
     def _seen_s(self, view: CalibrationView) -> float:
@@ -177,10 +177,10 @@ class SimulatedOperator:
             self._hands.heat(wanted - self._heated, max(view.wanted_s, 1.0) / 8)
             self._heated = wanted
 
-    def _do(self, what: str, step: StepView, lean: UpDirection | None) -> float:
+    def _do(self, what: str, step: StepView, tilt: UpDirection | None) -> float:
         """Return the device time [s] at which it will be over."""
         if what == "place" and step.is_free:
-            return self._hands.tilt(lean or UP_DIRECTIONS[0], self._move_s)
+            return self._hands.tilt(tilt or UP_DIRECTIONS[0], self._move_s)
         if what == "place":
             face = next((p for p in range(1, 13) if face_of(p) == step.up), 0)
             position = step.position or step.start_position or face

@@ -131,10 +131,10 @@ class SoakView(FrozenValue):
     left_s: float = 0.0
 
 
-class LawView(FrozenValue):
+class FilterView(FrozenValue):
     """What a filter reads [deg], of the axes that lie north, east, down where the cube is to stand."""
 
-    law: str
+    name: str
     roll_deg: float
     pitch_deg: float
 
@@ -142,7 +142,7 @@ class LawView(FrozenValue):
 class MonitoredView(FrozenValue):
     """A monitor step: what each filter reads, the angle between two, by which calibration; ``text``: why not."""
 
-    laws: tuple[LawView, ...] = ()
+    filters: tuple[FilterView, ...] = ()
     difference_deg: float | None = None
     calibration: str = ""
     text: str = ""
@@ -219,7 +219,7 @@ class Verdict(FrozenValue):
     """
 
     word: Literal["PASS", "FAIL", "NOT_MEASURED"]
-    said: str = ""  # the word as people read it, where that is another one
+    in_words: str = ""  # the word as people read it, where that is another one
     sentence: str
     doubt: str = ""
     status: Literal["calibrated", "measured"]
@@ -241,10 +241,10 @@ class CalibrationView(FrozenValue):
 
     ``line`` is the state as one plain sentence. ``hint`` says what hinders or what comes next. ``wanted`` and
     ``live`` name steps; ``live`` is empty while none is being recorded. ``remaining_s`` is the time still needed
-    with no break. ``can_redo`` names the step that "redo" would do again. ``lean`` is which way of the cube, in
+    with no break. ``can_redo`` names the step that "redo" would do again. ``tilt`` is which way of the cube, in
     its axes, is to be up where a free attitude is wanted. ``time_s`` is the device's time up to which the stream
     was looked at; None where it sends none that goes on. ``limits`` are the sigmas that a campaign goes on
-    for; where all are met one placing more ``can_do_more``.
+    for; where all are met one placement more ``can_do_more``.
     """
 
     stage: StageName = "start"
@@ -269,7 +269,7 @@ class CalibrationView(FrozenValue):
     soak: SoakView | None = None
     monitored: MonitoredView | None = None
     limits: tuple[LimitView, ...] = ()
-    lean: tuple[int, int, int] | None = None
+    tilt: tuple[int, int, int] | None = None
     warm_up: WarmUpView | None = None
     link: LinkView = LinkView()
     question: OperatorQuestion | None = None
@@ -302,7 +302,7 @@ CommandVerb = Literal[
     "answer",  # the question, with `key`
     "keep_seating",  # accept the cube as it sits
     "finish",  # solve with what is there
-    "more",  # one placing more though all that is wanted is met
+    "more",  # one placement more though all that is wanted is met
     "store",  # the calibration: the operator's act
     "leave",  # end here, to be resumed
     "cancel",  # end here, the database as it was

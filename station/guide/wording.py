@@ -28,7 +28,7 @@ def face_in_words(name: str) -> str:
 
 
 def tilt_in_words(way: UpDirection) -> str:
-    """Return how the cube is to lean: ``on an edge, X half up, Y half down``."""
+    """Return how the cube is to be tilted: ``on an edge, X half up, Y half down``."""
     half = {sign: [axis for axis, one in zip("XYZ", way, strict=True) if one == sign] for sign in (1, -1)}
     parts = [f"{' and '.join(axes)} half {word}" for axes, word in ((half[1], "up"), (half[-1], "down")) if axes]
     return f"on {'an edge' if 0 in way else 'a corner'}, {', '.join(parts)}"
@@ -84,11 +84,13 @@ def instruction(step: Step, *, way: UpDirection = (1, 1, 0)) -> str:
     return f"put the cube in position {where}; do not turn it before you are asked to"
 
 
-def laws_in_words(seen: MonitoredView) -> str:
+def filters_in_words(seen: MonitoredView) -> str:
     """Return it for people: ``joint roll 0.003 pitch -0.001, mixer ..., 0.002 deg apart``."""
-    if not seen.laws:
+    if not seen.filters:
         return seen.text
-    parts = [f"{law.law} roll {law.roll_deg:+.3f} pitch {law.pitch_deg:+.3f}" for law in seen.laws]
+    parts = [
+        f"{reading.name} roll {reading.roll_deg:+.3f} pitch {reading.pitch_deg:+.3f}" for reading in seen.filters
+    ]
     apart = "" if seen.difference_deg is None else f"; {seen.difference_deg:.3f} deg apart"
     return f"{', '.join(parts)}{apart}"
 

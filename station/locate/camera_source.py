@@ -5,7 +5,6 @@ from functools import partial
 
 import numpy as np
 
-from procedures.earth.geodesy import earth_rate_n
 from procedures.fusion.alignment_attempts import align_when_possible, between
 from procedures.fusion.alignment_in_motion import MovingAligner
 from procedures.fusion.feature_tracks import FeatureTracks
@@ -17,6 +16,7 @@ from procedures.fusion.pose_graph import PoseGraph, PoseGraphSettings
 from procedures.fusion.preintegration import imu_gaps
 from procedures.fusion.vision.camera_time import CameraTimeOffset, camera_offset
 from procedures.fusion.vision.visual_alignment import VisualAligner, align_by_camera
+from procedures.geodesy import earth_rate_n
 from station.errors import DataRefused
 from station.files.fusion_folder import FusionLog
 from station.locate.imu_source import alignment_of, never, of_gaps
@@ -25,7 +25,7 @@ from station.locate.outer_layer import Located, outer_settings, through_graph, w
 FIRST_ATTEMPT_S = 5.0  # s of tracks after which it is worth a try
 ATTEMPT_INTERVAL_S = 1.0  # s between attempts
 MIN_OFFSET_STD_S = 0.001  # s, standard uncertainty with which the window continues
-UNKNOWN_OFFSET_STD_S = 0.01  # s, 1 sigma of a clock of which nothing was said
+UNKNOWN_OFFSET_STD_S = 0.01  # s, 1 sigma of a clock of which nothing was stated
 WINDOW_S = 20.0  # s that are looked at
 SUSPECTED_OFFSET_STD_S = 0.1  # s, 1 sigma about 0, within which such a clock is looked for
 SIGNIFICANT_SIGMAS = 5.0  # sigmas from which an offset is one
@@ -48,15 +48,15 @@ def on_imu_clock(log: FusionLog) -> ClockedTracks | Waiting:
     What is found uses nothing later than ``since``. The window refines what is not given.
     """
     assert log.imu is not None and log.tracks is not None  # noqa: PT018
-    told, std = _told(log)
+    stated, std = _stated_offset(log)
     if std is None:
         return ClockedTracks(
-            log.tracks.shifted(told or 0.0), told or 0.0, UNKNOWN_OFFSET_STD_S if told is None else 0.0
+            log.tracks.shifted(stated or 0.0), stated or 0.0, UNKNOWN_OFFSET_STD_S if stated is None else 0.0
         )
     why = Waiting(f"IMU and camera overlap for less than {FIRST_ATTEMPT_S:g} s")
     start, end = (pick(log.imu.t[at], log.tracks.t[at]) for pick, at in ((max, 0), (min, -1)))
     for now in np.arange(start + FIRST_ATTEMPT_S, end, ATTEMPT_INTERVAL_S):
-        found = _attempt(log, log.imu, log.tracks, float(now), told or 0.0, std)
+        found = _attempt(log, log.imu, log.tracks, float(now), stated or 0.0, std)
         if isinstance(found, CameraTimeOffset):
             found_std = max(found.std, MIN_OFFSET_STD_S)
             return ClockedTracks(log.tracks.shifted(found.offset), found.offset, found_std, float(now))
@@ -67,19 +67,19 @@ def on_imu_clock(log: FusionLog) -> ClockedTracks | Waiting:
 def suspected_offset(log: FusionLog) -> str:
     """Return the offset of a camera's clock by the first turns that determine it, or nothing."""
     assert log.imu is not None and log.tracks is not None  # noqa: PT018
-    if _told(log) != (None, None):
+    if _stated_offset(log) != (None, None):
         return ""
     for now in np.arange(log.tracks.t[0] + WINDOW_S, log.tracks.t[-1] + WINDOW_S, WINDOW_S):
         found = _attempt(log, log.imu, log.tracks, float(now), 0.0, SUSPECTED_OFFSET_STD_S)
         if isinstance(found, CameraTimeOffset):
             if abs(found.offset) < max(SIGNIFICANT_SIGMAS * found.std, HARMLESS_OFFSET_S):
                 return ""
-            said = f"{found.offset * 1e3:.1f} +- {found.std * 1e3:.1f} ms"
-            return f"the camera's time stamps seem to be wrong by {said}: state time_offset_s in [tracks]"
+            text = f"{found.offset * 1e3:.1f} +- {found.std * 1e3:.1f} ms"
+            return f"the camera's time stamps seem to be wrong by {text}: state time_offset_s in [tracks]"
     return ""
 
 
-def _told(log: FusionLog) -> tuple[float | None, float | None]:
+def _stated_offset(log: FusionLog) -> tuple[float | None, float | None]:
     """Return ``time_offset_s`` and ``time_offset_std_s`` of ``[tracks]`` [s]."""
     table = log.table.tracks
     return (None, None) if table is None else (table.time_offset_s, table.time_offset_std_s)
@@ -118,8 +118,8 @@ def by_vision(log: FusionLog, _layers: int = 2) -> Located:
     given = with_lever(given, aligned)
     settings = replace(settings, antenna=antenna_of(given), offset_std=clocked.std)
     window = VisualInertialWindow(settings, log.imu, clocked.tracks, fixes, aligned, wheel_of(log))
-    told = partial(_tell_lever, window) if given.layout.lever_arm else None
-    located = through_graph(log, window, after=max(aligned.t, clocked.since), settings=given, told=told)
+    on_pose = partial(_report_lever, window) if given.layout.lever_arm else None
+    located = through_graph(log, window, after=max(aligned.t, clocked.since), settings=given, on_pose=on_pose)
     bias = {"gyro_bias": window.state.bg[-1], "accel_bias": window.state.ba[-1]}
     late = suspected_offset(log)
     warnings = (*located.warnings, *of_gaps(log, imu_gaps(log.imu)), *([late] if late else []))
@@ -145,7 +145,7 @@ def antenna_of(given: PoseGraphSettings) -> LeverArm:
     return LeverArm(given.arm, given.lever_arm_std or 0.0)
 
 
-def _tell_lever(window: VisualInertialWindow, graph: PoseGraph) -> None:
+def _report_lever(window: VisualInertialWindow, graph: PoseGraph) -> None:
     window.antenna = LeverArm(graph.constants[0], graph.lever_std)
 
 

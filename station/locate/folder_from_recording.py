@@ -9,15 +9,15 @@ import numpy as np
 from drivers.errors import ReplayEnded
 from fixtures_db.folder_on_disk import make_folder
 from procedures.campaign.campaign import UNKNOWN
-from procedures.earth.geodesy import LocalLevel, normal_gravity
-from procedures.earth.gnss_records import GnssFix, TimeMark
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries, antenna, is_usable, level_fixes, origin_at
+from procedures.geodesy import LocalLevel, normal_gravity
+from procedures.gnss_records import GnssFix, TimeMark
 from station.calibrated.calibration_choice import AppliedCalibration, find_calibration
 from station.calibrated.rates_and_forces import Sensors
 from station.errors import DataRefused
 from station.files.fusion_folder.fusion_writing import FusionRecording, WheelColumn, write_fusion
 from station.files.mcap_files.gnss_file import Record
-from station.locate.imu_noise import MIN_REST_S, Rest, longest_rest, noise_densities
+from station.locate.imu_source import MIN_REST_S, Rest, longest_rest, noise_densities
 from station.locate.live_alignment import joined_series
 from station.locate.monitor_interface import in_imu_axes
 from station.stream.camera import recorded_tracks

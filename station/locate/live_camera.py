@@ -12,10 +12,9 @@ import numpy as np
 
 from drivers.camera import CameraImage
 from procedures.arrays import FloatArray
-from procedures.earth.gnss_records import TimeMark
 from procedures.fusion.feature_tracks import FeatureTracks, PinholeCamera
 from procedures.fusion.fusion_records import ImuSeries
-from procedures.fusion.inner.keyframes import (
+from procedures.fusion.inner.window_state import (
     FRAME_SPACING_S,
     MIN_FRAME_SPACING_S,
     Frame,
@@ -24,6 +23,7 @@ from procedures.fusion.inner.keyframes import (
     no_frame,
 )
 from procedures.fusion.vision.camera_time import CHECK_MOUNTING, CameraTimeOffset, camera_offset
+from procedures.gnss_records import TimeMark
 from station.stream.camera import Follow
 from station.stream.gnss_times import FixTimes
 from station.text import plural
@@ -47,18 +47,20 @@ GENTLE_S = 0.015  # 1 sigma of the delay that does where all turns are gentle: t
 
 
 class LiveCamera:
-    """``told`` is the offset to be added to the camera's stamps; with a sigma, or None, it is found.
+    """``stated`` is the offset to be added to the camera's stamps; with a sigma, or None, it is found.
 
     ``why`` says what is missing.
     """
 
-    def __init__(self, camera: PinholeCamera, follow: Follow, told: CameraTimeOffset | None = None) -> None:
-        self.camera, self._follow, self._told = camera, follow, told
+    def __init__(self, camera: PinholeCamera, follow: Follow, stated: CameraTimeOffset | None = None) -> None:
+        self.camera, self._follow, self._stated_offset = camera, follow, stated
         self.reset()
 
     def reset(self) -> None:
         """Let all go that hangs on the unit's time."""
-        self.offset = self._told if self._told is not None and not self._told.std else None
+        self.offset = (
+            self._stated_offset if self._stated_offset is not None and not self._stated_offset.std else None
+        )
         self.why, self._hint = "no image yet", TURN_ADVICE
         self._times = FixTimes(STAMPS_NS, in_order=True)
         self._frames: deque[Frame] = deque()  # by the camera's stamps, without the offset
@@ -103,7 +105,7 @@ class LiveCamera:
         """Find out what the stamps are late by."""
         self._pause = min(self._pause * ATTEMPT_SPACING_GROWTH, MAX_ATTEMPT_SPACING_S)
         self._try_at = self._now + self._pause
-        known = self._told or UNKNOWN_OFFSET
+        known = self._stated_offset or UNKNOWN_OFFSET
         found = camera_offset(imu, self._tracks(-np.inf, 0.0), self.camera, known.offset, known.std, GENTLE_S)
         if isinstance(found, CameraTimeOffset):
             self.offset = found
@@ -114,7 +116,7 @@ class LiveCamera:
     @property
     def offset_std(self) -> float:
         """1 sigma [s] of what a window has to add to the offset; 0 where that was stated."""
-        return GENTLE_S if self._told is None or self._told.std else 0.0
+        return GENTLE_S if self._stated_offset is None or self._stated_offset.std else 0.0
 
     @property
     def lateness(self) -> float:
@@ -204,7 +206,7 @@ class LiveCamera:
         return no_frame(last + FRAME_SPACING_S) if until - last > 1.5 * FRAME_SPACING_S else None
 
     @property
-    def said(self) -> str:
+    def text(self) -> str:
         """How the camera does, as text."""
         silent = self._now - self._came_at
         if silent > SILENT_S >= self._now - self._spoilt_at:

@@ -11,8 +11,6 @@ import numpy as np
 
 from drivers.can.wheel_reading import WheelReading
 from procedures.arrays import FloatArray
-from procedures.earth.geodesy import LocalLevel
-from procedures.earth.gnss_records import GnssFix, TimeMark
 from procedures.fusion.fusion_records import (
     GnssFixes,
     ImuNoise,
@@ -25,9 +23,11 @@ from procedures.fusion.fusion_records import (
     origin_at,
 )
 from procedures.fusion.inner.inner_window import InnerWindow
-from procedures.fusion.inner.keyframes import KEYFRAME_SPACING_S, MIN_FIX_SPACING_S
 from procedures.fusion.inner.wheel_aid import WheelAid
+from procedures.fusion.inner.window_state import KEYFRAME_SPACING_S, MIN_FIX_SPACING_S
 from procedures.fusion.pose_graph import OUTLIER_SIGMAS, GlobalPose
+from procedures.geodesy import LocalLevel
+from procedures.gnss_records import GnssFix, TimeMark
 from station.files.mcap_files.gnss_file import Record
 from station.locate.location import Location
 from station.stream.gnss_times import FixTimes
@@ -151,17 +151,17 @@ class LiveWheel:
     def take(self, readings: Sequence[WheelReading], now: float) -> None:
         """Take what was stated; ``now`` [s] is the newest sample's time."""
         self._now = now
-        told = list[tuple[float, float]]()
+        speeds = list[tuple[float, float]]()
         for reading in readings:
             t = self._times.of(reading)
             if t is not None and t - self._late > self._newest and abs(now - t) < STRANGE_S:
                 self._newest = t - self._late
-                told.append((self._newest, reading.speed))
-        self._age = now - self._newest if told else self._age
-        more = WheelSpeeds(*np.array(told).reshape(-1, 2).T)
+                speeds.append((self._newest, reading.speed))
+        self._age = now - self._newest if speeds else self._age
+        more = WheelSpeeds(*np.array(speeds).reshape(-1, 2).T)
         if self._aid is not None:
             self._aid.add(more)
-        elif len(told):
+        elif len(speeds):
             self._speeds = self._speeds.followed_by(more).since(now - KEPT_S)
 
     def aid(self, noise: ImuNoise) -> WheelAid:
@@ -169,7 +169,7 @@ class LiveWheel:
         self._aid = WheelAid(self._mount, self._speeds, noise)
         return self._aid
 
-    def said(self, window: InnerWindow | None) -> str:
+    def text(self, window: InnerWindow | None) -> str:
         """How the wheel does, as text."""
         if self._newest == -np.inf:
             return "no speed yet"

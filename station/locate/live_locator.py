@@ -3,7 +3,7 @@
 All follows from what came and from the moments at which it was read, so that a replay gives the same. Keyframes
 stand at fixes, or at a camera's frames where there is one, as far behind the newest sample as fixes are late. What
 comes later than those is not waited for: a camera's frames count at the keyframes that stand where they were
-taken, which the window keeps for as long; a wheel's that are later are not used, and that is said.
+taken, which the window keeps for as long; a wheel's that are later are not used, and that is reported.
 """
 
 from collections import deque
@@ -13,7 +13,6 @@ from dataclasses import replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.earth.geodesy import earth_rate_n, normal_gravity
 from procedures.fusion.alignment_in_motion import MovingAligner
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries
 from procedures.fusion.gnss_velocity import LeverArm
@@ -22,6 +21,7 @@ from procedures.fusion.inner.visual_inertial_window import VisionSettings, Visua
 from procedures.fusion.inner.window_terms import Site
 from procedures.fusion.odometry import OdometryPose
 from procedures.fusion.pose_graph import GlobalPose, PoseGraphSettings
+from procedures.geodesy import earth_rate_n, normal_gravity
 from station.locate.camera_source import antenna_of, with_lever
 from station.locate.imu_source import with_constants
 from station.locate.live_alignment import (
@@ -54,14 +54,14 @@ class LiveLocator:
         lever_arm: FloatArray | None = None, camera: LiveCamera | None = None, wheel: LiveWheel | None = None,
     ) -> None:  # fmt: skip
         self._wheel = wheel
-        self._noise_of, self._arm, self._told, self._camera = noise_of, lever_arm, LocationReport(ahead), camera
+        self._noise_of, self._arm, self._report, self._camera = noise_of, lever_arm, LocationReport(ahead), camera
         self._given = LiveFixes()
         self.reset()
 
     def reset(self) -> None:
         """Begin again: the unit's time has no relation to what came before."""
         self._given = LiveFixes(self._given.origin)
-        self._told.reset()
+        self._report.reset()
         if self._camera is not None:
             self._camera.reset()
         if self._wheel is not None:
@@ -104,12 +104,12 @@ class LiveLocator:
         camera.dropped += taken.images_dropped
         if camera.is_due:
             camera.learn(joined_series(list(self._imu)))
-        self.location = replace(self.location, camera=camera.said, images_dropped=camera.dropped)
+        self.location = replace(self.location, camera=camera.text, images_dropped=camera.dropped)
 
     def _roll(self, wheel: LiveWheel, taken: LocatorTick, now: float) -> None:
         wheel.mark(taken.marks)
         wheel.take(taken.wheel, now)
-        self.location = replace(self.location, wheel=wheel.said(self._window))
+        self.location = replace(self.location, wheel=wheel.text(self._window))
 
     def _try_to_begin(self, fixes: GnssFixes) -> None:
         imu = joined_series(list(self._imu))
@@ -134,10 +134,11 @@ class LiveLocator:
         window: InertialWindow | VisualInertialWindow
         if self._camera is None:
             given = with_constants(given, begun.aligned)
-            told = np.isfinite(fixes.v_n[:, :2]).all(axis=1).any()  # else nothing would hold a window's velocity
-            settings = WindowSettings(site, given.arm, 2 if told else 1, lever_std=a.lever_std)
+            # without a velocity by GNSS nothing would hold a window's velocity
+            has_velocity = np.isfinite(fixes.v_n[:, :2]).all(axis=1).any()
+            settings = WindowSettings(site, given.arm, 2 if has_velocity else 1, lever_std=a.lever_std)
             window = InertialWindow(settings, begun.imu, fixes, begun.aligned, wheel)
-            graph: Graph = LiveGraph(given) if told else NoGraph(window)
+            graph: Graph = LiveGraph(given) if has_velocity else NoGraph(window)
         else:
             given = with_lever(replace(given, lever_arm_std=a.lever_std), begun.aligned)
             offset_std, tracks = self._camera.offset_std, self._camera.tracks(begun.aligned.t0)
@@ -197,8 +198,8 @@ class LiveLocator:
         antenna = pose.p + pose.C_nb @ graph.lever_arm
         for fix in passed:
             place = antenna - velocity * (pose.t - fixes.t[fix])
-            self._told.look_at(place, float(fixes.position_std[fix]), fixes.p_n[fix])
-        camera, dropped = ("", 0) if self._camera is None else (self._camera.said, self._camera.dropped)
-        wheel = "" if self._wheel is None else self._wheel.said(self._window)
-        told = self._told.location(pose, velocity, origin, self._given)
-        self.location = replace(told, camera=camera, images_dropped=dropped, wheel=wheel)
+            self._report.look_at(place, float(fixes.position_std[fix]), fixes.p_n[fix])
+        camera, dropped = ("", 0) if self._camera is None else (self._camera.text, self._camera.dropped)
+        wheel = "" if self._wheel is None else self._wheel.text(self._window)
+        location = self._report.location(pose, velocity, origin, self._given)
+        self.location = replace(location, camera=camera, images_dropped=dropped, wheel=wheel)

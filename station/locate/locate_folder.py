@@ -112,8 +112,8 @@ def by_odometry(log: FusionLog, _layers: int = 2) -> Located:
     if len(kept) < 2:
         file = log.folder / log.table.odometry.file
         raise DataRefused(file, None, "a restart at the end", "odometry data after it")
-    said = f"{log.table.odometry.file}: {dropped} poses before an impossible step were discarded"
-    return through_graph(log, RecordedOdometry(kept), (said,) if dropped else ())
+    text = f"{log.table.odometry.file}: {dropped} poses before an impossible step were discarded"
+    return through_graph(log, RecordedOdometry(kept), (text,) if dropped else ())
 
 
 SOURCES = {"inertial": by_imu, "odometry": by_odometry, "vision": by_vision}
@@ -184,13 +184,13 @@ def location_text(document: dict[str, Any], fixes: int) -> str:
         lines.append(f"GNSS time offset      {document['time_offset_s'] * 1e3:.1f} ms")
     if "camera_time_offset_s" in document:
         std = document.get("camera_time_offset_std_s")
-        said = "" if std is None else f" +- {std * 1e3:.1f}"
-        lines.append(f"camera time offset    {document['camera_time_offset_s'] * 1e3:.1f}{said} ms")
+        text = "" if std is None else f" +- {std * 1e3:.1f}"
+        lines.append(f"camera time offset    {document['camera_time_offset_s'] * 1e3:.1f}{text} ms")
     if wheel := document.get("wheel"):
         slipped = f"slipped {plural(len(wheel['slips_s']), 'time')}, at rest for {wheel['at_rest_s']:.0f} s"
         lines.append(f"wheel scale factor    {wheel['scale']:.5f} +- {wheel['scale_std']:.5f}, {slipped}")
     lines.append(f"rejected fixes        {document['rejected_fixes']} of {fixes}")
-    for name, said in (("online", "error, online"), ("batch", "error, smoothed")):
+    for name, text in (("online", "error, online"), ("batch", "error, smoothed")):
         if error := document.get("error_m", {}).get(name):
-            lines.append(f"{said:<22}mean {error['mean']:.3f} m, largest {error['max']:.3f} m, without alignment")
+            lines.append(f"{text:<22}mean {error['mean']:.3f} m, largest {error['max']:.3f} m, without alignment")
     return "\n".join(lines + [f"warning: {warning}" for warning in document["warnings"]])

@@ -32,7 +32,7 @@ def in_imu_axes(tick: CalibratedTick, C: FloatArray, period: float) -> ImuSeries
 
 
 def location_event(before: Location | None, found: Location) -> tuple[Sound, str] | None:
-    """Return what is to be said of a location, and how it sounds."""
+    """Return what is to be reported of a location, and how it sounds."""
     if found.images_dropped and not (before is not None and before.images_dropped):
         return "rejected", "images arrive too late and are dropped: position and heading continue without them"
     was = before is not None and before.is_located

@@ -76,15 +76,15 @@ FREE_ARM = 1.0  # m, 1 sigma of a lever arm that is not given
 def through_graph(
     log: FusionLog, source: OdometrySource, warnings: tuple[str, ...] = (), after: float = -np.inf,
     settings: PoseGraphSettings | None = None, fixes: GnssFixes | None = None,
-    told: Callable[[PoseGraph], None] | None = None,
+    on_pose: Callable[[PoseGraph], None] | None = None,
 ) -> Located:  # fmt: skip
     """Locate by a source and the outer graph; poses before ``after`` [s] are not online.
 
-    ``settings`` and ``fixes`` stand for what the folder gives; ``told`` is called after each pose.
+    ``settings`` and ``fixes`` stand for what the folder gives; ``on_pose`` is called after each pose.
     """
     graph = PoseGraph(settings or outer_settings(log))
     run = graph.run(source, log.fixes if fixes is None else fixes)
-    found = online(run, after, None if told is None else partial(told, graph))
+    found = online(run, after, None if on_pose is None else partial(on_pose, graph))
     smoothed, rejected = graph.smoothed()
     seen = graph.alignment
     lever, offset = graph.constants
@@ -108,13 +108,15 @@ def outer_settings(log: FusionLog) -> PoseGraphSettings:
     )
 
 
-def online(poses: Iterable[GlobalPose], after: float = -np.inf, told: Callable[[], None] | None = None) -> Located:
-    """Return the poses from ``after`` [s] on, and how long each took; ``told`` is called after each pose."""
+def online(
+    poses: Iterable[GlobalPose], after: float = -np.inf, on_pose: Callable[[], None] | None = None
+) -> Located:
+    """Return the poses from ``after`` [s] on, and how long each took; ``on_pose`` is called after each pose."""
     found, seconds = list[GlobalPose](), list[float]()
     start = perf_counter()
     for pose in poses:
-        if told is not None:
-            told()
+        if on_pose is not None:
+            on_pose()
         if pose.t >= after:
             found.append(pose)
             seconds.append(perf_counter() - start)

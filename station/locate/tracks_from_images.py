@@ -1,11 +1,17 @@
-"""Tracks of a fusion folder from images: a folder of them with ``images.csv``, a camera, or a video file."""
+"""Tracks of a fusion folder from images: a folder of them with ``images.csv``, a camera, or a video file.
+
+Images are grey. A device's images (Video4Linux 2) carry the kernel's own stamp, seconds of the monotonic clock; a
+file's the time since its start.
+"""
 
 from collections.abc import Iterable, Iterator
+from contextlib import ExitStack
 from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 
-from drivers.camera.video import camera_images
+from drivers.errors import LinkLost, PortNotFound
 from procedures.fusion.feature_tracks import FeatureTracks
 from procedures.fusion.vision.feature_tracker import FeatureTracker, FeatureTrackerSettings, Image, LensModel
 from procedures.optional_libraries import opencv
@@ -14,6 +20,41 @@ from station.files.atomic_file import refuse_own
 from station.files.fusion_folder.fusion_reading import FUSION_TOML, files_of, read_fusion_toml
 from station.files.fusion_folder.fusion_tables import lens_of, write_tracks
 from station.files.opening import open_inside
+
+S_PER_MS = 1e-3  # s
+
+
+def camera_images(path: str | Path, seconds: float = float("inf")) -> Iterator[tuple[float, Image]]:
+    """Yield time [s] and image (h, w) of a camera or a video file until it ends or ``seconds`` have passed.
+
+    Raises
+    ------
+    PortNotFound
+        If there is none.
+    LinkLost
+        If a camera gives no more images.
+    ExtraMissing
+        If OpenCV is not installed.
+    """
+    cv: Any = opencv()
+    is_device = Path(path).is_char_device()
+    # no options for a device: Video4Linux's backend refuses to open where it lacks one, such as a timeout
+    capture = cv.VideoCapture(str(path), cv.CAP_V4L2 if is_device else cv.CAP_ANY)
+    if not capture.isOpened():
+        raise PortNotFound(str(path), "no images can be had", "name a camera such as /dev/video0 or a video file")
+    with ExitStack() as opened:
+        opened.callback(capture.release)
+        first: float | None = None
+        while (found := capture.read())[0]:
+            t = float(capture.get(cv.CAP_PROP_POS_MSEC)) * S_PER_MS
+            first = t if first is None else first
+            if t - first > seconds:
+                return
+            image = found[1]
+            yield t, cast("Image", image if image.ndim == 2 else cv.cvtColor(image, cv.COLOR_BGR2GRAY))
+        if is_device:
+            raise LinkLost(str(path), "it gives no more images")
+
 
 LIST = "images.csv"
 HEADER = "t_s,file"

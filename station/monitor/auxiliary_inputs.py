@@ -16,7 +16,7 @@ from typing import TypeVar
 
 from drivers.camera import CameraImage
 from drivers.can.wheel_reading import WheelReading
-from procedures.earth.gnss_records import AirData, FixType, GnssFix
+from procedures.gnss_records import AirData, FixType, GnssFix
 from station.attitude.live_kalman_filter import NO_AID, AidValues
 from station.files.mcap_files.gnss_file import Record
 from station.stream.auxiliary import Companion, came_ns
@@ -40,7 +40,7 @@ class AidSilence:
         self._aid, self._since, self._is_reported = aid, math.nan, False
 
     def look(self, aiding: AidValues, t: float) -> str:
-        """Take what the aid said until device time ``t`` [s]; return what is to be said, empty if nothing."""
+        """Take what the aid reported until device time ``t`` [s]; return what to report, empty if nothing."""
         if self._aid not in EXPECTED or self._is_reported:
             return ""
         if math.isnan(self._since) or t < self._since or aiding is not NO_AID:
@@ -123,13 +123,13 @@ class AuxiliaryReaders:
     def take(self, now_ns: int) -> AuxiliaryData:
         """Return what came since the last tick and until the end [ns] of this one."""
         until_ns = max(now_ns, self._until_ns + 1)  # a tick may seem to end before the last: a delay is learnt
-        told = AuxiliaryData(
+        data = AuxiliaryData(
             self._taken("gnss", self.gnss, until_ns),
             self._taken("camera", self.camera, until_ns),
             self._taken("wheel", self.wheel, until_ns),
         )
         self._until_ns = until_ns
-        return told
+        return data
 
     def _taken(self, name: str, each: Companion[T] | None, until_ns: int) -> Sequence[T]:
         if each is None:

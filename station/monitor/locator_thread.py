@@ -13,7 +13,7 @@ from procedures.fusion.vision.camera_time import CameraTimeOffset
 from station.calibrated.calibration_choice import AppliedCalibration
 from station.calibrated.rates_and_forces import Sensors
 from station.files.fusion_folder.fusion_tables import camera_of, lens_of
-from station.locate.imu_noise import noise_once_known
+from station.locate.imu_source import noise_once_known
 from station.locate.live_camera import LiveCamera
 from station.locate.live_fixes import LiveWheel
 from station.locate.live_locator import LiveLocator

@@ -14,8 +14,8 @@ from drivers.errors import DriverError, LinkLost, ReplayEnded
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.filter_choice import JOINT, Gains
-from procedures.attitude.kalman_state import KalmanSettings
-from procedures.attitude.unaided_motion import heading_at_rest
+from procedures.attitude.kalman.kalman_state import KalmanSettings
+from procedures.attitude.kalman.unaided_motion import heading_at_rest
 from procedures.units import STANDARD_GRAVITY
 from station.attitude.error_at_rest import ErrorAtRest
 from station.attitude.live_filters import LiveFilters
@@ -57,7 +57,7 @@ class MonitorOptions:
     """
 
     aid: str = "none"
-    laws: tuple[str, ...] = (JOINT,)
+    filters: tuple[str, ...] = (JOINT,)
     gains: Gains | None = None  # of the complementary filters; those printed where None
     C: FloatArray | None = None
     latitude: float | None = None
@@ -81,7 +81,7 @@ class Monitor:
     ) -> None:  # fmt: skip
         self._feed, self._options, self._recording = feed, options, recording
         self._sinks, self._in_use = sinks, applied.in_use
-        self._beside = AuxiliaryReaders(aid, options.camera, options.wheel, self._note_late_messages)
+        self._auxiliary = AuxiliaryReaders(aid, options.camera, options.wheel, self._note_late_messages)
         heading = np.nan if options.heading is None else options.heading
         C = self._C = np.diag([1.0, -1.0, -1.0]) if options.C is None else options.C
         counts = feed.wire.output == "increments"
@@ -96,8 +96,8 @@ class Monitor:
             self._compass if can_compass else None,
             partial(in_a_vehicle, calibration=applied.document),
         )
-        self._laws = LiveFilters(
-            options.laws, options.aid, self._track, applied.document, options.gravity, options.gains
+        self._filters = LiveFilters(
+            options.filters, options.aid, self._track, applied.document, options.gravity, options.gains
         )
         self._notes: dict[str, str] = {}  # by filter, what is against it
         self._rest = ErrorAtRest(options.gravity, options.latitude, options.heading, self._sensors.quantum(TICK_S))
@@ -137,7 +137,7 @@ class Monitor:
             if self._options.restart_reader is not None:
                 self._options.restart_reader()
         self._options.stream_out()
-        self._beside.advance()
+        self._auxiliary.advance()
         self._take()
         self._show()
 
@@ -215,7 +215,7 @@ class Monitor:
         buffer = self._feed.buffer
         if buffer.begin != self._begin:
             self._at, self._begin = buffer.begin, buffer.begin
-            self._laws.reset()
+            self._filters.reset()
             self._moments.reset()
             self._rest.reset()
             if self._options.locating is not None:
@@ -227,18 +227,18 @@ class Monitor:
             self._noted = buffer.end
         while buffer.end - self._at >= self._size:
             first, last = self._at, self._at + self._size - 1
-            if not self._beside.has_everything(buffer.host_ns(last)):
+            if not self._auxiliary.has_everything(buffer.host_ns(last)):
                 break
             self._at += self._size
             tick = self._sensors.take(buffer.block(first, self._at))
             now_ns = self._moments.of(float(tick.t[-1]), buffer.host_ns(last))
-            told = self._beside.take(now_ns)
+            data = self._auxiliary.take(now_ns)
             if self._options.locating is not None:
                 marks = [(at, float(tick.t[sample - first])) for at, sample in buffer.marks(first, self._at)]
                 imu = in_imu_axes(tick, self._C, self._feed.period)
                 pulses = self._feed.pulses(float(tick.t[-1]))
-                self._options.locating.take(LocatorTick(imu, marks, told.records, told.images, told.wheel, pulses))
-            self._go_on(tick, told.records, now_ns)
+                self._options.locating.take(LocatorTick(imu, marks, data.records, data.images, data.wheel, pulses))
+            self._go_on(tick, data.records, now_ns)
         buffer.forget_before(self._at)
 
     def _note_late_messages(self, stream: str, read_ns: Iterable[int], counted_ns: int) -> None:
@@ -251,39 +251,41 @@ class Monitor:
         self._health.unhealthy += not tick.is_healthy
         if tick.not_applied and not self._in_use.note:
             self._in_use = InUse(self._in_use.text, "not corrected: " + "; ".join(tick.not_applied))
-        if said := self._silence.look(aiding, float(tick.t[-1])):
-            self._say("rejected", "aid silent", said)
-        read = self._laws.take(tick.t, tick.calibrated, aiding)
+        if text := self._silence.look(aiding, float(tick.t[-1])):
+            self._say("rejected", "aid silent", text)
+        read = self._filters.take(tick.t, tick.calibrated, aiding)
         if read is None:
             self._change(line="keep it still for 2 s: measuring the noise")
             return
-        found, laws = read
+        found, filters = read
         self._rest.take(tick, TICK_S, rests=found.mode == "at rest")
         temperature = tick.temperature if np.isfinite(tick.temperature) else None
         reading = replace(found, speed=self._speed, temperature=temperature, sample=self._at - 1)
-        self._change(reading=reading, laws=laws, at_rest=self._rest.comparison, line="", location=self._location())
+        self._change(
+            reading=reading, filters=filters, at_rest=self._rest.comparison, line="", location=self._location()
+        )
         speed = np.nan if self._speed is None else self._speed
         point = reading.t, reading.roll, reading.pitch, *reading.rate, speed, reading.residual, reading.sigma
-        apart = difference(laws)
+        apart = difference(filters)
         self._history.append(ChartPoint(*point, np.nan if apart is None else apart.angle))
         self._report_north()
         self._report_vehicle()
-        self._report_notes(laws)
+        self._report_notes(filters)
         self._ring(reading)
         if self._recording is not None:
             self._recording.take_filters(self.view)
         for sink in self._sinks:
             sink(self.view)
 
-    def _report_notes(self, laws: Sequence[FilterReading]) -> None:
+    def _report_notes(self, filters: Sequence[FilterReading]) -> None:
         """Say what is against a filter as it appears."""
-        for law in laws:
-            if law.note and law.note != self._notes.get(law.law):
-                self._say("rejected", "law", law.note)
-            self._notes[law.law] = law.note
+        for reading in filters:
+            if reading.note and reading.note != self._notes.get(reading.name):
+                self._say("rejected", "law", reading.note)
+            self._notes[reading.name] = reading.note
 
     def _location(self) -> Location | None:
-        """Return where the unit is, if that is asked for; what is new about it is said once."""
+        """Return where the unit is, if that is asked for; what is new about it is reported once."""
         if self._options.locating is None:
             return None
         found = self._options.locating.location
@@ -328,7 +330,7 @@ class Monitor:
             self._recording.note(event, text, reading.t if reading else float("nan"), self._at - 1)
 
     def _show(self) -> None:
-        streams = (self._health.look(), *self._beside.streams())
+        streams = (self._health.look(), *self._auxiliary.streams())
         for each in streams[1:]:
             self._hear_of(each)
         recording = self._recording.name if self._recording is not None else ""

@@ -19,7 +19,7 @@ from drivers.can.wheel_reading import WheelReading
 from procedures.arrays import FloatArray
 from procedures.attitude.filter_choice import JOINT, Gains, parse_filters, refuse_without_velocity
 from procedures.campaign.campaign import UNKNOWN
-from procedures.earth.geodesy import normal_gravity
+from procedures.geodesy import normal_gravity
 from procedures.optional_libraries import opencv
 from procedures.units import STANDARD_GRAVITY
 from station.calibrated.calibration_choice import AppliedCalibration, find_calibration
@@ -73,22 +73,21 @@ def calibrated_output(
     if not to:
         return lambda: None
     from station.sending.chosen_calibration import refuse_unfit
-    from station.sending.sender import opened_sender
-    from station.sending.stream_command import FIT_S
+    from station.sending.sender import FIT_S, opened_sender
 
     assert feed.unit is not None, "identify first"
     refuse_unfit(applied, "--calibration", feed.unit, feed.wire)
-    said = list[str]()
+    wording = list[str]()
 
     def say(text: str) -> None:
-        said.append(text)
-        del said[:-1]
+        wording.append(text)
+        del wording[:-1]
         if recording is not None:
             recording.note("stream", text, float("nan"), 0)
 
     rate = host_sample_rate(feed, FIT_S)
-    sender = opened_sender(feed, applied, to, C, say, utc=utc, clock_off=lambda: rate.said)
-    stack.callback(lambda: sys.stderr.writelines(f"{text}\n" for text in said))
+    sender = opened_sender(feed, applied, to, C, say, utc=utc, clock_off=lambda: rate.text)
+    stack.callback(lambda: sys.stderr.writelines(f"{text}\n" for text in wording))
     stack.enter_context(sender)
 
     def take() -> None:
@@ -110,7 +109,7 @@ class MonitorRequest:
     url: str
     C: FloatArray
     aid: str = ""  # gnss with a receiver; in a replay as it was then
-    laws: tuple[str, ...] = ()  # joint; in a replay as it was then
+    filters: tuple[str, ...] = ()  # joint; in a replay as it was then
     tau_s: float | None = None  # of the complementary filters
     gnss: str = ""
     mavlink_out: str = ""
@@ -162,12 +161,12 @@ def _opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], 
     """Return the engine of a device or a replay, with its folder."""
     described = _described(wanted)
     if described is not None:
-        opencv()  # said before anything is begun
+        opencv()  # reported before anything is begun
     rolling = _wheel_described(wanted)
-    laws, gains = _laws(wanted)
+    filters, gains = _filters(wanted)
     folder = _folder(wanted, stack)
-    beside = folder or Path(stack.enter_context(tempfile.TemporaryDirectory()))
-    source, reader = _source(wanted, beside, stack)
+    work_folder = folder or Path(stack.enter_context(tempfile.TemporaryDirectory()))
+    source, reader = _source(wanted, work_folder, stack)
     feed = open_feed(source)
     if reader is not None:
         reader.feed = feed
@@ -175,13 +174,13 @@ def _opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], 
     unit = feed.identify(wanted.model or unknown, wanted.serial or unknown)
     refuse_partial(feed.address.name, feed.stream.decoder.kind)
     applied = find_calibration(wanted.calibration, wanted.database, unit, feed.wire)
-    aid, aid_name = _aid(wanted, source, beside, stack)
+    aid, aid_name = _aid(wanted, source, work_folder, stack)
     try:
-        refuse_without_velocity(laws, aid_name)
+        refuse_without_velocity(filters, aid_name)
     except ValueError as error:
         raise DataRefused(feed.address.name, None, str(error), "a recording that includes a receiver") from None
-    camera = None if described is None else _camera(described, source, beside, stack)
-    wheel = None if rolling is None else _wheel(rolling, source, beside, stack)
+    camera = None if described is None else _camera(described, source, work_folder, stack)
+    wheel = None if rolling is None else _wheel(rolling, source, work_folder, stack)
     where = _locating(wanted, feed, applied, aid, described, rolling, stack)
     if wanted.mavlink_out:
         sinks = (*sinks, _mavlink_out(wanted.mavlink_out, stack))
@@ -191,7 +190,7 @@ def _opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], 
     if recording is not None:
         recording.note("begin", wanted.url, float("nan"), 0)
         recording.note("aid", aid_name, float("nan"), 0)
-        recording.note("laws", ",".join(laws), float("nan"), 0)
+        recording.note("laws", ",".join(filters), float("nan"), 0)
         if gains is not None:
             recording.note("gains", f"{gains.k1!r} {gains.k2!r}", float("nan"), 0)
         if wanted.records:
@@ -200,7 +199,7 @@ def _opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], 
     return Monitor(
         feed, applied,
         MonitorOptions(
-            aid=aid_name, laws=laws, gains=gains, C=wanted.C, latitude=latitude,
+            aid=aid_name, filters=filters, gains=gains, C=wanted.C, latitude=latitude,
             heading=None if wanted.heading_deg is None else float(np.radians(wanted.heading_deg)),
             gravity=wanted.gravity or (STANDARD_GRAVITY if latitude is None else normal_gravity(latitude)),
             alarms=wanted.alarms, restart_reader=None if reader is None else reader.restart, locating=where,
@@ -222,7 +221,7 @@ def _folder(wanted: MonitorRequest, stack: ExitStack) -> Path | None:
 
 
 def _aid(
-    wanted: MonitorRequest, source: ChunkSource, beside: Path, stack: ExitStack
+    wanted: MonitorRequest, source: ChunkSource, work_folder: Path, stack: ExitStack
 ) -> tuple["GnssFeed | RecordedCompanion[Record] | None", str]:
     """Return the receiver, live or recorded, and by name what it aids with."""
     if isinstance(source, Replay) and not wanted.gnss:
@@ -235,22 +234,22 @@ def _aid(
         return None, wanted.aid or "none"
     from station.stream.gnss_feed import open_gnss
 
-    return stack.enter_context(open_gnss(wanted.gnss, beside)), wanted.aid or "gnss"
+    return stack.enter_context(open_gnss(wanted.gnss, work_folder)), wanted.aid or "gnss"
 
 
-def _laws(wanted: MonitorRequest) -> tuple[tuple[str, ...], Gains | None]:
+def _filters(wanted: MonitorRequest) -> tuple[tuple[str, ...], Gains | None]:
     """Return the filters and their gains, in a replay as they were unless others are asked for."""
-    address, laws = parse_device_url(wanted.url), wanted.laws
+    address, filters = parse_device_url(wanted.url), wanted.filters
     gains = None if wanted.tau_s is None else Gains.of_time_constant(wanted.tau_s)
     if address.scheme == "replay":
         file = Path(address.path)
         try:
-            laws = laws or parse_filters(recorded_choice(file, "laws"))
-            if gains is None and (said := recorded_choice(file, "gains")):
-                gains = Gains(*map(float, said.split()))
+            filters = filters or parse_filters(recorded_choice(file, "laws"))
+            if gains is None and (text := recorded_choice(file, "gains")):
+                gains = Gains(*map(float, text.split()))
         except (ValueError, TypeError) as error:
             raise DataRefused(file.parent / EVENTS_FILE, None, str(error), "laws and gains of a run") from None
-    return laws or (JOINT,), gains
+    return filters or (JOINT,), gains
 
 
 def _locating(
@@ -279,20 +278,20 @@ def _locating(
 def _described(wanted: MonitorRequest) -> CameraDescription | None:
     """Return the camera's file that was named, or that a recording has; None where nothing is located by it."""
     address = parse_device_url(wanted.url)
-    beside = Path(address.name).parent / CAMERA_FILE
-    file = wanted.camera or (beside if address.scheme == "replay" and beside.exists() else None)
+    recorded = Path(address.name).parent / CAMERA_FILE
+    file = wanted.camera or (recorded if address.scheme == "replay" and recorded.exists() else None)
     return None if file is None or not wanted.locate else read_description(file)
 
 
 def _camera(
-    described: CameraDescription, source: ChunkSource, beside: Path, stack: ExitStack
+    described: CameraDescription, source: ChunkSource, work_folder: Path, stack: ExitStack
 ) -> Companion[CameraImage]:
     """Return the camera, live or recorded."""
     if isinstance(source, Replay):
         recorded = Path(source.address.name).parent
         _refuse_without(recorded, CAMERA_SESSION, "the images of a camera")
         return RecordedCompanion("camera", recorded_images(recorded), read_late_messages(recorded, "camera"))
-    return stack.enter_context(open_camera(described, beside))
+    return stack.enter_context(open_camera(described, work_folder))
 
 
 def _refuse_without(recorded: Path, session: str, what: str) -> None:
@@ -315,7 +314,7 @@ def _wheel_described(wanted: MonitorRequest) -> "WheelDescription | None":
 
 
 def _wheel(
-    described: "WheelDescription", source: ChunkSource, beside: Path, stack: ExitStack
+    described: "WheelDescription", source: ChunkSource, work_folder: Path, stack: ExitStack
 ) -> Companion[WheelReading]:
     """Return the wheel, live or recorded."""
     from station.stream.wheel import WHEEL_SESSION, open_wheel, recorded_wheel
@@ -326,7 +325,7 @@ def _wheel(
         return RecordedCompanion(
             "wheel", recorded_wheel(recorded, described), read_late_messages(recorded, "wheel")
         )
-    return stack.enter_context(open_wheel(described, beside))
+    return stack.enter_context(open_wheel(described, work_folder))
 
 
 def _source(

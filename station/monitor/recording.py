@@ -34,10 +34,10 @@ class FilterReadingsFile:
     def write(self, view: MonitorView) -> None:
         """Write a row; raise `CannotWrite` if the disk refuses."""
         assert view.reading is not None
-        apart = difference(view.laws)
+        apart = difference(view.filters)
         row = [view.reading.t, view.reading.sample]
-        for law in view.laws:
-            row += [law.roll, law.pitch]
+        for reading in view.filters:
+            row += [reading.roll, reading.pitch]
         try:
             rows = csv.writer(self._stream or self._opened(view))
             rows.writerow([*map(repr, row), *([] if apart is None else map(repr, apart))])
@@ -54,9 +54,9 @@ class FilterReadingsFile:
         is_new = not self._path.exists()
         self._stream = self._path.open("a", newline="", encoding="utf-8", buffering=1)
         if is_new:
-            names = [f"{law.law}_{angle}_deg" for law in view.laws for angle in ("roll", "pitch")]
+            names = [f"{reading.name}_{angle}_deg" for reading in view.filters for angle in ("roll", "pitch")]
             apart = ["difference_roll_deg", "difference_pitch_deg", "difference_angle_deg"]
-            csv.writer(self._stream).writerow(["t_s", "sample", *names, *(apart if len(view.laws) > 1 else [])])
+            csv.writer(self._stream).writerow(["t_s", "sample", *names, *(apart if len(view.filters) > 1 else [])])
         return self._stream
 
 
@@ -74,7 +74,7 @@ class MonitorRecording:
         self._folder, self._wire, self._times = folder, wire, RowTimes(utc)
         self._writer: StepWriter | None = None
         self._pace, self._begin = FlushInterval(FLUSH_S), -1
-        self._laws = FilterReadingsFile(folder)
+        self._filters = FilterReadingsFile(folder)
         self.name = ""
 
     def begin(self) -> str:
@@ -118,13 +118,13 @@ class MonitorRecording:
         self._writer, self.name = None, ""
         if writer is not None:
             append_hash(self._folder, name, writer.close())
-        self._laws.close()
+        self._filters.close()
         return name
 
     def take_filters(self, view: MonitorView) -> None:
         """Write what the filters read, if a file is open; raise `CannotWrite` if the disk refuses."""
-        if self.name and view.laws:
-            self._laws.write(view)
+        if self.name and view.filters:
+            self._filters.write(view)
 
     def note_late_messages(self, stream: str, read_ns: Iterable[int], counted_ns: int) -> None:
         """Write what counts in a later tick than it was read in; raise `CannotWrite` if the disk refuses."""

@@ -23,7 +23,7 @@ def json_line(view: MonitorView) -> str:
     """Return a reading as a line of `monitor/1`; what is not known is omitted, angles are absolute."""
     reading = view.reading
     assert reading is not None
-    told: dict[str, Any] = {
+    document: dict[str, Any] = {
         "format": MONITOR_FORMAT, "t_s": reading.t, "sample": reading.sample, "roll_deg": reading.roll,
         "pitch_deg": reading.pitch, "rate_deg_s": list(reading.rate),
         "gyro_bias_deg_h": list(reading.bias), "residual_deg": reading.residual, "mode": reading.mode,
@@ -34,53 +34,53 @@ def json_line(view: MonitorView) -> str:
         "speed_m_s": reading.speed, "temperature_c": reading.temperature,
         "zero_deg": view.zero, "alarms": view.alarms or None,
     }  # fmt: skip
-    told |= {name: value for name, value in known.items() if value is not None}
+    document |= {name: value for name, value in known.items() if value is not None}
     if (rest := view.at_rest) is not None:
         sides = {"calibrated": _side(rest.calibrated), "nominal": _side(rest.nominal)}
-        told["at_rest"] = {"seconds": rest.seconds, "earth": rest.earth, **sides}
-    if view.laws:
-        told |= _laws(view.laws)
+        document["at_rest"] = {"seconds": rest.seconds, "earth": rest.earth, **sides}
+    if view.filters:
+        document |= _filters(view.filters)
     if view.location is not None:
-        told["location"] = _location(view.location)
-    return json.dumps(told)
+        document["location"] = _location(view.location)
+    return json.dumps(document)
 
 
-def _laws(laws: Sequence[FilterReading]) -> dict[str, Any]:
+def _filters(filters: Sequence[FilterReading]) -> dict[str, Any]:
     """Return what each filter reads, where it will settle, and how the second differs from the first, for JSON."""
-    told: dict[str, Any] = {"laws": []}
-    for law in laws:
+    document: dict[str, Any] = {"laws": []}
+    for reading in filters:
         one: dict[str, Any] = {
-            "law": law.law, "form": law.form, "roll_deg": law.roll, "pitch_deg": law.pitch,
-            "gyro_bias_deg_h": list(law.bias),
+            "law": reading.name, "form": reading.form, "roll_deg": reading.roll, "pitch_deg": reading.pitch,
+            "gyro_bias_deg_h": list(reading.bias),
         }  # fmt: skip
-        if law.settles is not None:
+        if reading.settles is not None:
             values = {
-                f"{name}_deg": value for name, value in law.settles._asdict().items() if math.isfinite(value)
+                f"{name}_deg": value for name, value in reading.settles._asdict().items() if math.isfinite(value)
             }
             one["final_bias"] = values
-        told["laws"].append(one | ({"note": law.note} if law.note else {}))
-    if (apart := difference(laws)) is not None:
-        told["difference"] = {f"{name}_deg": value for name, value in apart._asdict().items()}
-    return told
+        document["laws"].append(one | ({"note": reading.note} if reading.note else {}))
+    if (apart := difference(filters)) is not None:
+        document["difference"] = {f"{name}_deg": value for name, value in apart._asdict().items()}
+    return document
 
 
 def _location(location: Location) -> dict[str, Any]:
     """Return where it is, for JSON."""
-    told: dict[str, Any] = {"state": "located" if location.is_located else "waiting", "fixes": location.fixes}
+    document: dict[str, Any] = {"state": "located" if location.is_located else "waiting", "fixes": location.fixes}
     if location.camera:
-        told |= {"camera": location.camera, "images_dropped": location.images_dropped}
+        document |= {"camera": location.camera, "images_dropped": location.images_dropped}
     if location.wheel:
-        told["wheel"] = location.wheel
+        document["wheel"] = location.wheel
     if not location.is_located:
-        return told | {"why": location.why}
-    told |= {
+        return document | {"why": location.why}
+    document |= {
         "t_s": location.t, "enu_m": list(location.enu), "enu_std_m": list(location.enu_std),
         "velocity_enu_m_s": list(location.velocity), "latitude_deg": location.latitude,
         "longitude_deg": location.longitude, "height_m": location.height, "outliers": location.outliers,
         "fix_age_s": location.fix_age,
     }  # fmt: skip
     known = {"heading_deg": location.heading, "heading_std_deg": location.heading_std}
-    return told | {name: value for name, value in known.items() if value is not None}
+    return document | {name: value for name, value in known.items() if value is not None}
 
 
 def _side(side: RestErrors) -> dict[str, float]:
@@ -93,15 +93,15 @@ class PlainMonitor:
 
     def __init__(self, say: Callable[[str], None], *, rings: bool = False) -> None:
         self._say, self._rings = say, rings
-        self._next, self._told = -math.inf, ""
+        self._next, self._last_head = -math.inf, ""
         self._new_events = NewEvents()
 
     def show(self, view: MonitorView) -> None:
         """Write what is new."""
         note = f"; warning: {view.in_use.note}" if view.in_use.note else ""
         head = f"{view.unit}, calibration {view.in_use.text}{note}"
-        if view.unit and head != self._told:
-            self._told = head
+        if view.unit and head != self._last_head:
+            self._last_head = head
             self._say(head)
         for event in self._new_events.of(view.events):
             self._say(event.text + (chr(7) if self._rings and event.sound == "rejected" else ""))
@@ -125,8 +125,8 @@ def reading_line(view: MonitorView) -> str:
         f"{reading.t:.1f} s: roll {shown[0]:.3f}, pitch {shown[1]:.3f} deg{zeroed}, u {sigma}, "
         f"{reading.mode}, residual {reading.residual:.3f} deg"
     )
-    if view.laws:
-        line += f"; {filters_line(view.laws)}"
+    if view.filters:
+        line += f"; {filters_line(view.filters)}"
     if view.at_rest is not None:
         calibrated, nominal = view.at_rest.calibrated, view.at_rest.nominal
         line += (
@@ -139,24 +139,24 @@ def reading_line(view: MonitorView) -> str:
     return line + "".join(f"; ALARM {alarm}" for alarm in view.alarms)
 
 
-def filters_line(laws: Sequence[FilterReading]) -> str:
+def filters_line(filters: Sequence[FilterReading]) -> str:
     """Return what each filter reads, how they differ, and where they will settle, as text."""
-    line = ", ".join(f"{law.law} roll {law.roll:.3f}, pitch {law.pitch:.3f}" for law in laws)
-    if (apart := difference(laws)) is not None:
+    line = ", ".join(f"{reading.name} roll {reading.roll:.3f}, pitch {reading.pitch:.3f}" for reading in filters)
+    if (apart := difference(filters)) is not None:
         line += f", difference roll {apart.roll:+.3f}, pitch {apart.pitch:+.3f} deg"
-    for law in laws:
-        line += f"; {settles_in_words(law)}" if law.settles is not None else ""
-        line += f"; {law.note}" if law.note else ""
+    for reading in filters:
+        line += f"; {settles_in_words(reading)}" if reading.settles is not None else ""
+        line += f"; {reading.note}" if reading.note else ""
     return line
 
 
-def settles_in_words(law: FilterReading) -> str:
+def settles_in_words(reading: FilterReading) -> str:
     """Return the bias of a filter at this bank, where it will settle: You and Lee (8)."""
-    if law.settles is None:
-        return f"bias of {law.law}: needs a velocity"
-    roll, pitch, roll_std, pitch_std = law.settles
+    if reading.settles is None:
+        return f"bias of {reading.name}: needs a velocity"
+    roll, pitch, roll_std, pitch_std = reading.settles
     within = [f" +- {std:.3f}" if math.isfinite(std) else "" for std in (roll_std, pitch_std)]
-    return f"bias of {law.law} at this bank: roll {roll:+.3f}{within[0]}, pitch {pitch:+.3f}{within[1]} deg"
+    return f"bias of {reading.name} at this bank: roll {roll:+.3f}{within[0]}, pitch {pitch:+.3f}{within[1]} deg"
 
 
 def location_line(location: Location) -> str:

@@ -50,7 +50,7 @@ class MonitorView:
     reading: AttitudeReading | None = None
     history: tuple[ChartPoint, ...] = ()
     at_rest: RestErrorComparison | None = None
-    laws: tuple[FilterReading, ...] = ()  # empty where the joint filter runs alone
+    filters: tuple[FilterReading, ...] = ()  # empty where the joint filter runs alone
     streams: tuple[StreamState, ...] = ()
     in_use: InUse = field(default_factory=InUse)
     location: Location | None = None  # None: not asked for
@@ -112,7 +112,7 @@ class Alarm:
     name: str
     limit: float
 
-    def said(self, reading: AttitudeReading) -> str:
+    def text(self, reading: AttitudeReading) -> str:
         """Return the alarm as text."""
         unit, size = ALARMS[self.name]
         return f"{self.name} {size(reading):.3g}, limit {self.limit:g} {unit}"
@@ -145,8 +145,8 @@ class AlarmWatch:
             size = ALARMS[alarm.name][1](reading)
             if size > alarm.limit or (alarm in self.on and size > ALARM_RELEASE_SHARE * alarm.limit):
                 if alarm not in self.on:
-                    begun.append(alarm.said(reading))
-                self.on[alarm] = alarm.said(reading)
+                    begun.append(alarm.text(reading))
+                self.on[alarm] = alarm.text(reading)
             elif alarm in self.on:
                 del self.on[alarm]
                 ended.append(f"{alarm.name} within {alarm.limit:g} {ALARMS[alarm.name][0]} again")

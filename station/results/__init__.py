@@ -1,7 +1,6 @@
 """Results of measurements, for people and files.
 
 `campaign_results` makes the results of a campaign: `solution_json`, `verdict`, `report` and `diagnosis`.
-`history`, `resolve`, `fixtures` and `certificate` follow from stored results. `known_from_campaigns`,
-`required_uncertainty`, `plan_document` and `continued_campaign` plan the next campaign. `result_formats` describes
-every file.
+`history`, `resolve`, `fixtures` and `certificate` follow from stored results. `plan_inputs`
+and `plan_document` plan the next campaign. `result_formats` describes every file.
 """

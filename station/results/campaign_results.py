@@ -6,14 +6,12 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from fixtures_db.calibration import CalibrationFacts
-from fixtures_db.campaign_references import references, why_measured
-from fixtures_db.campaigns import known_campaign, last_accepted, set_state
+from fixtures_db.campaigns import known_campaign, last_accepted, references, set_state, why_measured
 from fixtures_db.database import Database
 from fixtures_db.errors import AlreadyStored
+from fixtures_db.imu_models import limits_of
 from fixtures_db.journal import journal_head
-from fixtures_db.model_limits import limits_of
-from fixtures_db.stored_calibrations import accept_calibration, calibration
+from fixtures_db.stored_calibrations import CalibrationFacts, accept_calibration, calibration
 from procedures.calibration.solution_values import Solution
 from procedures.frames import FACES
 from station.errors import Altered
@@ -68,7 +66,7 @@ def make_results(
     loaded = read_for_solve([folder])[0]
     from station.files.atomic_file import write_json
     from station.results.diagnosis.diagnosis_html import section_html
-    from station.results.diagnosis.diagnosis_wording import left_said, verdict_sentence
+    from station.results.diagnosis.diagnosis_wording import left_in_words, verdict_sentence
     from station.results.diagnosis.model_refinement import (
         NAME as DIAGNOSIS,  # scipy and kernels: not before the data are right
     )
@@ -84,7 +82,7 @@ def make_results(
         reasons = _why_measured(session, str(folder.resolve()))
     budgets = closed.budgets()
     outcome = judge(document, limits, {one.name: one.std for one in budgets})
-    if left := left_said(closed.document, budgets):
+    if left := left_in_words(closed.document, budgets):
         outcome = replace(outcome, reason=f"{outcome.reason}. Note: {left}")
     is_certified = len(loaded.campaign.fixture.faces) == len(FACES)
     doubt = kept_tilt_warning(loaded.tables) or contradiction_of(closed.document, is_certified=is_certified)

@@ -44,7 +44,7 @@ def contradiction_of(document: Mapping[str, Any], *, is_certified: bool = False)
             f"debris under the cube, or a position with a wrong label)"
         )
     off = max(_off_certificate(document), default=0.0) if is_certified else 0.0
-    return _said_of_certificate(off) if off else _said_of_step(document)
+    return _certificate_in_words(off) if off else _step_in_words(document)
 
 
 def _beyond_any_face(document: Mapping[str, Any]) -> Iterator[float]:
@@ -73,7 +73,7 @@ def _off_certificate(document: Mapping[str, Any]) -> Iterator[float]:
             yield max(abs(each["value"]) for each in finding["coefficients"].values())
 
 
-def _said_of_step(document: Mapping[str, Any]) -> str:
+def _step_in_words(document: Mapping[str, Any]) -> str:
     """Name the step that is farthest beyond its noise, if it is far and no cause is known; else say nothing."""
     if document["verdict"] not in UNEXPLAINED:
         return ""
@@ -87,7 +87,7 @@ def _said_of_step(document: Mapping[str, Any]) -> str:
     )
 
 
-def _said_of_certificate(off: float) -> str:
+def _certificate_in_words(off: float) -> str:
     size = f"{off / RAD_PER_ARCSEC:.0f} arcsec" if off < PLAUSIBLE_FACE_TILT_RAD else f"{np.degrees(off):.2g} deg"
     return (
         f"do not use this result: the dwells disagree with the face certificate by {size} (possibly debris under "

@@ -11,9 +11,8 @@ from typing import Any
 import numpy as np
 from sqlalchemy.orm import Session
 
-from fixtures_db.calibration import utc_text
-from fixtures_db.campaign_references import references
-from fixtures_db.campaigns import campaign, last_accepted
+from fixtures_db.campaigns import campaign, last_accepted, references
+from fixtures_db.hash_chain import utc_text
 from fixtures_db.schema import CampaignRow, SiteRow
 from procedures.campaign.campaign import Campaign, clock_rate
 from procedures.frames import ATTITUDES, POSITIONS
@@ -86,7 +85,7 @@ def _procedure(
     row: CampaignRow, measured: Campaign, tables: CampaignTable, document: Mapping[str, Any]
 ) -> dict[str, Any]:
     table = tables.procedure
-    said: dict[str, Any] = {
+    stated: dict[str, Any] = {
         "name": procedure_name(measured),
         "steps": list(dict.fromkeys(step.name for step in row.steps)),
         "started_utc": utc_text(row.started_utc),
@@ -95,36 +94,36 @@ def _procedure(
         "closure_std_deg": table.closure_std_deg,
     }
     if (clock := clock_rate(measured)) is not None:
-        said["clock"] = {"rate_ppm": clock.ppm, "std_ppm": clock.std}
+        stated["clock"] = {"rate_ppm": clock.ppm, "std_ppm": clock.std}
     lists = {"deviations": _deviations(row, tables, document)}
     lists |= {name: list(document.get(name, ())) for name in ("warnings", "not_observable")}
-    return said | {name: texts for name, texts in lists.items() if texts}
+    return stated | {name: texts for name, texts in lists.items() if texts}
 
 
 def _deviations(row: CampaignRow, tables: CampaignTable, document: Mapping[str, Any]) -> list[str]:
-    table, said = tables.procedure, list[str]()
+    table, stated = tables.procedure, list[str]()
     if (unit := read_note(Path(row.folder), UnitRecord)) is not None and not unit.serial_from_wire:
-        said.append("the serial number was typed in: the unit does not send one")
+        stated.append("the serial number was typed in: the unit does not send one")
     if table.unsettled_gyro_deg_h or table.unsettled_accelerometer_g:
         gyro, accel = table.unsettled_gyro_deg_h or 0.0, (table.unsettled_accelerometer_g or 0.0) * UG_PER_G
-        said.append(
+        stated.append(
             f"warm-up was skipped: biases may drift by {gyro:.2g} deg/h and {accel:.2g} ug (standard uncertainty)"
         )
     if table.closure_widened_from_deg is not None:
-        said.append(
+        stated.append(
             f"the closure error of manual rotations was increased from {table.closure_widened_from_deg:.3g} to "
             f"{table.closure_std_deg:.3g} deg, because the rotations did not meet it"
         )
-    said += [
+    stated += [
         f"position {dwell.position} was kept although the cube was tilted by "
         f"{np.degrees(np.linalg.norm(dwell.kept_seat_rad)):.2g} deg"
         for dwell in tables.dwell
         if dwell.kept_seat_rad is not None
     ]
-    said += [f"{step} was not used" for step in document.get("unused_steps", ())]
+    stated += [f"{step} was not used" for step in document.get("unused_steps", ())]
     times = Counter(step.name for step in row.steps)
-    said += [f"{name} was recorded {n} times, the last one is used" for name, n in times.items() if n > 1]
-    return said
+    stated += [f"{name} was recorded {n} times, the last one is used" for name, n in times.items() if n > 1]
+    return stated
 
 
 def _site(

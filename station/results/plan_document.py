@@ -1,19 +1,25 @@
-"""A planned campaign as `planned/1` and as text: minutes, steps, each sigma beside the wanted and the usual."""
+"""A planned campaign as `planned/1` and as text: minutes, steps, each sigma with the wanted and the usual.
 
-from dataclasses import asdict
+Of a campaign in progress: its placements as a design has them, and what comes next in words.
+"""
+
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fixtures_db.model_limits import UNITS
+from fixtures_db.imu_models import UNITS
 from procedures.arrays import FloatArray
+from procedures.campaign.campaign import Campaign, DwellRecord
 from procedures.frames import ATTITUDES, AXES, face_of
-from procedures.planning.campaign_design import CampaignDesign, Placement, usual_design
+from procedures.planning.campaign_design import TURNS, CampaignDesign, Placement, usual_design
 from procedures.planning.design_sigmas import IN_PLACE, NAMES, TIMES_USUAL, DesignSigmas, WantedSigmas
 from procedures.planning.identifiability import identifiable_effects
-from procedures.planning.least_time import PlannedCampaign
+from procedures.planning.least_time import NextPlacement, PlannedCampaign
 from procedures.planning.step_information import UnitNoise
-from procedures.units import ARCSEC_PER_RAD, PPM_PER_ONE, S_PER_H, UG_PER_G
+from procedures.units import ARCSEC_PER_RAD, PPM_PER_ONE, S_PER_H, S_PER_MIN, UG_PER_G
+from station.files.campaign_folder.campaign_reading import read_campaign
 from station.results.parameters_by_name import title_of
 from station.text import significant, table_lines
 
@@ -22,9 +28,9 @@ PPM = "ppm"
 
 
 def plan_document(
-    found: PlannedCampaign, asked: WantedSigmas, sigmas: DesignSigmas, said: dict[str, str]
+    found: PlannedCampaign, asked: WantedSigmas, sigmas: DesignSigmas, stated: dict[str, str]
 ) -> dict[str, Any]:
-    """Return a plan; ``said`` has where noise and hands' times are from, in words.
+    """Return a plan; ``stated`` has where noise and hands' times are from, in words.
 
     Scale factors are in ppm, the rest as files have it.
     """
@@ -36,8 +42,8 @@ def plan_document(
         "steps": [_step(at, sigmas) for at in found.design.placements],
         "effects": effect_table(sigmas, found.design),
         "sigmas": sigma_table(found.sigmas, asked, sigmas.of(usual)),
-        "noise": noise_table(sigmas.steps.noise) | {"source": said["noise"]},
-        "hands_s": asdict(hands) | {"source": said["hands"]},
+        "noise": noise_table(sigmas.steps.noise) | {"source": stated["noise"]},
+        "hands_s": asdict(hands) | {"source": stated["hands"]},
     }
 
 
@@ -56,7 +62,7 @@ def sigma_table(found: FloatArray, asked: WantedSigmas, usual: FloatArray) -> li
 
 
 def effect_table(sigmas: DesignSigmas, design: CampaignDesign) -> list[dict[str, Any]]:
-    """Return which effects of the instrument a diagnosis could tell by a design and by the usual one, moves in."""
+    """Return which effects of the instrument a diagnosis identifies by a design and by the usual one, moves in."""
     identified = [
         {one.name: one for one in identifiable_effects(sigmas, each)}
         for each in (design, usual_design(moves=True))
@@ -64,7 +70,7 @@ def effect_table(sigmas: DesignSigmas, design: CampaignDesign) -> list[dict[str,
     return [
         {"effect": name}
         | {
-            key: {"is_told": one.is_told, "not_apart": list(one.not_apart)}
+            key: {"is_told": one.is_identified, "not_apart": list(one.not_apart)}
             for key, of in zip(("plan", "usual"), identified, strict=True)
             if (one := of.get(name)) is not None
         }
@@ -89,11 +95,11 @@ def given_up(document: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 def noise_table(noise: UnitNoise) -> dict[str, Any]:
-    """Return a unit's noise by axis: ug/sqrt(Hz), deg/sqrt(h); the wander in deg/h."""
+    """Return a unit's noise by axis: ug/sqrt(Hz), deg/sqrt(h); the bias instability in deg/h."""
     return {
         "accelerometer_g_sqrt_s": dict(zip(AXES, noise.accel_white.tolist(), strict=True)),
         "gyroscope_deg_sqrt_h": dict(zip(AXES, (noise.gyro_white * np.sqrt(S_PER_H)).tolist(), strict=True)),
-        "wander_deg_h": noise.wander * S_PER_H,
+        "wander_deg_h": noise.instability * S_PER_H,
     }
 
 
@@ -164,3 +170,104 @@ def _missed(row: dict[str, Any]) -> str:
 def _lost(row: dict[str, Any]) -> str:
     name, _, plan, usual, unit = _row(row)
     return f"{name} {plan if plan != '-' else 'open'} {unit}, usually {usual}"
+
+
+MOST_DIGITS = 6  # of two numbers that are nearly the same
+NO_ATTITUDE_LEFT = "all attitudes are recorded, and the targets cannot be reached: solve with the steps done"
+
+
+@dataclass(frozen=True, slots=True)
+class SigmaSoFar:
+    """How far a triad's parameter is by its worst sigma, and the ratio of that sigma to the one that is wanted.
+
+    ``text`` is such as ``gyroscope bias 0.0130 of 0.0200 deg/h``.
+    """
+
+    text: str
+    ratio: float
+
+
+def placements_of(folder: Path) -> list[Placement]:
+    """Return the dwells and turns of a campaign's folder in the order of their times; raise as `read_campaign`."""
+    return [placement for _, placement in placements_in(read_campaign(folder).campaign)]
+
+
+def placements_in(campaign: Campaign) -> list[tuple[str, Placement]]:
+    """Return a campaign's dwells and turns by file, in the order of their times, with whether moves lead there."""
+    numbers = {(step.axis, step.direction): i for i, step in enumerate(TURNS)}
+    steps = [
+        (each.turn_on, float(each.series.t[0]), each.name, Placement(each.position, _seconds(each)))
+        for each in campaign.dwells
+    ]
+    for turn in campaign.turns:
+        placement = Placement(turn.start_position, 0.0, numbers[turn.axis, turn.direction])
+        steps.append((turn.turn_on, float(turn.series.t[0]), turn.name, placement))
+    steps.sort(key=lambda step: step[:2])
+    carried = {(move.before, move.after) for move in campaign.moves}
+    before = [""] + [name for _, _, name, _ in steps]
+    return [
+        (name, replace(placement, is_carried=(before[i], name) in carried))
+        for i, (_, _, name, placement) in enumerate(steps)
+    ]
+
+
+def _seconds(dwell: DwellRecord) -> float:
+    return len(dwell.series) * dwell.series.period
+
+
+def continued_text(found: NextPlacement, asked: WantedSigmas, whole: WantedSigmas) -> str:
+    """Return how far each asked sigma is, how long it will take, and the next placement.
+
+    ``whole`` is what is asked, and all else as well as it is to be solved: reported where it alone is not met.
+    """
+    so_far, worst = sigmas_so_far(found.sigmas, asked), float(whole.worst(found.sigmas))
+    lines = [one.text for one in so_far]
+    if worst > 1 and all(one.ratio <= 1 for one in so_far):
+        lines.append(all_else(worst))
+    if not found.is_reachable and found.placing is None:
+        return "\n".join([*lines, NO_ATTITUDE_LEFT])
+    if not found.is_reachable:
+        lines.append("the targets cannot be reached with the remaining placements")
+    elif found.placing is not None:
+        lines.append(f"about {np.ceil(found.seconds / S_PER_MIN):.0f} min left")
+    if found.placing is None:
+        return "\n".join([*lines, "all targets are met: stop, or continue"])
+    axes, up = ATTITUDES[found.placing.position - 1], face_of(found.placing.position).replace("_", " ")
+    return "\n".join([*lines, f"next: {axes}, {up}, for {found.placing.seconds:.0f} s"])
+
+
+def sigmas_so_far(sigmas: FloatArray, asked: WantedSigmas) -> list[SigmaSoFar]:
+    """Return every asked triad and kind by its worst axis, of ``sigmas`` (30,)."""
+    ratios, worst = asked.ratios(sigmas), dict[str, int]()
+    for i, name in enumerate(NAMES):
+        if np.isfinite(asked.sigma[i]):
+            kind = name.rpartition(".")[0]
+            worst[kind] = max(worst.get(kind, i), i, key=lambda j: float(ratios[j]))
+    return [_so_far(kind, NAMES[i], float(sigmas[i]), float(asked.sigma[i])) for kind, i in worst.items()]
+
+
+def _so_far(kind: str, name: str, now: float, wanted: float) -> SigmaSoFar:
+    times, unit = (
+        (PPM_PER_ONE, "ppm") if ".scale_factor" in name else SHOWN.get(UNITS[name][0], (1.0, UNITS[name][0]))
+    )
+    if not np.isfinite(now):
+        text = f"{title_of(kind)} not yet known, target {significant(times * wanted, DIGITS)} {unit}"
+    else:
+        text = f"{title_of(kind)} {' of '.join(apart(times * now, times * wanted))} {unit}"
+    return SigmaSoFar(text, now / wanted)
+
+
+def apart(now: float, wanted: float) -> tuple[str, str]:
+    """Return both numbers, of any unit, with as many digits as show that the first is larger, where it is."""
+    for digits in range(DIGITS, MOST_DIGITS):
+        both = significant(now, digits), significant(wanted, digits)
+        if now <= wanted or both[0] != both[1]:
+            return both
+    return significant(now, MOST_DIGITS), significant(wanted, MOST_DIGITS)
+
+
+def all_else(ratio: float) -> str:
+    """Say how far that is which nobody limits, its worst sigma over `TIMES_USUAL` usual ones."""
+    if not np.isfinite(ratio):
+        return f"other parameters not yet known, target {TIMES_USUAL:g} times the usual uncertainty"
+    return f"other parameters {' of '.join(apart(TIMES_USUAL * ratio, TIMES_USUAL))} times the usual uncertainty"

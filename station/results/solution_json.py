@@ -50,7 +50,7 @@ def solution_document(
         "format": FORMAT,
         **{name: part for name, part in parts.items() if part is not None and part != {}},
         **({"effects": [dict(effect) for effect in effects]} if effects else {}),
-        **({"unnoticed_leans": leans} if (leans := [_lean(each) for each in solution.undetectable_tilts]) else {}),
+        **({"unnoticed_leans": tilts} if (tilts := [_tilt(each) for each in solution.undetectable_tilts]) else {}),
         "not_observable": list(solution.not_observable),
         "warnings": _once(warnings),
         "unused_steps": _once(unused),
@@ -146,12 +146,12 @@ def _quality(quality: FitQuality) -> dict[str, Any]:
     return {name: value for name, value in values.items() if value is not None}
 
 
-def _lean(one: UndetectableTilt) -> dict[str, Any]:
+def _tilt(one: UndetectableTilt) -> dict[str, Any]:
     return {
         "campaign": one.campaign + 1,
         "step": Path(one.step).stem,
         "position": one.position,
-        "lean_arcsec": min(one.lean, ANY_TILT_RAD) / RAD_PER_ARCSEC,
+        "lean_arcsec": min(one.tilt, ANY_TILT_RAD) / RAD_PER_ARCSEC,
         "value": one.value,
         "sigmas": one.sigmas,
     }

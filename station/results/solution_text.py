@@ -88,7 +88,7 @@ def _vector(title: str, estimate: Mapping[str, Any] | None) -> list[str]:
 
 
 def effect_lines(effect: Mapping[str, Any]) -> list[str]:
-    """Return the lines of an effect that the solution holds; of a file of its own its hash stands beside it."""
+    """Return the lines of an effect that the solution holds; of a file of its own its hash stands next to it."""
     short = f" (effect/1, sha256 {effect['sha256'][:12]})" if "sha256" in effect else ""
     units = effect.get("units", {})
     rows = [
@@ -113,7 +113,7 @@ def _parallelism(document: Mapping[str, Any]) -> list[str]:
     lines = ["parallelism of the cube's faces, sum of a pair [arcsec]"]
     for pair, values, stds in zip(AXES, both["value"], both["std"], strict=True):
         others = [axis for axis in AXES if axis != pair]
-        row = [f"{axis} {said}" for axis, said in zip(others, _in_arcsec(values, stds), strict=True)]
+        row = [f"{axis} {text}" for axis, text in zip(others, _in_arcsec(values, stds), strict=True)]
         lines.append(f"    {pair} faces: along {', along '.join(row)}")
     return lines
 
@@ -123,13 +123,13 @@ def _in_arcsec(values: Sequence[float], stds: Sequence[float]) -> list[str]:
 
 
 def _residual(residual: Mapping[str, Any]) -> list[str]:
-    said = []
+    text = []
     if (rms := residual.get("accelerometer_rms_g")) is not None:
-        said.append(f"accelerometer {rms:.3g} g rms")
+        text.append(f"accelerometer {rms:.3g} g rms")
     if (rms := residual.get("gyroscope_rms_deg_h")) is not None:
-        said.append(f"gyroscope {rms:.3g} deg/h rms")
+        text.append(f"gyroscope {rms:.3g} deg/h rms")
     if "chi2" in residual:
-        said.append(f"chi2 {residual['chi2']:.1f} of {residual['dof']} degrees of freedom")
+        text.append(f"chi2 {residual['chi2']:.1f} of {residual['dof']} degrees of freedom")
     if "p_value" in residual:
-        said.append(f"p {residual['p_value']:.3g}")
-    return [f"residual: {', '.join(said)}"] if said else []
+        text.append(f"p {residual['p_value']:.3g}")
+    return [f"residual: {', '.join(text)}"] if text else []

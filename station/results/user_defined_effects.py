@@ -1,4 +1,4 @@
-"""Effects in words, and an effect of a diagnosis adopted as an `effect/1`, with its source and its confirmation.
+"""Effects in words, one tried on campaigns, and one of a diagnosis adopted as an `effect/1` with its source.
 
 A campaign confirms an effect that a search proposed only if its data had no part in finding it.
 """
@@ -12,14 +12,21 @@ from typing import Any
 
 import numpy as np
 
+from procedures.diagnosis.diagnose import diagnose
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
 from procedures.effects.term.inputs import input_of
+from procedures.inference.result import Diagnosis
 from procedures.statistics.significance import log_chi2_sf
 from station.errors import DataRefused
 from station.files.atomic_file import replace_file
+from station.files.campaign_folder.loaded_campaign import LoadedCampaign, effects_of
 from station.files.effect_file import DIGITS, EffectFile, OriginTable, effect_in, read_effect, stored_effect
 from station.files.toml_file import read_text_file, toml_text, toml_value
+from station.results.diagnosis.diagnosis_json import finding_document
+from station.results.diagnosis.diagnosis_wording import probability_text
+from station.results.diagnosis.magnetic_field import with_magnetic_field
+from station.results.solution_text import measured
 
 PROPOSED = "proposed"
 LEFT = ("unexplained", "partly")  # verdicts that leave more than noise: a reading that is not the law does
@@ -38,7 +45,7 @@ def why_not_confirmed(document: Mapping[str, Any], entry: Mapping[str, Any], ori
     be what is left with it. ``entry`` is the solution's of the effect.
     """
     # two campaigns by one plan have one campaign.toml: it decides only where an origin names no recordings
-    tomls = set[str]() if origin.data else {said.split()[-1] for said in origin.campaigns}
+    tomls = set[str]() if origin.data else {text.split()[-1] for text in origin.campaigns}
     if set(recordings(document)) & set(origin.data) or set(_files(document).values()) & tomls:
         return "it was found in some of these recordings"
     if "coefficients" not in entry:
@@ -193,8 +200,8 @@ def file_text(file: EffectFile) -> str:
         lines.append(
             f"  adopted on {origin.date} from {', '.join(origin.campaigns)}, diagnosis {origin.diagnosis_sha256}"
         )
-    if said := confidence_text(file):
-        lines.append(f"  {said}")
+    if text := confidence_text(file):
+        lines.append(f"  {text}")
     return "\n".join(lines)
 
 
@@ -204,3 +211,39 @@ def _lines(effect: Effect) -> list[str]:
         f"  unit       {effect.unit}, plausible {effect.plausible:g}",
         f"  source     {effect.source}",
     ]
+
+
+def tried_text(file: EffectFile, campaigns: Sequence[LoadedCampaign]) -> str:
+    """Return whether one unit's campaigns show an effect, with its coefficients, and what else it could be."""
+    campaigns = [with_magnetic_field(one) for one in campaigns]
+    declared = [one.term for one in effects_of(campaigns) if one.name != file.name]
+    found = diagnose([one.campaign for one in campaigns], (*EFFECTS, file.effect), declared)
+    lines = [f"{file.name}: {_answer(file, found)}", *_findings(file, found)]
+    others = dict.fromkeys(one.effect for one in found.findings if one.effect != file.name)
+    lines += [f"beside it: {', '.join(others)}"] if others else []
+    return "\n".join([*lines, f"verdict: {found.verdict}"])
+
+
+def _answer(file: EffectFile, found: Diagnosis) -> str:
+    named = [one for one in found.findings if one.effect == file.name]
+    if named:
+        return f"it is present, {named[0].confidence} (probability {probability_text(named[0].probability)})"
+    if missing := file.term.missing(found.evidence.excitation):
+        return f"not tested: {', '.join(missing)} not recorded"
+    if alike := [one.effect for one in found.findings if file.name in one.aliases]:
+        return f"these campaigns cannot separate it from {', '.join(alike)}"
+    if file.name in found.not_separable or file.name not in found.probabilities:
+        return "these campaigns cannot determine it: the model's own parameters absorb it, or nothing excites it"
+    return f"not found: its probability is {probability_text(found.probabilities[file.name])}"
+
+
+def _findings(file: EffectFile, found: Diagnosis) -> list[str]:
+    lines = list[str]()
+    units = {name: one.unit for name, one in file.term.parameters.items()}
+    for one in (one for one in found.findings if one.effect == file.name):
+        for name, value in finding_document(one)["coefficients"].items():
+            lines.append(f"  {name:<10} {measured(value['value'], value['std'], units.get(name, one.unit))}")
+        values = dict(zip(one.coefficients, one.value.tolist(), strict=True))
+        lines += [f"  {text}" for text in file.term.at_ends(values)]
+        lines += [f"  it may also be {', '.join(one.aliases)}"] if one.aliases else []
+    return lines

@@ -1,6 +1,6 @@
 """The verdict of a calibration against the limits of its model, and why, in words a technician understands.
 
-A value is held against its limit as `fixtures_db.model_limits` says (guarded acceptance, JCGM 106:2012, 8.3). FAIL
+A value is held against its limit as `fixtures_db.imu_models` says (guarded acceptance, JCGM 106:2012, 8.3). FAIL
 if any is outside; else NOT_MEASURED if a limited parameter was not estimated or there are no limits; else PASS.
 """
 
@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-from fixtures_db.model_limits import Limit
+from fixtures_db.imu_models import Limit
 from station.results.parameters_by_name import Parameter, parameters, shown, shown_scale, title_of
 from station.text import plural
 
@@ -39,14 +39,14 @@ class LimitVerdict:
     reason: str
 
     @property
-    def said(self) -> str:
+    def in_words(self) -> str:
         """The verdict's word as people read it."""
-        return word_said(self.word, has_limits=bool(self.judged))
+        return verdict_in_words(self.word, has_limits=bool(self.judged))
 
     @property
     def sentence(self) -> str:
         """The verdict and its reason."""
-        return f"{self.said}: {self.reason}"
+        return f"{self.in_words}: {self.reason}"
 
     @property
     def exit_code(self) -> int:
@@ -54,7 +54,7 @@ class LimitVerdict:
         return int(self.word == "FAIL")
 
 
-def word_said(word: str, *, has_limits: bool) -> str:
+def verdict_in_words(word: str, *, has_limits: bool) -> str:
     """Return a stored verdict's word as people read it: without limits values were measured and not judged."""
     return "NO LIMITS" if word == "NOT_MEASURED" and not has_limits else word.replace("_", " ")
 
@@ -137,7 +137,7 @@ def _names(judged: Sequence[JudgedLimit]) -> str:
 
 
 def _against(judged: JudgedLimit) -> str:
-    """Say a value beside its limit."""
+    """Say a value with its limit."""
     assert judged.parameter is not None
     text, unit = shown(judged.parameter)
     return f"{judged.parameter.title}, {text} {unit}".rstrip() + f"; limit {judged_in_words(judged)}"
@@ -151,14 +151,14 @@ def limit_in_words(limit: Limit) -> str:
 
 def judged_in_words(judged: JudgedLimit) -> str:
     """Return a limit and, where it is guarded, what of it the value's own uncertainty leaves."""
-    said, known = limit_in_words(judged.limit), judged.parameter
+    text, known = limit_in_words(judged.limit), judged.parameter
     if not judged.limit.guard_band or known is None or known.std is None:
-        return said
+        return text
     low, high = judged.limit.accepted(known.std)
     if low > high:
-        return f"{said} (u is too large: no value is accepted)"
+        return f"{text} (u is too large: no value is accepted)"
     ends = _ends(judged.limit, *(end if math.isfinite(end) else None for end in (low, high)))
-    return f"{said}: {ends}"
+    return f"{text}: {ends}"
 
 
 def _ends(limit: Limit, low: float | None, high: float | None) -> str:

@@ -6,7 +6,7 @@ from drivers.wire import WireFormat
 from fixtures_db.database import open_db
 from fixtures_db.stored_calibrations import history, last_calibration
 from procedures.campaign.campaign import UNKNOWN
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.calibrated.calibration_choice import (
     AppliedCalibration,
     another_units,
@@ -55,7 +55,7 @@ def refuse_unfit(applied: AppliedCalibration, name: str, unit: Unit, wire: WireF
 
 
 def _refuse_another_units(applied: AppliedCalibration, name: str, unit: Unit) -> None:
-    """Raise `DataRefused` for a calibration, said as ``name``, of another unit than the one connected."""
+    """Raise `DataRefused` for a calibration, named as ``name``, of another unit than the one connected."""
     document = applied.document or {"model": unit.model, "serial": unit.serial}
     of = {"model": unit.model, "serial": unit.serial}
     if any(value not in {UNKNOWN, document.get(key)} for key, value in of.items()):

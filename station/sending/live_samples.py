@@ -48,9 +48,9 @@ class SampleTimes:
             self._lag_ns = self._moments.of(last, read_ns) - round(last * 1e9)
         lag = min(self._lag_ns, read_ns - round(last * 1e9))
         taken = np.round(t * 1e9).astype(np.int64) + lag
-        told = self._rows.of(read_ns, last, pulse_age)
-        if told is not None and self._rows.is_pulsed:
-            self._pulsed = told - last
+        moment = self._rows.of(read_ns, last, pulse_age)
+        if moment is not None and self._rows.is_pulsed:
+            self._pulsed = moment - last
         elif not self._rows.is_pulsed:
             self._pulsed = None
         if self._pulsed is not None:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import StationError
 
 
@@ -119,7 +119,7 @@ class Output(Protocol):
         """Stream samples."""
         ...
 
-    def said(self) -> str:
+    def status(self) -> str:
         """Return who listens and what was dropped, in a few words."""
         ...
 

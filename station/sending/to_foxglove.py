@@ -51,11 +51,11 @@ class FoxgloveServer:
             self._slow.leave()
             raise _refusal(host, port, str(error)) from error
         schema = sdk.Schema(name=SAMPLE, encoding="protobuf", data=SCHEMA)
-        told = {
+        metadata = {
             "model": about.model, "serial": about.serial, "calibration": about.calibration, "axes": about.axes,
         }  # fmt: skip
         self._channel = sdk.Channel(
-            TOPIC, message_encoding="protobuf", schema=schema, context=context, metadata=told
+            TOPIC, message_encoding="protobuf", schema=schema, context=context, metadata=metadata
         )
         self.name = f"foxglove:{host}:{self._server.port}"
 
@@ -75,7 +75,7 @@ class FoxgloveServer:
             )  # fmt: skip
             self._channel.log(message.SerializeToString(), log_time=taken_ns)
 
-    def said(self) -> str:
+    def status(self) -> str:
         """Return how many listen, and who is slow."""
         slow = ", ".join(self._slow.met)
         dropped = f", samples dropped for {slow}: too slow" if slow else ""
@@ -158,10 +158,10 @@ def open_output(where: str, about: About) -> FoxgloveServer:
     return FoxgloveServer(foxglove, host.strip("[]"), int(port), about)
 
 
-def _refusal(host: str, port: int, said: str) -> PortBusy | PortNotFound:
-    if "in use" in said:
+def _refusal(host: str, port: int, text: str) -> PortBusy | PortNotFound:
+    if "in use" in text:
         return PortBusy(f"{port}/tcp")
-    reason = re.sub(r" \(os error \d+\)", "", said).rpartition(": ")[2]
+    reason = re.sub(r" \(os error \d+\)", "", text).rpartition(": ")[2]
     return PortNotFound(f"{host}:{port}", reason, "use an address of this machine")
 
 

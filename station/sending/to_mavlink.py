@@ -30,7 +30,7 @@ class MavlinkHighresImu:
         for t, (fx, fy, fz), (p, q, r), temperature in rows:
             self._out.highres(t, (fx, fy, fz), (p, q, r), temperature if math.isfinite(temperature) else math.nan)
 
-    def said(self) -> str:
+    def status(self) -> str:
         """Return who listens, and how many messages this machine did not take."""
         listeners = plural(self._out.port.peers, "listener")
         return f"{self.name}: {listeners}, {plural(self.dropped, 'sample')} not taken by this machine"

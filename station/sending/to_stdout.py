@@ -85,7 +85,7 @@ class StdoutLines:
             self._samples += n
             self._changed.notify()
 
-    def said(self) -> str:
+    def status(self) -> str:
         """Return what was dropped, and whether somebody reads."""
         if self._is_over:
             return "stdout: its reader has left"
@@ -137,7 +137,7 @@ def open_output(where: str, about: About) -> StdoutLines:
     Raises
     ------
     BadAddress
-        If more than ``stdout`` was said.
+        If more than ``stdout`` was reported.
     """
     if where:
         raise BadAddress(f"stdout:{where}", repr(where), "stdout alone")

@@ -1,18 +1,49 @@
-"""Samples as datagrams of 96 bytes; `drivers/sample_datagram.py` has the layout."""
+"""Calibrated samples over UDP, each a datagram of 96 bytes, little-endian.
+
+docs/how-to/streaming.md has the table and two readers.
+Each field stands at a multiple of its own size, so that a C compiler lays a struct out the same way.
+"""
 
 import secrets
 import socket
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
+import numpy as np
 from numpy.typing import NDArray
 
 from drivers.errors import PortNotFound, reason_of
 from drivers.network_ports import UdpPort, open_udp
-from drivers.sample_datagram import datagrams
 from station.sending.outputs import About, BadAddress, CalibratedSamples
 from station.text import plural
+
+MAGIC = b"FOG1"  # the layout's name; another layout has another
+
+DATAGRAM = np.dtype([
+    ("magic", "S4"),
+    ("flags", "<u4"),         # bits, as docs/how-to/streaming.md lists them
+    ("sequence", "<u8"),      # rises by 1 with each sample sent
+    ("t_s", "<f8"),           # device time
+    ("utc_s", "<f8"),         # since 1970-01-01; NaN: not known
+    ("f_m_s2", "<f8", 3),     # specific force
+    ("omega_rad_s", "<f8", 3),  # angular rate
+    ("temperature_c", "<f8"),   # NaN: not known
+    ("lost", "<u4"),          # samples that the device's counter misses before this one
+    ("run", "<u4"),           # of the sender: another number is another beginning of ``sequence``
+])  # fmt: skip
+
+
+def datagrams(fields: Mapping[str, NDArray[Any]], run: int) -> list[bytes]:
+    """Return the datagrams of n samples, ``fields`` (n,) or (n, 3) by their names in `DATAGRAM`."""
+    n = len(fields["sequence"])
+    rows = np.zeros(n, DATAGRAM)
+    rows["magic"], rows["run"] = MAGIC, run
+    for name, values in fields.items():
+        rows[name] = values
+    size, all_bytes = DATAGRAM.itemsize, rows.tobytes()
+    return [all_bytes[at : at + size] for at in range(0, n * size, size)]
+
 
 EXPECTED = "udp:HOST:PORT, as in udp:127.0.0.1:5005"
 # Linux gives a reader that asks for nothing room for about 270 datagrams: what waited while this machine was busy
@@ -47,7 +78,7 @@ class UdpDatagrams:
                 self._sleep(PAUSE_S)
             self._port.write(datagram)
 
-    def said(self) -> str:
+    def status(self) -> str:
         """Return how many datagrams this machine did not take; what a reader misses only the reader can count."""
         return f"{self.name}: {plural(self.dropped, 'sample')} not taken by this machine"
 

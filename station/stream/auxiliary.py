@@ -70,14 +70,14 @@ def read_late_messages(folder: Path, stream: str) -> LateMessages:
     return {read: counted for read, counted in late.items() if counted > read}
 
 
-SILENT_S = 1.8  # it is to be said within 2 s
+SILENT_S = 1.8  # it is to be reported within 2 s
 RATE_NS = 5 * 10**9
 T = TypeVar("T", bound=Record | CameraImage | WheelReading)
 
 
-def came_ns(told: Record | CameraImage | WheelReading) -> int:
+def came_ns(record: Record | CameraImage | WheelReading) -> int:
     """Return the moment [ns] from which it was there, live as in a replay: it may be of long before."""
-    return told.host_ns if isinstance(told, Record) else told.came_ns
+    return record.host_ns if isinstance(record, Record) else record.came_ns
 
 
 class CompanionSource(ChunkSource, Protocol):
@@ -90,7 +90,7 @@ class CompanionSource(ChunkSource, Protocol):
 
 
 class LiveCompanion(Generic[T]):
-    """One device, read and decoded; call `advance` often. What is said waits for `take`, ``most`` of it."""
+    """One device, read and decoded; call `advance` often. What is reported waits for `take`, ``most`` of it."""
 
     def __init__(self, source: CompanionSource, most: int, clock: Callable[[], float] = time.monotonic) -> None:
         self._source, self._clock, self.address = source, clock, source.address

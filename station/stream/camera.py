@@ -19,9 +19,9 @@ from drivers.addresses import CameraAddress, HttpCameraAddress, VideoDeviceAddre
 from drivers.camera import CameraDecoder, CameraImage
 from drivers.errors import BadDeviceUrl
 from procedures.arrays import FloatArray, IntArray
-from procedures.earth.gnss_records import TimeMark
 from procedures.fusion.feature_tracks import FeatureTracks
 from procedures.fusion.vision.feature_tracker import FeatureTracker, Image, LensModel
+from procedures.gnss_records import TimeMark
 from procedures.optional_libraries import opencv
 from station.errors import DataRefused
 from station.files.atomic_file import replace_file

@@ -9,7 +9,7 @@ from drivers.address_parsing import parse_device_url
 from drivers.addresses import DeviceAddress, MavlinkAddress
 from drivers.errors import BadDeviceUrl, DriverError
 from drivers.wire import Identity
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,10 +57,10 @@ def unit_of(
     UnitChanged
         If the operator, or the campaign, named another serial number than the wire does.
     """
-    said = identity or Identity()
-    if said.serial and serial and said.serial != serial:
-        raise UnitChanged(port, said.serial, serial, is_entered=not has_begun)
-    found = {"serial": said.serial or serial, "model": said.model or model}
+    text = identity or Identity()
+    if text.serial and serial and text.serial != serial:
+        raise UnitChanged(port, text.serial, serial, is_entered=not has_begun)
+    found = {"serial": text.serial or serial, "model": text.model or model}
     for name, value in found.items():
         if not value:
             raise UnitUnknown(port, name)

@@ -12,7 +12,7 @@ import numpy as np
 
 from drivers.camera import CameraImage
 from drivers.can.wheel_reading import WheelReading
-from procedures.earth.gnss_records import GnssFix, TimeMark
+from procedures.gnss_records import GnssFix, TimeMark
 from procedures.statistics.line_fits import TimeLine, fit_earliest_line, fit_time_line
 
 REFIT_NS = 10**9

@@ -11,7 +11,7 @@ from pathlib import Path
 from drivers.address_parsing import parse_device_url
 from drivers.addresses import DeviceAddress
 from drivers.errors import PortNotFound, ReplayEnded
-from procedures.earth.gnss_records import GnssFix
+from procedures.gnss_records import GnssFix
 from station.errors import DataRefused
 from station.files.mcap_files import read_step
 from station.files.mcap_files.gnss_file import Record, read_fixes
@@ -32,7 +32,7 @@ def _is_fix(record: Record) -> bool:
 
 
 def read_recorded_fixes(file: Path) -> list[Record]:
-    """Return what receivers recorded alongside an IMU's file said, in order of reading."""
+    """Return what receivers recorded alongside an IMU's file reported, in order of reading."""
     found = [path for path in sorted(file.parent.glob("gnss_*.mcap")) if not path.name.startswith("gnss_session_")]
     return sorted(chain.from_iterable(map(read_fixes, found)), key=lambda record: record.host_ns)
 

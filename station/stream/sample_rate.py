@@ -14,7 +14,7 @@ import numpy as np
 
 from procedures.campaign.campaign import MAX_CLOCK_PPM
 from procedures.counts.reference_time import ClockRate, fit_clock
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import DataRefused
 from station.files.campaign_folder.loaded_campaign import MAX_PERIOD_DEVIATION, clock_sentence, off_period
 from station.files.campaign_folder.sample_series import WARN_PERIOD_DEVIATION
@@ -80,15 +80,15 @@ class SampleRate:
             raise self._refused
 
     @property
-    def said(self) -> str:
+    def text(self) -> str:
         """What is wrong as text, where a rate that is off is evidence and ends nothing."""
         return str(self._refused) if self._refused is not None else self.warning or self.pace
 
     def warned(self) -> str:
-        """Look, and return what then is `said`."""
+        """Look, and return what then is `text`."""
         with contextlib.suppress(DataRefused):
             self.look()
-        return self.said
+        return self.text
 
     def _fit(self) -> None:
         span, by_clock = (self._stamps[-1][i] - self._stamps[0][i] for i in (0, 1))

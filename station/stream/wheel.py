@@ -73,8 +73,8 @@ def read_description(path: Path, kept: Path | None = None) -> WheelDescription:
     table, lines = read_tables(content, path, WheelDescriptionTable)
     dbc = kept or path.parent / table.dbc
     signal = wheel_signal(str(dbc), table.signal, table.unit)
-    told = {"dbc": str(dbc.absolute()), "signal": table.signal, "unit": table.unit}
-    more = urlencode({name: value for name, value in told.items() if value})
+    reported = {"dbc": str(dbc.absolute()), "signal": table.signal, "unit": table.unit}
+    more = urlencode({name: value for name, value in reported.items() if value})
     try:
         address = parse_device_url(f"wheel:{table.url}{'&' if '?' in table.url else '?'}{more}")
     except BadDeviceUrl as error:
@@ -97,17 +97,17 @@ class WheelFeed(LiveCompanion[WheelReading]):
         super().__init__(reader, MAX_WAITING_READINGS, clock)
         self.decoder, self._name = WheelDecoder(described.signal), described.table.signal
         self._seen: deque[float] = deque()
-        self._told_at = clock()
+        self._heard_at = clock()
         self.readings = 0
 
     def _hear(self, items: Sequence[Chunk | StreamGap]) -> None:
         for item in items:
             if isinstance(item, StreamGap):
-                self._told_at = self._clock()
+                self._heard_at = self._clock()
                 continue
             for reading in self.decoder.feed(item.data, item.host_ns):
-                self._told_at = self._clock()
-                self._seen.append(self._told_at)
+                self._heard_at = self._clock()
+                self._seen.append(self._heard_at)
                 self._waiting.append(reading)
                 self.readings += 1
 
@@ -116,7 +116,7 @@ class WheelFeed(LiveCompanion[WheelReading]):
         """What is wrong, and what to do; empty if nothing is."""
         if gone := self._gone("CAN frames; check bit rate, cable and ignition"):
             return gone
-        if self._clock() - self._told_at < SILENT_S:
+        if self._clock() - self._heard_at < SILENT_S:
             return ""
         wrong = f"frames contain no {self._name}, expected a speed; check dbc and signal, or its sensor"
         return f"{self.address.name}: {wrong}"
@@ -137,7 +137,7 @@ class WheelFeed(LiveCompanion[WheelReading]):
             self._seen.popleft()
         return StreamState(
             name=f"wheel {self.address.name}", rate_hz=len(self._seen) / RATE_WINDOW_S,
-            age_s=now - self._told_at, samples=self.readings, gaps=0, lost=self.decoder.refused,
+            age_s=now - self._heard_at, samples=self.readings, gaps=0, lost=self.decoder.refused,
             bad=self.decoder.bad, trouble=self.trouble,
         )  # fmt: skip
 
@@ -200,8 +200,8 @@ def recorded_speeds(
     times = FixTimes()
     for host_ns, device_s in marks:
         times.stamp_imu(host_ns, device_s)
-    told = [(times.of(each), each.speed) for each in recorded_wheel(folder, described)]
-    rows = np.array([(t, speed) for t, speed in told if t is not None]).reshape(-1, 2)
+    reported = [(times.of(each), each.speed) for each in recorded_wheel(folder, described)]
+    rows = np.array([(t, speed) for t, speed in reported if t is not None]).reshape(-1, 2)
     rows[:, 0] += described.table.time_offset_s
     rows = rows[np.r_[True, np.diff(np.maximum.accumulate(rows[:, 0])) > 0]] if len(rows) else rows
     return WheelSpeeds(rows[:, 0], rows[:, 1]), described.table

@@ -1,8 +1,8 @@
 """The terminal screens: they draw a `CalibrationView` or a `MonitorView` and send commands, nothing else.
 
-`app` shows the screen of the view's stage (`screens`), which is made of `widgets`; `common_app` is what it shares
-with the monitor (`monitor_screen`, `monitor_widgets`, `monitor_pictures`). `web` and `web_server` show the same in
-a browser. Textual is imported only where there is a screen.
+`app` shows the screen of the view's stage (`screens`), which is made of `widgets`; it shares its base with the
+monitor (`monitor_screen`, `monitor_widgets`, `monitor_pictures`). `web` and `web_server` show the same in a
+browser. Textual is imported only where there is a screen.
 """
 
 from typing import TYPE_CHECKING

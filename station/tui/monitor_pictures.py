@@ -7,7 +7,7 @@ from itertools import pairwise
 from textual.content import Content
 
 from station.locate.location import Location
-from station.tui.widgets.canvas import Canvas
+from station.tui.widgets.common import Canvas
 
 MIN_MAP_SPAN_M = 20.0  # m that a map shows at least
 STEPS = (1, 2, 5, 10)

@@ -8,11 +8,11 @@ from textual.containers import Grid, Horizontal, Vertical
 from textual.screen import Screen
 
 from station.monitor.view import MonitorSession, MonitorVerb, MonitorView
-from station.tui.common_app import CommonApp
+from station.tui.app import CommonApp
 from station.tui.monitor_widgets import (
     CalibrationLine,
+    FilterTable,
     Horizon,
-    LawTable,
     LocationReadings,
     Readings,
     RestComparison,
@@ -58,11 +58,11 @@ class MonitorScreen(Screen[None]):
     MonitorScreen.-wide Horizon, MonitorScreen.-wide TrackMap { width: 58; }
     MonitorScreen TrackMap, MonitorScreen LocationReadings { display: none; }
     MonitorScreen.-map LocationReadings, MonitorScreen.-map.-placed TrackMap { display: block; }
-    MonitorScreen LawTable, MonitorScreen #apart { display: none; }
-    MonitorScreen.-laws LawTable, MonitorScreen.-laws.-two #apart { display: block; }
-    MonitorScreen.-laws RestComparison, MonitorScreen.-laws.-two #sigma { display: none; }
+    MonitorScreen FilterTable, MonitorScreen #apart { display: none; }
+    MonitorScreen.-filters FilterTable, MonitorScreen.-filters.-two #apart { display: block; }
+    MonitorScreen.-filters RestComparison, MonitorScreen.-filters.-two #sigma { display: none; }
     MonitorScreen.-map RestComparison, MonitorScreen.-map.-placed Horizon { display: none; }
-    MonitorScreen.-map LawTable { display: none; }
+    MonitorScreen.-map FilterTable { display: none; }
     MonitorScreen.-short.-crowded #charts { grid-size: 2 2; height: 4; }
     MonitorScreen.-short.-crowded #aid, MonitorScreen.-short.-crowded #sigma { display: none; }
     MonitorScreen.-short.-crowded.-two #apart { display: none; }
@@ -80,7 +80,7 @@ class MonitorScreen(Screen[None]):
         self.view = MonitorView()
         self.title_line, self.state = TitleBar(), StateLine()
         self.horizon, self.readings, self.comparison = Horizon(), Readings(), RestComparison()
-        self.laws = LawTable()
+        self.filter_table = FilterTable()
         self.map, self.where = TrackMap(), LocationReadings()
         self.charts = (
             StripChart("ROLL", "deg", 0.02, roll="$axis-x"),
@@ -103,7 +103,7 @@ class MonitorScreen(Screen[None]):
             with Vertical():
                 yield self.readings
                 yield self.comparison
-                yield self.laws
+                yield self.filter_table
                 yield self.where
         with Grid(id="charts"):
             yield from self.charts
@@ -122,14 +122,16 @@ class MonitorScreen(Screen[None]):
             self.set_class(view.location.is_located, "-placed")
             self.map.show(view.location)
             self.where.show(view)
-        self.title_line.show((f"{view.unit or 'FOG station'}  monitor", f"{_laws(view)}aid {view.aid}{_at(view)}"))
+        self.title_line.show(
+            (f"{view.unit or 'FOG station'}  monitor", f"{_filters(view)}aid {view.aid}{_at(view)}")
+        )
         self.state.show(state_of(view))
         self.horizon.show(view.shown)
         self.readings.show(view)
         self.comparison.show(view.at_rest)
-        self.laws.show(view.laws or None)
-        self.set_class(bool(view.laws), "-laws")
-        self.set_class(len(view.laws) > 1, "-two")
+        self.filter_table.show(view.filters or None)
+        self.set_class(bool(view.filters), "-filters")
+        self.set_class(len(view.filters) > 1, "-two")
         for chart in self.charts:
             chart.show(view.history)
         self.events.show(view.events)
@@ -168,8 +170,8 @@ class MonitorScreen(Screen[None]):
         self.app.push_screen(HelpScreen("monitor", text, keys_of(self)))
 
 
-def _laws(view: MonitorView) -> str:
-    return f"law {', '.join(law.law for law in view.laws)}  " if view.laws else ""
+def _filters(view: MonitorView) -> str:
+    return f"law {', '.join(reading.name for reading in view.filters)}  " if view.filters else ""
 
 
 def _at(view: MonitorView) -> str:
@@ -185,7 +187,7 @@ def state_of(view: MonitorView) -> tuple[str, str, str]:
         return "■ ENDED", "$foreground", view.line
     if view.trouble:
         ailing = next((stream for stream in view.streams if stream.trouble), view.streams[0])
-        is_imu = ailing is view.streams[0]  # what stands beside it stops nothing
+        is_imu = ailing is view.streams[0]  # what stands next to it stops nothing
         return "✗ NO DATA" if is_imu else f"✗ {ailing.name.split()[0].upper()}", "$error", view.trouble
     if view.alarms:
         return "✗ ALARM", "$error", "; ".join(view.alarms)

@@ -15,8 +15,7 @@ from station.monitor.view import LATE_S, ChartPoint, MonitorView
 from station.stream.stream_events import StreamState
 from station.text import plural
 from station.tui.monitor_pictures import horizon_picture, map_picture
-from station.tui.widgets.canvas import Canvas
-from station.tui.widgets.common import ValueWidget
+from station.tui.widgets.common import Canvas, ValueWidget
 
 CHART_POINTS = 600  # points in a chart: a minute
 MOTION_LOOKS: dict[MotionState, tuple[str, str]] = {
@@ -27,7 +26,7 @@ MOTION_LOOKS: dict[MotionState, tuple[str, str]] = {
 }
 STEEP_PITCH_DEG = 89.0  # deg of pitch, beyond which roll and heading are one
 LABEL_COLUMNS = 13
-LAW_LINES, LAW_COLUMNS = 2, 44  # that are left for notes on filters
+FILTER_LINES, FILTER_COLUMNS = 2, 44  # that are left for notes on filters
 
 
 class StateLine(ValueWidget[tuple[str, str, str]]):
@@ -69,7 +68,7 @@ class Readings(ValueWidget[MonitorView]):
         heading = "" if is_shown_elsewhere else f"  HDG {(reading.heading or 0.0) % 360:.1f}"
         sigma = f"u {reading.sigma:14.3f} deg   "
         if math.isnan(reading.sigma):  # a complementary filter has none
-            sigma = f"by {view.laws[0].law:21}"
+            sigma = f"by {view.filters[0].name:21}"
         warm = "" if reading.temperature is None else f"   {reading.temperature:.1f} degC"
         return Content("\n").join((
             Content.assemble("ROLL   ", (f"{shown[0]:+9.3f} deg", "bold $accent"), (zero[0] + steep, "$warning")),
@@ -109,38 +108,38 @@ class RestComparison(ValueWidget[RestErrorComparison]):
         return Content("\n").join((Content.styled(head, "bold"), *rows, Content.styled(errors.earth, "$muted")))
 
 
-class LawTable(ValueWidget[tuple[FilterReading, ...]]):
+class FilterTable(ValueWidget[tuple[FilterReading, ...]]):
     """Two filters side by side and how they differ, and the bias that a complementary filter will have."""
 
-    DEFAULT_CSS = "LawTable { height: 5; padding-left: 1; }"
+    DEFAULT_CSS = "FilterTable { height: 5; padding-left: 1; }"
 
-    def _drawn(self, laws: tuple[FilterReading, ...]) -> Content:
-        apart = difference(laws)
-        head = "LAW   " + "".join(f"{law.law:>13}" for law in laws) + ("" if apart is None else "  difference")
+    def _drawn(self, filters: tuple[FilterReading, ...]) -> Content:
+        apart = difference(filters)
+        head = "LAW   " + "".join(f"{one.name:>13}" for one in filters) + ("" if apart is None else "  difference")
         lines = [Content.styled(head, "bold")]
         for name in ("roll", "pitch"):
-            each = [(f"{getattr(law, name):+13.3f}", "bold $accent") for law in laws]
+            each = [(f"{getattr(reading, name):+13.3f}", "bold $accent") for reading in filters]
             last = " deg" if apart is None else f"{getattr(apart, name):+8.3f} deg"
             lines.append(Content.assemble(f"{name:6}", *each, last))
-        mixing = [law for law in laws if law.law != JOINT]
-        lines += [line for law in mixing for line in _settles(law, LAW_LINES // len(mixing))]
+        mixing = [reading for reading in filters if reading.name != JOINT]
+        lines += [line for reading in mixing for line in _settles(reading, FILTER_LINES // len(mixing))]
         return Content("\n").join(lines)
 
 
-def _settles(law: FilterReading, lines: int) -> list[Content]:
+def _settles(reading: FilterReading, lines: int) -> list[Content]:
     """Return the bias of a filter at this bank, or what is against the filter, in one line or two."""
-    if law.note:
-        return [Content.styled(line, "$warning") for line in textwrap.wrap(law.note, LAW_COLUMNS)[:lines]]
-    if law.settles is None:
-        return [Content.styled(f"bias of {law.law}: needs a velocity", "$muted")]
-    roll, pitch, roll_std, pitch_std = law.settles
+    if reading.note:
+        return [Content.styled(line, "$warning") for line in textwrap.wrap(reading.note, FILTER_COLUMNS)[:lines]]
+    if reading.settles is None:
+        return [Content.styled(f"bias of {reading.name}: needs a velocity", "$muted")]
+    roll, pitch, roll_std, pitch_std = reading.settles
     if lines == 1:
-        return [Content.assemble(f"bias of {law.law:13}", (f"{roll:+.3f} {pitch:+.3f}", "$warning"), " deg")]
+        return [Content.assemble(f"bias of {reading.name:13}", (f"{roll:+.3f} {pitch:+.3f}", "$warning"), " deg")]
     stds = ["" if math.isnan(std) else f" \u00b1 {std:.3f}" for std in (roll_std, pitch_std)]
     values = Content.assemble(
         "roll ", (f"{roll:+.3f}", "$warning"), f"{stds[0]}  pitch ", (f"{pitch:+.3f}", "$warning"), stds[1]
     )
-    return [Content.styled(f"bias of {law.law} at this bank, deg", "$muted"), values]
+    return [Content.styled(f"bias of {reading.name} at this bank, deg", "$muted"), values]
 
 
 def _row(name: str, calibrated: float, nominal: float, unit: str) -> Content:
@@ -275,7 +274,7 @@ class LocationReadings(ValueWidget[MonitorView]):
         if not location.is_located:
             head = Content.assemble(("… NOT LOCATED", "bold $warning"), f"   {plural(location.fixes, 'fix')}")
             width = max(self.content_size.width - 1, 20)
-            why = [line for part in (_beside(location), location.why) for line in wrap(part, width)][
+            why = [line for part in (_camera_and_wheel(location), location.why) for line in wrap(part, width)][
                 : READING_LINES - 1
             ]
             return Content("\n").join((head, *(Content(line) for line in why)))
@@ -283,7 +282,7 @@ class LocationReadings(ValueWidget[MonitorView]):
         outliers, newest = plural(location.outliers, "outlier"), f"newest {location.fix_age:.1f} s"
         return Content("\n").join((
             Content.assemble("E ", (east, "bold $accent"), "  N ", (north, "bold $accent"), f"  U {up} m"),
-            Content(_beside(location) or f"{location.latitude:.7f}, {location.longitude:.7f} deg"),
+            Content(_camera_and_wheel(location) or f"{location.latitude:.7f}, {location.longitude:.7f} deg"),
             Content.assemble("HEADING ", *_heading(location)),
             Content(_sigmas(location)),
             Content.assemble(
@@ -294,7 +293,7 @@ class LocationReadings(ValueWidget[MonitorView]):
         ))  # fmt: skip
 
 
-def _beside(location: Location) -> str:
+def _camera_and_wheel(location: Location) -> str:
     """Return how camera and wheel do, in a line; empty where there is neither."""
     wheel = location.wheel and f"wheel: {location.wheel}"
     return "; ".join(part for part in (location.camera, wheel) if part)

@@ -8,7 +8,7 @@ CannotServe
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from procedures.optional_libraries import install_command
 from station.errors import StationError
 

@@ -13,9 +13,8 @@ from ahrs.filters import Madgwick, Mahony
 from vqf import VQF
 
 from procedures.arrays import BoolArray, FloatArray
-from procedures.attitude.attitude_estimate import estimate
+from procedures.attitude.attitude_estimate import estimate, estimate_both_directions
 from procedures.attitude.attitude_log import AttitudeLog, inclination, roll_pitch_of
-from procedures.attitude.both_directions import estimate_both_directions
 from procedures.units import STANDARD_GRAVITY
 from station.attitude.attitude_log import read_log
 from tests.drivers.simulated.flight import LEVEL_S, paper_flight

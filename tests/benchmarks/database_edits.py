@@ -18,7 +18,7 @@ from sqlalchemy import Connection, text
 from sqlalchemy.exc import DBAPIError
 from sqlalchemy.orm import Session
 
-from fixtures_db.append_only_triggers import append_only_tables, on_sqlite
+from fixtures_db.append_only_rows import append_only_tables, on_sqlite
 from fixtures_db.database import Database, open_db
 from fixtures_db.verification import NO_ROW, alterations, take_anchor
 from tests.benchmarks.edited_databases.declaration_edits import edit_declaration

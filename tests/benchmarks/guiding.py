@@ -14,9 +14,9 @@ from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Dwell
 from procedures.counts.count_rate import estimate_counts
 from procedures.counts.sample_records import CountSeries
-from procedures.earth.geodesy import earth_rate_n
-from procedures.earth.gyrocompass import CertainDwell, QuarterHeading, find_heading
 from procedures.frames import cross_axes, face_normal, face_of, nominal_C_lb, vertical_rotation
+from procedures.geodesy import earth_rate_n
+from procedures.gyrocompass import CertainDwell, QuarterHeading, find_heading
 from procedures.units import RAD_PER_ARCSEC, RAD_S_PER_DEG_H
 from tests.proof.evidence import Figure, spread, zero
 

@@ -19,7 +19,7 @@ import serial
 from drivers.can.can_format import can_format
 from drivers.can.can_port import CanPort, SlcanLine
 from drivers.can.frame_record import RECORD, unpack
-from drivers.can.payload_checks import CHECKS
+from drivers.can.mapping_file import CHECKS
 from drivers.framing import Decoder
 from drivers.simulated.corrupted_frames import text_of
 from procedures.counts.sample_records import CountBlock, SampleBlock

@@ -14,10 +14,10 @@ from io import StringIO
 from pathlib import Path
 
 from fixtures_db.database import open_db
-from fixtures_db.fixture_transfer import dump
+from fixtures_db.fixture_measurements import dump
 from fixtures_db.stored_calibrations import accept_calibration
 from station import cli
-from station.files.fixture_files import to_toml, write_csv
+from station.files.database_files import to_toml, write_csv
 from station.files.sha256sums import read_hashes
 from station.results.campaign_results import make_results, store
 from station.results.certificate.issuing import issue

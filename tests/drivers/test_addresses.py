@@ -6,20 +6,22 @@ from pathlib import Path
 
 import pytest
 
-from drivers.address_guess import Role, whole_url, with_absolute_paths
 from drivers.address_parsing import parse_device_url
 from drivers.addresses import (
     CameraAddress,
     HttpCameraAddress,
     MavlinkAddress,
+    Role,
     SerialAddress,
     TcpAddress,
     TriadAddress,
     UdpAddress,
     VideoDeviceAddress,
+    whole_url,
+    with_absolute_paths,
 )
 from drivers.errors import BadDeviceUrl
-from drivers.mavlink.signing import read_key
+from drivers.mavlink.frames import read_key
 from drivers.wire import FORMATS
 
 

@@ -14,7 +14,7 @@ from drivers.port_interface import Port
 from drivers.ports import open_port
 from drivers.serial_port import latency_ms, shorten_latency
 from drivers.wire import WireFormat
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from tests.drivers.wire.blocks import each_format
 from tests.patience import HANG_S
 from tests.refusals import refused

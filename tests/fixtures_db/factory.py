@@ -7,12 +7,12 @@ import numpy as np
 from sqlalchemy import text
 from sqlalchemy.orm import Session
 
-from fixtures_db.append_only_triggers import on_sqlite
-from fixtures_db.calibration import CalibrationFacts
+from fixtures_db.append_only_rows import on_sqlite
 from fixtures_db.campaigns import imu
 from fixtures_db.fixture_measurements import add_level, add_measurement, certify_faces, drawing
 from fixtures_db.fixtures import add_fixture
 from fixtures_db.schema import CubeRow, SiteRow, SlabLevelRow, SlabRow
+from fixtures_db.stored_calibrations import CalibrationFacts
 from procedures.calibration.solution_values import Estimate, FitQuality, Solution, TriadCalibration
 from procedures.campaign.campaign import FaceCertificate, MeasuredCube
 from procedures.campaign.measured_cube import PARALLELISM, CubeMeasurement, UnitShare

@@ -6,11 +6,10 @@ from datetime import timedelta
 from sqlalchemy.orm import Session
 
 from fixtures_db.campaigns import accept_step, remove_campaign, set_state, start_campaign
+from fixtures_db.imu_models import Limit, add_effect, set_limits, withdraw_effect
 from fixtures_db.issued_certificates import next_number, record_issue, record_signed
-from fixtures_db.model_limits import Limit, set_limits
 from fixtures_db.schema import CalibrationRow, IssuedCertificateRow
 from fixtures_db.stored_calibrations import accept_calibration
-from fixtures_db.user_effects import add_effect, withdraw_effect
 from tests.fixtures_db.factory import LATER, NOON, facts, fill_fixtures, solution
 
 WIDE = (Limit("accelerometer.bias.x", -2e-3, 2e-3, "g"), Limit("accelerometer.bias.y", None, 3e-3, "g"))

@@ -7,8 +7,7 @@ import pytest
 from sqlalchemy import Column, select, text
 from sqlalchemy.exc import DBAPIError
 
-from fixtures_db.append_only_rows import ROW_TITLES, row_text
-from fixtures_db.append_only_triggers import append_only_tables
+from fixtures_db.append_only_rows import ROW_TITLES, append_only_tables, row_text
 from fixtures_db.database import Database
 from fixtures_db.schema import Base, CalibrationRow
 from fixtures_db.verification import alterations, take_anchor

@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fixtures_db.campaign_references import references, why_measured
-from fixtures_db.campaigns import accept_step, start_campaign
+from fixtures_db.campaigns import accept_step, references, start_campaign, why_measured
 from fixtures_db.database import Database, open_db
 from fixtures_db.fixture_measurements import add_level, certify_faces
 from fixtures_db.fixtures import add_fixture

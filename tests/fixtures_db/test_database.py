@@ -16,7 +16,7 @@ from fixtures_db.migrations import HEAD, KNOWN
 from fixtures_db.migrations.upgrade import config
 from fixtures_db.schema import Base, CubeRow
 from fixtures_db.verification import alterations
-from station.exit_codes import exit_code
+from station.errors import exit_code
 from tests.benchmarks.edited_databases.declaration_edits import VERSION
 from tests.benchmarks.two_writers import both
 

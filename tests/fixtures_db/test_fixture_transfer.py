@@ -6,8 +6,7 @@ import pytest
 from fixtures_db.append_only_rows import newest_hash, verify_dates, verify_rows
 from fixtures_db.database import Database, open_db
 from fixtures_db.errors import DiffersFromStored, NotInDatabase
-from fixtures_db.fixture_measurements import add_level, certify_faces, cube, drawing
-from fixtures_db.fixture_transfer import dump, restore
+from fixtures_db.fixture_measurements import add_level, certify_faces, cube, drawing, dump, restore
 from fixtures_db.fixtures import add_fixture, due, fixture_row
 from fixtures_db.schema import CubeMeasurementRow, CubeRow, FaceCertificateRow, SiteRow, SlabLevelRow, SlabRow
 from fixtures_db.stored_calibrations import accept_calibration

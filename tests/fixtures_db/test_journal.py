@@ -9,16 +9,14 @@ import pytest
 from sqlalchemy import Table, delete, insert, select, text
 from sqlalchemy.orm import Session
 
-from fixtures_db.append_only_rows import ROW_TITLES
-from fixtures_db.append_only_triggers import append_only_tables, trigger_faults
+from fixtures_db.append_only_rows import ROW_TITLES, append_only_tables, trigger_faults
 from fixtures_db.database import Database
+from fixtures_db.imu_models import limits_of, set_limits
 from fixtures_db.journal import Head, journal_head, journalled_tables
 from fixtures_db.journal_verification import missing_entry, speaks_since, verify_journal
-from fixtures_db.model_limits import limits_of, set_limits
 from fixtures_db.schema import Base, ImuLimitRow, SiteRow
-from fixtures_db.storage_checks import declaration_faults
 from fixtures_db.stored_calibrations import accept_calibration, history
-from fixtures_db.verification import NO_ROW, alterations
+from fixtures_db.verification import NO_ROW, alterations, declaration_faults
 from tests.benchmarks.database_edits import free_to_write, put_back
 from tests.benchmarks.edited_databases.declaration_edits import REBUILT, rebuilt, unreferenced
 from tests.fixtures_db.factory import facts, protect_again, solution, unprotect

@@ -1,7 +1,7 @@
 import pytest
 
 from fixtures_db.database import Database
-from fixtures_db.model_limits import Limit, covered, limited_models, limits_of, set_limits
+from fixtures_db.imu_models import Limit, covered, limited_models, limits_of, set_limits
 
 
 def test_a_name_without_an_axis_means_every_axis(db: Database) -> None:

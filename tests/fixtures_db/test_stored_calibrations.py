@@ -11,7 +11,7 @@ from fixtures_db.campaigns import accept_step, campaign, start_campaign
 from fixtures_db.database import Database, open_db
 from fixtures_db.errors import AlreadyStored, LimitsChanged, NotInDatabase
 from fixtures_db.hash_chain import GENESIS, digest
-from fixtures_db.model_limits import Limit, set_limits
+from fixtures_db.imu_models import Limit, set_limits
 from fixtures_db.schema import CalibrationRow
 from fixtures_db.stored_calibrations import (
     accept_calibration,

@@ -2,8 +2,8 @@ import pytest
 
 from fixtures_db.database import Database
 from fixtures_db.errors import InForceAlready, NotInForce
-from fixtures_db.user_effects import add_effect, all_in_force, effects_in_force, withdraw_effect
-from procedures.error_codes import ErrorCode
+from fixtures_db.imu_models import add_effect, all_in_force, effects_in_force, withdraw_effect
+from procedures.errors import ErrorCode
 from tests.refusals import refused
 
 NAME = "gyroscope.dead_zone"

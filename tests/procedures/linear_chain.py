@@ -12,7 +12,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import CampaignFits
 from procedures.calibration.triad_calibration import reference_axes, scale_misalignment_bias
-from procedures.earth.geodesy import earth_rate_n
+from procedures.geodesy import earth_rate_n
 from procedures.statistics.least_squares import minimise
 from procedures.twelve_positions.accelerometer_fit import TriadFit, specific_force
 

@@ -11,11 +11,20 @@ import typer
 
 from drivers.errors import BadDeviceUrl, DriverError
 from fixtures_db.errors import DatabaseError
-from procedures.error_codes import ErrorCode
-from procedures.errors import NotObservable, ProcedureError, WrongFace
+from procedures.errors import ErrorCode, NotObservable, ProcedureError, WrongFace
 from station.cli import run
-from station.errors import Altered, CannotWrite, DataRefused, StationError
-from station.exit_codes import BUG, EXIT_CODES, error_code, exit_code, explain, one_line
+from station.errors import (
+    BUG,
+    EXIT_CODES,
+    Altered,
+    CannotWrite,
+    DataRefused,
+    StationError,
+    error_code,
+    exit_code,
+    explain,
+    one_line,
+)
 from tests.paths import ROOT
 
 FAMILIES = (StationError, DriverError, ProcedureError, DatabaseError)  # each the base of what a layer raises

@@ -58,7 +58,7 @@ def test_every_command_explains_itself_without_numerics() -> None:
 
 def test_a_solve_loads_no_compiler_and_nothing_that_it_does_not_need() -> None:
     program = "import sys, station.cli, station.commands.solve, station.files.campaign_folder.loaded_campaign\n"
-    program += "import station.files.campaign_folder.campaign_reading, station.results.solve_with_effects\n"
+    program += "import station.files.campaign_folder.campaign_reading, procedures.calibration.joint_calibration\n"
     program += "import station.results.solution_json, station.results.solution_text, station.files.atomic_file"
     found = imported(program)
     assert sorted(found & {"numba", "llvmlite"}) == []  # more than half of a whole solve

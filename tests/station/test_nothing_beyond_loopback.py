@@ -9,7 +9,7 @@ import numpy as np
 import psutil
 import pytest
 
-from drivers.address_guess import whole_url
+from drivers.addresses import whole_url
 from drivers.ports import open_port
 from drivers.simulated.companions.camera_server import SimulatedCamera
 from drivers.simulated.companions.gnss_server import SimulatedGnss

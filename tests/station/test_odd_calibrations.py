@@ -11,9 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from station.applying.applying import Progress, apply_to
+from station.applying.applying import OutputRequest, Progress, apply_to
 from station.applying.open_source import open_source
-from station.applying.output_request import OutputRequest
 from station.calibration import load
 from station.errors import DataRefused
 from station.exports import EXPORTS, Request

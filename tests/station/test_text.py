@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from station.results.fixtures.measured_cube_text import chi2_text
+from station.results.fixtures.fixture_listing import chi2_text
 from station.results.parameters_by_name import Parameter
 from station.results.parameters_by_name import shown as shown_parameter
 from station.results.solution_text import measured

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station import cli
 from station.errors import CannotWrite
 from station.files.sha256sums import append_hash

@@ -7,10 +7,15 @@ from procedures.counts.count_rate import estimate_counts
 from procedures.counts.dwell_means import estimate_rates
 from procedures.counts.reference_time import fit_clock
 from procedures.counts.sample_times import own_period, sample_times
-from procedures.history.drift import forecast
-from procedures.history.population import judge_fleet
-from procedures.history.repeatability import CalibrationSeries, control_chart, control_limit, turn_on_repeatability
 from procedures.statistics.allan_deviation import fit_noise, overlapping_deviation
+from procedures.statistics.calibration_drift import (
+    CalibrationSeries,
+    control_chart,
+    control_limit,
+    forecast,
+    turn_on_repeatability,
+)
+from procedures.statistics.population import judge_fleet
 from procedures.statistics.spectrum import lines_of, spectrum_of
 from tests.stored.conftest import StoredResult
 

@@ -8,7 +8,7 @@ from drivers.can.can_format import can_format
 from drivers.framing import Decoder
 from drivers.mavlink.decoder import MavlinkDecoder
 from drivers.mavlink.session import MavlinkSession
-from drivers.simulated.companions.autopilot import Autopilot
+from drivers.simulated.companions.gnss_server import Autopilot
 from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.faults import KINDS, Fault, FaultyLine, TimedFault
 from drivers.simulated.imu import SimulatedImu

@@ -25,13 +25,13 @@ LAZY = (  # what the station imports when it wants it: before the clocks are put
     "station.guide.campaign.interrupted_campaigns",
     "station.guide.campaign.verdict", "station.guide.campaign.port_check", "station.guide.campaign.readiness",
     "station.stream.reader.reader", "station.stream.gnss_feed",
-    "station.guide.campaign.gnss_receiver",
+    "station.guide.campaign.port_check",
     "station.guide.stages.monitor_stage", "station.guide.campaign.folder_recorder", "station.device_probe",
     "station.results.campaign_results", "station.results.diagnosis.model_refinement",
     "station.results.solution_json", "station.results.user_defined_effects",
     "station.results.report.report", "station.results.diagnosis.diagnosis_html",
     "station.results.diagnosis.magnetic_field", "station.results.certificate.issuing", "station.demo.run",
-    "station.results.fixtures.measured_cube", "fixtures_db.user_effects", "fixtures_db.issued_certificates",
+    "station.results.fixtures.measured_cube", "fixtures_db.imu_models", "fixtures_db.issued_certificates",
     "fixtures_db.migrations.upgrade", "station.commands.verify", "station.demo.comparison", "station.tui.app",
 )  # fmt: skip
 

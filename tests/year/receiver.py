@@ -4,7 +4,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from drivers.address_parsing import parse_device_url
-from drivers.simulated.companions.autopilot import Autopilot
+from drivers.simulated.companions.gnss_server import Autopilot
 from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.faults import TimedFault
 from drivers.simulated.truth import Truth

@@ -8,7 +8,7 @@ import numpy as np
 from drivers.simulated.faults import MAX_SYSTEM
 from drivers.simulated.truth import Truth
 from fixtures_db.database import Database
-from fixtures_db.model_limits import set_limits
+from fixtures_db.imu_models import set_limits
 from tests.year.machine import Machine
 from tests.year.person import Manner
 

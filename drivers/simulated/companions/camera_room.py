@@ -1,4 +1,4 @@
-"""A closed room around a track with pillars beside it: where rays from a camera end, and what is seen there.
+"""A closed room around a track with pillars next to it: where rays from a camera end, and what is seen there.
 
 Boxes stand along East, North and Up; a ray meets one where it is within all three of its slabs (Kay, Kajiya 1986).
 
@@ -89,7 +89,10 @@ def _between(texels: Floats, begin: np.ndarray, u: Floats, v: Floats, level: np.
 WALL_MARGIN_M = 9.0  # m, from the track to the walls
 EYE, CEILING = 1.6, 9.0  # m, from the track down and up
 PILLAR_SPACING_M = 10.0  # m, between pillars
-PILLAR_HALF_WIDTHS_M = 0.8, 2.5  # m, of a pillar's width; thin ones are all edges, beside which features go astray
+PILLAR_HALF_WIDTHS_M = (
+    0.8,
+    2.5,
+)  # m, of a pillar's width; thin ones are all edges, where features go astray
 MIN_PILLAR_DISTANCE_M = 4.0  # m, from the track: what is nearer goes by faster than features are followed
 MAX_PILLAR_DISTANCE_M = 18.0  # m, of the track: pillars further off are not needed
 MIN_RANGE_M = 0.05  # m
@@ -214,7 +217,7 @@ def _up(vector: Floats, like: Floats) -> Floats:
 def _pillars(
     low: FloatArray, high: FloatArray, points: FloatArray, rng: np.random.Generator
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the corners of pillars that stand beside the track."""
+    """Return the corners of pillars that stand next to the track."""
     east, north = np.meshgrid(*(np.arange(low[i] + 2, high[i] - 2, PILLAR_SPACING_M) for i in (0, 1)))
     grid = np.column_stack((east.ravel(), north.ravel()))
     middle = grid + rng.uniform(-0.3 * PILLAR_SPACING_M, 0.3 * PILLAR_SPACING_M, grid.shape)

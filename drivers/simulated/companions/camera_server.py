@@ -114,7 +114,7 @@ class SimulatedCamera(CompanionDevice):
     ----------
     truth, camera, faults, track, seed
         What is simulated, see `CameraImages`.
-    beside
+    imu
         The device whose time it shares; without it, the host's, ``speed`` times as fast.
     port
         Where it listens; 0: any free one.
@@ -128,11 +128,11 @@ class SimulatedCamera(CompanionDevice):
         track: VehicleTrack | None = None,
         seed: int | None = 1,
         *,
-        beside: SimulatedDevice | None = None,
+        imu: SimulatedDevice | None = None,
         speed: float = 1.0,
         port: int = 0,
     ) -> None:
-        super().__init__("simulated camera", faults, beside, speed)
+        super().__init__("simulated camera", faults, imu, speed)
         self.images = CameraImages(truth, camera or CameraTruth(), self.faults, track, seed)
         self.camera = self.images.camera
         self._port = port

@@ -10,17 +10,15 @@ from drivers.simulated.server import SimulatedDevice
 
 
 class CompanionDevice:
-    """Served by a thread while the ``with`` block lasts; what is to be said is a subclass's.
+    """Served by a thread while the ``with`` block lasts; what is to be reported is a subclass's.
 
-    ``beside`` is the device whose time it shares; without one time is the host's, ``speed`` times as fast. Of its
+    ``imu`` is the device whose time it shares; without one time is the host's, ``speed`` times as fast. Of its
     ``faults``, which a subclass reads, ``unplug`` is acted on here.
     """
 
-    def __init__(
-        self, name: str, faults: Iterable[TimedFault], beside: SimulatedDevice | None, speed: float
-    ) -> None:
+    def __init__(self, name: str, faults: Iterable[TimedFault], imu: SimulatedDevice | None, speed: float) -> None:
         self.faults = list(faults)
-        self._beside, self._speed = beside, speed
+        self._imu, self._speed = imu, speed
         self._stop = Event()
         self._thread = Thread(target=self._run, name=name, daemon=True)
         self._began = 0.0
@@ -29,7 +27,7 @@ class CompanionDevice:
     @property
     def now(self) -> float:
         """True time [s]."""
-        return self._beside.true_time if self._beside else (time.monotonic() - self._began) * self._speed
+        return self._imu.true_time if self._imu else (time.monotonic() - self._began) * self._speed
 
     def plant(self, kind: str, seconds: float, size: float = 0.0) -> None:
         """Have a fault act from now on, see the kinds in `drivers.simulated.faults`."""

@@ -1,4 +1,4 @@
-"""A simulated vehicle's wheel on CAN: frames of a DBC behind an slcan adapter, beside a simulated IMU or alone."""
+"""A simulated vehicle's wheel on CAN: frames of a DBC behind an slcan adapter, with a simulated IMU or alone."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -37,10 +37,10 @@ class SimulatedWheel(CompanionDevice):
 
     def __init__(
         self, track: VehicleTrack | None = None, scale: float = 1.015, faults: Iterable[TimedFault] = (),
-        seed: int | None = 1, *, signal: WheelSignal | None = None, beside: SimulatedDevice | None = None,
+        seed: int | None = 1, *, signal: WheelSignal | None = None, imu: SimulatedDevice | None = None,
         speed: float = 1.0, link: Path | None = None,
     ) -> None:  # fmt: skip
-        super().__init__("simulated wheel", faults, beside, speed)
+        super().__init__("simulated wheel", faults, imu, speed)
         self._track, self._scale, self._rng = track, scale, np.random.default_rng(seed)
         self._signal = signal or wheel_signal(DBC, SIGNAL)
         self._line = SlcanAdapter(link)

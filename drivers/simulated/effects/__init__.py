@@ -1,7 +1,6 @@
 """Every error term that can be planted by name and size.
 
-Each is a `planted_effect`: of the `sensors` (`thermal` for their temperature), or of the `bench`.
-
+Each is a `planted_effect`: of the `sensors` or of the `bench`.
 `written_term` plants a user-defined one. `docs/reference/simulated-devices.md` lists units and equations.
 """
 

@@ -23,7 +23,7 @@ class Stimulus:
     ``f`` [g], ``omega`` [deg/s] relative to inertial space, ``magnetic`` [uT]: (n or 1, 3), IMU axes. Columns (n,
     1): ``t`` [s] since power-on at mid-interval, ``rest_s`` [s] since the cube was last moved, ``temperature``
     [degC], ``temperature_rate`` [K/min]; ``temperature_at`` gives the temperature at any earlier time (...) [s].
-    ``position`` is where the cube is said to rest, 0 while it moves.
+    ``position`` is where the cube is reported to rest, 0 while it moves.
     """
 
     f: FloatArray

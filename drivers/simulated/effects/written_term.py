@@ -22,7 +22,7 @@ from drivers.simulated.effects.planted_effect import (
     Stimulus,
     TriadInput,
 )
-from drivers.simulated.effects.thermal import sensor_temperature
+from drivers.simulated.effects.sensors import sensor_temperature
 from drivers.simulated.truth import Sizes
 from procedures.arrays import FloatArray
 

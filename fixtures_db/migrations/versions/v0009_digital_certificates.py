@@ -1,4 +1,4 @@
-"""Certificates as XML beside their HTML."""
+"""Certificates as XML with their HTML."""
 
 import sqlalchemy as sa
 from alembic import op

@@ -27,11 +27,10 @@ from procedures.fusion.inner.inner_window import (
     InnerSettings,
     InnerWindow,
 )
-from procedures.fusion.inner.keyframes import KEYFRAME_SPACING_S, keyframes
 from procedures.fusion.inner.marginalised_keyframes import MarginalisedKeyframe, RevisedPath, smoothed_states
 from procedures.fusion.inner.wheel_aid import WheelAid
 from procedures.fusion.inner.window_problem import BackSubstitution, Prior, WindowMeasurements, marginalised
-from procedures.fusion.inner.window_state import ANTENNA, SPEED, Normal, WindowState
+from procedures.fusion.inner.window_state import ANTENNA, KEYFRAME_SPACING_S, SPEED, Normal, WindowState, keyframes
 from procedures.fusion.inner.window_terms import Site
 from procedures.fusion.odometry import AntennaEstimate, OdometryPose
 from procedures.fusion.preintegration import Preintegrated

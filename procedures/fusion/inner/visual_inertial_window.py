@@ -1,6 +1,6 @@
-"""The inner layer with a camera: tracks beside IMU and GNSS velocity, in a window of ten keyframes.
+"""The inner layer with a camera: tracks with IMU and GNSS velocity, in a window of ten keyframes.
 
-Landmarks and where the camera sits are fitted beside poses, velocities and biases: reprojection with Huber's loss.
+Landmarks and where the camera sits are fitted with poses, velocities and biases: reprojection with Huber's loss.
 The landmarks are eliminated by hand, all at once. What leaves is marginalised with all its sights; landmarks that
 are still followed stay in the prior, so that nothing is used twice and nothing lost.
 """
@@ -25,11 +25,21 @@ from procedures.fusion.inner.inner_window import (
     InnerSettings,
     InnerWindow,
 )
-from procedures.fusion.inner.keyframes import FRAME_SPACING_S, MIN_FRAME_SPACING_S, Frame, keyframes
 from procedures.fusion.inner.landmarks import residuals
 from procedures.fusion.inner.wheel_aid import WheelAid
 from procedures.fusion.inner.window_problem import BackSubstitution, Prior, walked
-from procedures.fusion.inner.window_state import COMMON, FRAME, HEADING, OFFSET, Normal, WindowState
+from procedures.fusion.inner.window_state import (
+    COMMON,
+    FRAME,
+    FRAME_SPACING_S,
+    HEADING,
+    MIN_FRAME_SPACING_S,
+    OFFSET,
+    Frame,
+    Normal,
+    WindowState,
+    keyframes,
+)
 from procedures.fusion.inner.window_terms import Site
 from procedures.fusion.odometry import OdometryPose
 from procedures.fusion.preintegration import Preintegrated

@@ -1,4 +1,4 @@
-"""A wheel beside an IMU: what it says at each keyframe, whether it slips, whether the vehicle stands.
+"""A wheel with an IMU: what it says at each keyframe, whether it slips, whether the vehicle stands.
 
 *Slip* is disagreement. What the wheel says is compared with what IMU and GNSS predict, by the sigma of both: one
 keyframe alone, and the mean of the last half second, in which a slow slip shows. From then on the wheel is not
@@ -31,10 +31,13 @@ WIDENING_S = 10.0  # s of slip after which the limits are twice as wide
 MIN_MEASURED_SPEED = 0.5  # m/s below which many a wheel's sensor measures zero
 REST_S = 0.5  # s in which nothing changes at rest
 REST_PARTS = 5  # means that are compared
-REST_FORCE, REST_RATE = 0.08, 0.01  # m/s2 and rad/s by which they may differ beside their noise: an engine, wind
+REST_FORCE, REST_RATE = (
+    0.08,
+    0.01,
+)  # m/s2 and rad/s by which they may differ beyond their noise: an engine, wind
 REST_SIGMAS = 4.0
 REST_STD = 0.01  # m/s of each axis of a vehicle that stands
-MAX_REST_SPEED_ERROR = 1.0  # m/s, beside five sigmas, of a velocity predicted that may be zero all the same
+MAX_REST_SPEED_ERROR = 1.0  # m/s, with five sigmas, of a velocity predicted that may be zero all the same
 
 
 class WheelAid:
@@ -182,7 +185,7 @@ def predicted_covariance(
 
 
 def without_wheel(held: WindowMeasurements, newest: float, seconds: float) -> WindowMeasurements:
-    """Return what ties the keyframes without what a wheel said in the last ``seconds``, ``newest`` [s] on top."""
+    """Return what ties the keyframes without the wheel of the last ``seconds``, ``newest`` [s] on top."""
     ages = np.r_[newest + np.cumsum([part.dt for part in held.parts][::-1])[::-1], newest]
     fixes = [replace(fix, wheel=None) if age < seconds else fix for fix, age in zip(held.fixes, ages, strict=True)]
     return WindowMeasurements(held.parts, fixes)

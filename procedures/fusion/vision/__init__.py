@@ -1,6 +1,6 @@
 """Images to features, and the start with a camera.
 
-`feature_tracker` follows features through images and `two_view` gives the motion between two of them;
-`camera_time` finds the delay of the camera, `visual_structure` its path up to scale, and `visual_alignment` the
-scale and the axes, where the inner layer starts.
+`feature_tracker` follows features through images and `two_view` gives the motion between two of them and the path
+up to scale; `camera_time` finds the delay of the camera, and `visual_alignment` the scale and the axes, where the
+inner layer starts.
 """

@@ -30,7 +30,7 @@ SEARCH_STEP_S = 0.02  # s of the search: a vehicle does not swing to and fro wit
 MIN_PAIRS, MAX_PAIRS = 20, 200  # pairs of frames
 ROUGH_PAIRS, ROUGH_POINTS, ROUGH_LOSS, ROUGH_ROUNDS = 60, 40, 6.0, 2  # of the search
 GYRO_BIAS_STD, MOUNTING_STD = 0.1, np.radians(1.0)  # rad/s, rad, of the gyro and of where the camera sits
-PAIR_TURN_STD = 1e-3  # rad, of a pair's turn beside the points' own noise: vibration, a lens, a rolling shutter
+PAIR_TURN_STD = 1e-3  # rad, of a pair's turn beyond the points' own noise: vibration, a lens, a rolling shutter
 PAIR_OUTLIER_SIGMAS = 1.5  # sigmas (rms of three axes) from which a pair counts less
 ITERATIONS_RANGE = (3, 10)  # at least, at most
 STEP_TOLERANCE = 0.05  # of a sigma
@@ -207,7 +207,7 @@ class _Fit:
         return R, np.concatenate((by_b, R - np.eye(3)), axis=2)
 
     def _normal(self, misfit: RotationMisfit, J: FloatArray, x: FloatArray) -> _Normal:
-        """Weigh the pairs' turns, each with the noise `PAIR_TURN_STD` beside its own, and sum them up."""
+        """Weigh the pairs' turns, each with the noise `PAIR_TURN_STD` in addition to its own, and sum them up."""
         off = _off(misfit, np.zeros((len(J), 3)))
         trust = np.minimum(1, PAIR_OUTLIER_SIGMAS / np.sqrt(off + TINY))
         less = np.linalg.inv(np.eye(3) + PAIR_TURN_STD**2 * misfit.H)

@@ -34,8 +34,7 @@ from procedures.fusion.inner.window_state import HEADING, Factor, WindowState
 from procedures.fusion.inner.window_terms import fix_residuals
 from procedures.fusion.pose_graph_terms import rz
 from procedures.fusion.preintegration import ImuGrid, Preintegrated, grid, preintegrate
-from procedures.fusion.vision.two_view import MIN_POINTS
-from procedures.fusion.vision.visual_structure import CameraStructure, structure
+from procedures.fusion.vision.two_view import MIN_POINTS, CameraStructure, structure
 
 MAX_SCALE_STD = 0.02  # 1 sigma: of 717 starts on real flights the worst was then 8 % off, of 901 with 0.04 11 %
 MAX_MEAN_SQUARE = 2.5  # of a mean square that should be 1

@@ -22,9 +22,9 @@ from procedures.campaign.campaign import (
     SoakRecord,
     TurnRecord,
 )
-from procedures.earth.geodesy import normal_gravity
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from procedures.frames import TURN_START
+from procedures.geodesy import normal_gravity
 from procedures.units import RAD_PER_ARCSEC, RAD_S_PER_DEG_H, STANDARD_GRAVITY
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import (
@@ -118,8 +118,8 @@ def loaded_campaign(
         *_doubts(tables),
         *(w for step in steps if step.data for w in step.data.warnings),
     ]
-    steps, period_std, said = with_one_period(steps)
-    warnings += said
+    steps, period_std, text = with_one_period(steps)
+    warnings += text
     used = [step for step in steps if isinstance(step.table, DwellTable | TurnTable | MoveTable | SequenceTable)]
     campaign = replace(
         _campaign(tables, used),

@@ -106,7 +106,7 @@ class SiteTable(PlaceTable):
 
 
 class ProcedureTable(TomlTable):
-    """``[procedure]``, 1 sigma. ``seat_std_arcsec``: of a face on the slab, from placing to placing; for moves.
+    """``[procedure]``, 1 sigma. ``seat_std_arcsec``: of a face on the slab, between placements; for moves.
 
     ``closure_widened_from_deg``: what was stated before turns did not close to it.
     """
@@ -257,8 +257,8 @@ class TurnTable(_Step):
         return self
 
 
-Law = Annotated[str, matching("|".join(LIVE_FILTERS), f"one of {', '.join(LIVE_FILTERS)}")]
-Laws = Annotated[list[Law], Field(min_length=1, max_length=MAX_LIVE_FILTERS)]
+FilterName = Annotated[str, matching("|".join(LIVE_FILTERS), f"one of {', '.join(LIVE_FILTERS)}")]
+FilterNames = Annotated[list[FilterName], Field(min_length=1, max_length=MAX_LIVE_FILTERS)]
 
 
 class MonitorTable(_Step):
@@ -269,7 +269,7 @@ class MonitorTable(_Step):
     """
 
     position: Position
-    laws: Laws
+    laws: FilterNames
     file: str
     calibration: str = ""
     roll_deg: list[float] = []
@@ -281,7 +281,7 @@ class MonitorTable(_Step):
     g_error_mg: float | None = None
 
     @model_validator(mode="after")
-    def _has_a_number_a_law(self) -> Self:
+    def _has_a_number_a_filter(self) -> Self:
         if {len(each) for each in (self.roll_deg, self.pitch_deg, self.scatter_deg)} - {0, len(self.laws)}:
             raise ValueError("roll_deg, pitch_deg and scatter_deg with a number for each of laws, or none")
         return self

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import MAX_CLOCK_PPM, RATE_SIGMAS, Campaign, clock_rate, false_rate, is_known
 from procedures.counts.reference_time import ClockRate
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from procedures.units import PPM_PER_ONE
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import CampaignTable, StepTable

@@ -20,8 +20,8 @@ from station.files.campaign_folder.campaign_schema import (
     CampaignTable,
     CubeAttitude,
     Face,
+    FilterNames,
     ImuAxes,
-    Laws,
     Position,
     attitude,
 )
@@ -71,7 +71,7 @@ class PlannedMonitor(TomlTable):
 
     position: Position
     seconds: Seconds
-    laws: Laws = ["joint", "mixer"]
+    laws: FilterNames = ["joint", "mixer"]
 
 
 class PlannedFixture(TomlTable):
@@ -139,7 +139,7 @@ def _table(step: Step) -> tuple[str, dict[str, Any]]:
         own = {name: getattr(step, name) for name in ("axis", "direction", "revolutions", "start_position")}
         return "turn", {**own, "seconds": step.rest_s, **speed}
     if isinstance(step, Monitor):
-        return "monitor", {"position": step.position, "seconds": step.seconds, "laws": list(step.laws)}
+        return "monitor", {"position": step.position, "seconds": step.seconds, "laws": list(step.filters)}
     where: dict[str, Any] = {"attitude": "free"}
     if isinstance(step, Dwell | Soak) and step.position:
         where = attitude(step.position)
@@ -159,11 +159,11 @@ def _step(
         return Turn(table.axis, table.direction, table.revolutions, start, table.seconds, table.speed_deg_s)
     if isinstance(table, PlannedMonitor):
         try:
-            refuse_without_velocity(laws := parse_filters(",".join(table.laws)), "none")
+            refuse_without_velocity(filters := parse_filters(",".join(table.laws)), "none")
         except ValueError as error:
             raise DataRefused(path, line, str(error), "filters that evaluate a rest", "remove them") from None
         number = 1 + sum(isinstance(step, Monitor) for step in before)
-        return Monitor(number, table.seconds, table.position, laws)
+        return Monitor(number, table.seconds, table.position, filters)
     kind = "soak" if isinstance(table, PlannedSoak) else "dwell"
     given = [name for name in ("position", "axes", "up", "attitude") if getattr(table, name) is not None]
     if len(given) != 1:
@@ -220,7 +220,7 @@ class WantedRecord(BaseModel):
 
     ``sigmas`` by parameter, in the units of files, scale factors relative; ``accel_white`` [g sqrt(s)],
     ``gyro_white`` [deg/sqrt(s)], scales [count/(g s)] and [count/deg], None where nothing is counted; ``wander``
-    [deg/s]; what a placing takes hands, and of that the move [s]. No white noise: the first dwell is to show it.
+    [deg/s]; what a placement takes hands, and of that the move [s]. No white noise: the first dwell is to show it.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)

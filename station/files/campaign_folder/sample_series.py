@@ -8,8 +8,8 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.counts.sample_records import CountSeries, RateSeries, Series
 from procedures.counts.sample_times import SampleTimes, sample_times
-from procedures.error_codes import ErrorCode
-from procedures.recordings.time_unit import unit_by_ratio
+from procedures.counts.time_unit import unit_by_ratio
+from procedures.errors import ErrorCode
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import CampaignImuTable
 from station.files.output_units import PLAUSIBLE_C
@@ -62,13 +62,13 @@ def step_data(table: Table, imu: CampaignImuTable) -> StepData:
     temperature = table.columns.get("temp_c", np.full(len(t), np.nan))[keep]
     _refuse_implausible(table, temperature, np.flatnonzero(keep))
     extra = {name: c[keep] for name, c in table.columns.items() if name not in {*OUTPUTS, "t_s", "temp_c"}}
-    beside = (temperature, period, starts[starts < keep.sum()], extra)
+    common = (temperature, period, starts[starts < keep.sum()], extra)
     series: Series
     if imu.output == "rate":
-        series = RateSeries(times.t[keep], gyro, accel, *beside)
+        series = RateSeries(times.t[keep], gyro, accel, *common)
     else:
         gyro_counts, accel_counts = (None if a is None else a.astype(np.int64) for a in (gyro, accel))
-        series = CountSeries(times.t[keep], gyro_counts, accel_counts, *beside)
+        series = CountSeries(times.t[keep], gyro_counts, accel_counts, *common)
     return StepData(
         series, (float(t[0]), float(t[-1])), times, table.host_span, tuple(_warnings(table, times, imu))
     )

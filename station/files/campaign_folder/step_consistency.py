@@ -116,11 +116,11 @@ def with_one_period(steps: Sequence[LoadedStep]) -> tuple[list[LoadedStep], floa
     mean = float(weight @ value / weight.sum())
     spread = float(weight @ (value - mean) ** 2) / max(len(value) - 1, 1)  # more than their sigmas: widens it
     std = float(np.sqrt(max(spread, 1.0) / weight.sum()))
-    said = (
+    text = (
         f"sample period of the {len(alike)} file(s) with uneven t_s: {mean:.9g} s "
         f"+- {1e6 * std / mean:.2g} ppm (u), common to all of them; the uncertainties include it"
     )
-    return [_at(step, mean) if step.data in alike else step for step in steps], std / mean, [said]
+    return [_at(step, mean) if step.data in alike else step for step in steps], std / mean, [text]
 
 
 def _is_near(data: StepData, period: float) -> bool:

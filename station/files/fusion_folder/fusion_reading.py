@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.earth.geodesy import normal_gravity
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from procedures.fusion.feature_tracks import FeatureTracks, PinholeCamera
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries, Trajectory, WheelSpeeds
+from procedures.geodesy import normal_gravity
 from station.errors import DataRefused
 from station.files.fusion_folder.fusion_schema import FusionGnssTable, FusionTable
 from station.files.fusion_folder.fusion_tables import (

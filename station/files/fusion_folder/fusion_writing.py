@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.earth.geodesy import LocalLevel
 from procedures.fusion.feature_tracks import FeatureTracks
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries, WheelSpeeds
+from procedures.geodesy import LocalLevel
 from station.files.atomic_file import replace_file
 from station.files.fusion_folder.fusion_reading import FUSION_TOML
 from station.files.fusion_folder.fusion_schema import LensTable, WheelMountTable

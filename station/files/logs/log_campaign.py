@@ -11,7 +11,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import UNKNOWN
 from procedures.counts.sample_times import NEAR_PERIOD_TOLERANCE, own_period
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import DataRefused
 from station.files.atomic_file import new_folder, replace_file
 from station.files.campaign_folder.campaign_reading import loaded_campaign
@@ -88,12 +88,14 @@ def campaign_of_logs(files: Sequence[Path], stated: LogOptions) -> LogCampaign:
     named = _names(files)
     data, origins, notes = list[Table](), list[float | None](), list[str]()
     for found, name in zip(chosen, named, strict=True):
-        columns, origin, said = log_data(found, stated.columns.rate_hz, name)
+        columns, origin, wording = log_data(found, stated.columns.rate_hz, name)
         if found.reference is None:  # a rate table turns
-            said += [f"{found.table.file.name}: {note}" for note in check_units(readings(found, columns, stated))]
+            wording += [
+                f"{found.table.file.name}: {note}" for note in check_units(readings(found, columns, stated))
+            ]
         data.append(columns)
         origins.append(origin)
-        notes += said
+        notes += wording
     data, apart = _placed(data, origins)
     imu, periods = _imu(chosen[0], data, stated)
     kinds = stated.kinds * len(files) if len(stated.kinds) == 1 else stated.kinds or (None,) * len(files)

@@ -6,25 +6,23 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.error_codes import ErrorCode
+from procedures.counts.time_unit import SECOND, TimeUnit
+from procedures.errors import ErrorCode
 from procedures.frames import AXES
-from procedures.recordings.time_unit import SECOND, TimeUnit
 from station.errors import DataRefused
 from station.files.logs.header_guesses import (
     bare_axes,
     degrees_per_angle,
+    guessed_single_gyro,
     guessed_time,
+    guessed_triad,
     guessed_utc,
+    is_by_letter_g,
+    is_called_as_other,
     split_unit,
     unit_by_logger,
 )
 from station.files.logs.time_units import compare_clocks, other_clocks, unit_of_time
-from station.files.logs.triad_guesses import (
-    guessed_single_gyro,
-    guessed_triad,
-    is_by_letter_g,
-    is_called_as_other,
-)
 from station.files.logs.unit_checks import temperature_column
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW
 from station.files.tables.table import MAX_NAMES_SHOWN, Table

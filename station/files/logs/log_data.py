@@ -17,7 +17,7 @@ from procedures.counts.reference_angle import (
     unwrapped,
 )
 from procedures.counts.sample_times import StampsGoBack, log_times
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import DataRefused
 from station.files.logs.log_columns import LogColumns, outputs
 from station.files.output_units import GYRO_UNITS, TEMPERATURE_UNITS, outputs_per_unit
@@ -118,7 +118,7 @@ def log_data(found: LogColumns, rate_hz: float | None, name: str) -> tuple[Table
     reference = None if found.reference is None else table.column(found.reference) / found.reference_unit
     keep = _usable([*triads.values(), stamps, reference], table.rows)
     lost = ~keep
-    lost[list(table.damaged)] = False  # the reader said so
+    lost[list(table.damaged)] = False  # the reader reported so
     if lost.any():
         count = int(lost.sum())
         notes.append(f"{count} rows without a number in time or outputs, first in {_place(found, lost)}: not used")
@@ -134,7 +134,7 @@ def log_data(found: LogColumns, rate_hz: float | None, name: str) -> tuple[Table
         if (values := triads[triad]) is not None:
             columns |= {each: np.ascontiguousarray(values[keep, i]) for i, each in enumerate(names)}
             _say_constant(values[keep], getattr(found, triad), notes)
-    columns |= _beside(found, keep, notes)
+    columns |= _auxiliary_columns(found, keep, notes)
     if found.utc is not None:
         columns["utc_s"] = found.unit_utc.linear(table.column(found.utc)[keep]) * found.unit_utc.seconds
     if reference is not None and found.degrees_per_angle is not None:
@@ -169,8 +169,8 @@ def _refuse_beyond_numbers(found: LogColumns) -> None:
         values = found.table.column(name)
         beyond = np.flatnonzero(np.isfinite(values) & (np.abs(values) > LARGEST))
         if len(beyond):
-            said = f"{values[beyond[0]]:.3g} in column {name}"
-            raise DataRefused(found.table.file, found.table.line(int(beyond[0])), said, f"at most {LARGEST:g}")
+            text = f"{values[beyond[0]]:.3g} in column {name}"
+            raise DataRefused(found.table.file, found.table.line(int(beyond[0])), text, f"at most {LARGEST:g}")
 
 
 def _repeated(stamps: FloatArray, outputs: Sequence[FloatArray | None]) -> BoolArray:
@@ -240,7 +240,7 @@ def _auxiliary_names(names: Sequence[str]) -> list[str]:
     return used
 
 
-def _beside(found: LogColumns, keep: BoolArray, notes: list[str]) -> dict[str, FloatArray]:
+def _auxiliary_columns(found: LogColumns, keep: BoolArray, notes: list[str]) -> dict[str, FloatArray]:
     """Return temperature and auxiliary channels, but for those that never change or are empty."""
     named: Mapping[str, str] = dict(zip(_auxiliary_names(found.auxiliary), found.auxiliary, strict=True))
     named = named if found.temperature is None else {"temp_c": found.temperature, **named}

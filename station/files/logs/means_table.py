@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from procedures.free_positions.pose_means import MAX_POSES, differ_like_poses
 from station.errors import DataRefused
 from station.files.logs.header_guesses import guessed_time

@@ -1,4 +1,4 @@
-"""The unit of a log's time: stated, or decided by all evidence at once (`procedures.recordings.time_decision`).
+"""The unit of a log's time: stated, or decided by all evidence at once (`procedures.counts.time_decision`).
 
 Other clocks of the same rows are evidence too; where one contradicts the time, it is reported.
 """
@@ -9,8 +9,7 @@ from datetime import UTC, datetime
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.error_codes import ErrorCode
-from procedures.recordings.time_decision import (
+from procedures.counts.time_decision import (
     EVIDENCE_RISES,
     EVIDENCE_ROWS,
     LIE_ODDS,
@@ -21,7 +20,8 @@ from procedures.recordings.time_decision import (
     evidence_rows,
     usual_step,
 )
-from procedures.recordings.time_unit import BY_NAME, SECOND, TIME_UNITS, TimeUnit
+from procedures.counts.time_unit import BY_NAME, SECOND, TIME_UNITS, TimeUnit
+from procedures.errors import ErrorCode
 from station.errors import ClocksContradict, DataRefused, TimeUnitAsked
 from station.files.logs.header_guesses import guessed_time, guessed_utc, time_units_in_name
 from station.files.output_units import time_unit
@@ -103,7 +103,7 @@ def seconds_of_clock(table: Table, name: str, values: FloatArray) -> float | Non
     return dated[0].seconds if dated else None
 
 
-FEW_DIGITS = 0.1  # share of the rows that have the stamp of the row before, from which it is said
+FEW_DIGITS = 0.1  # share of the rows that have the stamp of the row before, from which it is reported
 MOST_OFFERED = 6  # readings in a question
 
 

@@ -13,8 +13,8 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
 from procedures.counts.sample_times import own_period
-from procedures.error_codes import ErrorCode
-from procedures.recordings.rest_physics import (
+from procedures.errors import ErrorCode
+from procedures.rest_physics import (
     MATCH_TOLERANCE,
     MAX_RAW_RATE,
     MOST_NAMED,
@@ -65,7 +65,7 @@ class Readings:
 
 
 def check_units(log: Readings) -> list[str]:
-    """Return what is said of a log whose units are possible.
+    """Return what is reported of a log whose units are possible.
 
     Raises
     ------
@@ -132,12 +132,12 @@ def _of_force(log: Readings, sample_rate: float) -> _Impossible | None:
     what = f"a specific force of {found.found:.3g} m/s2 at rest, accelerometers in {unit}"
     others = _units(unit, per_g, ACCEL_UNITS, LSB_PER_G, "g", "accel")
     others += _increments(found, sample_rate, found.found * per_g / STANDARD_GRAVITY)
-    said = [each.name for each in explanations(found, others)]
+    text = [each.name for each in explanations(found, others)]
     if (bits := _twos_complement(log, axes, per_g)) is not None:
-        said.insert(0, f"signed {bits}-bit integers printed as unsigned")
+        text.insert(0, f"signed {bits}-bit integers printed as unsigned")
     no_gravity = found.found < GRAVITY_REMOVED and bool(axes.all())
     unexplained = "gravity was removed from them" if no_gravity else "no other unit explains it"
-    return _Impossible("accel", what, "9.8 m/s2 within 20 %", said, unexplained)
+    return _Impossible("accel", what, "9.8 m/s2 within 20 %", text, unexplained)
 
 
 def _of_rate(log: Readings, sample_rate: float) -> _Impossible | None:
@@ -156,8 +156,8 @@ def _of_rate(log: Readings, sample_rate: float) -> _Impossible | None:
     unit = units["gyro"] or RAW
     what = f"an angular rate of {found.found / RAD_PER_DEG:.3g} deg/s at rest, gyroscopes in {unit}"
     others = _units(unit, per_deg_s, GYRO_UNITS, LSB_PER_DEG_S, "(deg/s)", "gyro")
-    said = [each.name for each in explanations(found, others, max_rate=MAX_RAW_RATE)]
-    return _Impossible("gyro", what, "at most 20 deg/s", said, "no other unit explains it")
+    text = [each.name for each in explanations(found, others, max_rate=MAX_RAW_RATE)]
+    return _Impossible("gyro", what, "at most 20 deg/s", text, "no other unit explains it")
 
 
 def _units(
@@ -175,9 +175,9 @@ def _units(
 def _increments(found: Contradiction, sample_rate: float, outputs_in_g: float) -> list[Assumption]:
     """Return the interval whose velocity increments the outputs are: of a sample, or shorter where rows lack."""
     intervals = [1 / sample_rate, *INTERVALS_S]
-    said = "increments of velocity in {:.3g} s (--unit-accel {:.3g}/g)"
+    text = "increments of velocity in {:.3g} s (--unit-accel {:.3g}/g)"
     return [
-        Assumption(said.format(interval, outputs_in_g), 1 / interval)
+        Assumption(text.format(interval, outputs_in_g), 1 / interval)
         for i, interval in enumerate(intervals)
         if (i == 0 or interval < 1.01 / sample_rate)
         and abs(found.found / interval / STANDARD_GRAVITY - 1) < INTERVAL_TOLERANCE

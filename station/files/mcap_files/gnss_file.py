@@ -9,7 +9,7 @@ from typing import Any
 from google.protobuf.descriptor_pb2 import FieldDescriptorProto, FileDescriptorProto
 
 from fixtures_db.folder_on_disk import sync_folder
-from procedures.earth.gnss_records import AirData, FixType, GnssFix, TimeMark
+from procedures.gnss_records import AirData, FixType, GnssFix, TimeMark
 from station.errors import cannot_write
 from station.files.atomic_file import FlushInterval
 from station.files.mcap_files.reader import topic_messages

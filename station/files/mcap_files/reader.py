@@ -1,6 +1,6 @@
 """Reading an MCAP file, of a step or of some topics: every chunk checked, a file cut short read as far as it goes.
 
-What the checksums or the format contradict is refused; only an end that comes too early is forgiven, and said.
+What the checksums or the format contradict is refused; only an end that comes too early is forgiven, and reported.
 """
 
 import hashlib
@@ -139,7 +139,7 @@ def read_table(stream: BufferedReader, file: Path, *, counts: bool) -> Table:
     Raises
     ------
     DataRefused
-        If the file is damaged, holds no sample, or rates where counts are said, or the other way round.
+        If the file is damaged, holds no sample, or rates where counts are reported, or the other way round.
     """
     step = read_stream(stream, file)
     if not len(step):

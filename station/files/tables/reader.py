@@ -10,10 +10,9 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TypeVar
 
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import DataRefused
-from station.files.tables.array_table import open_mat, open_npz
-from station.files.tables.arrow_table import open_feather, open_parquet
+from station.files.tables.binary_tables import open_feather, open_mat, open_npz, open_parquet
 from station.files.tables.table import Table, TableReader
 from station.files.tables.text_table import open_text
 

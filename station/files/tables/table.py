@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import DataRefused
 
 HEAD_ROWS = 2000  # of which it is guessed what the columns hold

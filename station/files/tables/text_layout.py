@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
 
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from procedures.units import S_PER_H
 from station.errors import DataRefused
 from station.files.output_units import is_unit

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import DataRefused
 from station.files.tables.text_layout import MISSING, Layout, moment
 
@@ -59,7 +59,7 @@ class Damage:
                 for row, cell in cells.kept.items():
                     own.add(self.rows + row, cell)
                 own.count += cells.count - len(cells.kept)
-        self.cut |= {self.rows + row: said for row, said in other.cut.items()}
+        self.cut |= {self.rows + row: text for row, text in other.cut.items()}
         self.rows += other.rows
 
     def is_rare(self, count: int) -> bool:
@@ -80,7 +80,7 @@ class Damage:
             if not self.is_rare(cells.count)
         }
 
-    def said(self, layout: Layout) -> dict[int, str]:
+    def descriptions(self, layout: Layout) -> dict[int, str]:
         """Return the rows that are damaged in what is not text, each with what is wrong with it."""
         found = dict[int, str]()
         for by_column in (self.misprinted, self.text):
@@ -99,7 +99,7 @@ class Damage:
         DataRefused
             If more than `MAX_DAMAGED` of the rows are damaged: names the first.
         """
-        if not (found := self.said(layout)):
+        if not (found := self.descriptions(layout)):
             return ()
         first = min(found)
         if not self.is_rare(len(found)):

@@ -15,7 +15,7 @@ import numpy as np
 
 from drivers.text_decoding import decoded_text
 from procedures.arrays import FloatArray
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import DataRefused
 from station.files.tables.table import HEAD_ROWS, Block, Table, TableReader, in_blocks, text_in_column
 from station.files.tables.text_layout import LOOKED_AT, Layout, is_number, is_row, layout_of
@@ -113,12 +113,12 @@ class TextForm:
     @property
     def notes(self) -> tuple[str, ...]:
         """What was assumed of the form."""
-        layout, said = self.layout, list[str]()
+        layout, text = self.layout, list[str]()
         if layout.has_decimal_comma:
-            said.append("decimal commas")
+            text.append("decimal commas")
         if layout.grouping:
-            said.append(f"thousands parted by {layout.grouping!r}")
-        return (*layout.notes, *said, *self.scales.notes)
+            text.append(f"thousands parted by {layout.grouping!r}")
+        return (*layout.notes, *text, *self.scales.notes)
 
     def _is_header(self, line: str) -> bool:
         """Return whether a line is the header, or its units, again: as many cells and none of them a number."""
@@ -189,15 +189,15 @@ def _blocks(file: Path, form: TextForm, head: Table, wanted: Sequence[str]) -> G
     _refuse_text(file, form, damage, line_of, names)
 
 
-def judged(part: Part, form: TextForm, said: tuple[str, ...] = ()) -> Table:
-    """Return a table with its columns of text known; ``said`` is what is damaged as text."""
+def judged(part: Part, form: TextForm, text: tuple[str, ...] = ()) -> Table:
+    """Return a table with its columns of text known; ``text`` is what is damaged as text."""
     table, damage = part.table, part.damage
     names = dict(zip(form.layout.names, form.scales.names, strict=True))
     return replace(
         table,
         unreadable={names[name]: cell for name, cell in damage.unreadable(form.layout).items()},
-        notes=(*form.notes, *table.notes, *said),
-        damaged=frozenset(damage.said(form.layout)),
+        notes=(*form.notes, *table.notes, *text),
+        damaged=frozenset(damage.descriptions(form.layout)),
     )
 
 

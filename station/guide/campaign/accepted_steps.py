@@ -19,7 +19,7 @@ from procedures.twelve_positions.rotation_tilt import turn_rests
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.campaign_schema import StepTable
 from station.guide.campaign.checklist import is_free
-from station.results.continued_campaign import placements_in
+from station.results.plan_document import placements_in
 from station.stream.live.stillness import series_as_counts
 from station.stream.live.stream_trouble import switched_on_again
 from station.stream.recorder.accepted_step_writer import step_of

@@ -12,7 +12,7 @@ from drivers.wire import ALL_CHANNELS
 from fixtures_db.database import Database
 from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Step, as_repeats, dwell_steps, turn_steps
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import DataRefused
 from station.files.atomic_file import new_folder
 from station.files.campaign_folder.campaign_schema import CampaignTable
@@ -28,13 +28,11 @@ from station.files.campaign_setup import Setup
 from station.guide.campaign.accepted_steps import AcceptedSteps, after_pause, read_accepted_steps
 from station.guide.campaign.campaign_tables import copy_effects, cube_fixture, procedure_table, site_table
 from station.guide.campaign.checklist import Checklist
-from station.guide.campaign.disk_space import WARM_UP_S, refuse_full
 from station.guide.campaign.folder_lock import folder_lock
-from station.guide.campaign.folder_recorder import FolderRecorder
-from station.guide.campaign.gnss_receiver import reopen_receiver, setup_with_site, site_text, utc_now
+from station.guide.campaign.folder_recorder import WARM_UP_S, FolderRecorder, refuse_full
 from station.guide.campaign.interrupted_campaigns import clear_unfinished, has_row, is_unfinished, reopen
 from station.guide.campaign.live_campaign import FinishedCampaign, LiveCampaign
-from station.guide.campaign.port_check import RECORD_INSTEAD
+from station.guide.campaign.port_check import RECORD_INSTEAD, reopen_receiver, setup_with_site, site_text, utc_now
 from station.guide.campaign.sequential_campaign import limits_of, sequential_plan, target_record
 from station.guide.last_setup import from_anywhere
 from station.guide.options import CalibrationOptions

@@ -10,10 +10,10 @@ from pydantic import BaseModel, ValidationError
 from fixtures_db.database import Database
 from fixtures_db.fixture_measurements import cube
 from fixtures_db.fixtures import fixture_row
+from fixtures_db.imu_models import effects_in_force
 from fixtures_db.schema import CubeRow
-from fixtures_db.user_effects import effects_in_force
 from procedures.campaign.campaign import Campaign, Fixture, ProcedureSigma, Site
-from procedures.earth.geodesy import normal_gravity
+from procedures.geodesy import normal_gravity
 from procedures.units import RAD_PER_ARCSEC, RAD_PER_DEG
 from station.errors import DataRefused
 from station.files.atomic_file import replace_file

@@ -16,7 +16,7 @@ from fixtures_db.campaigns import accept_step, campaign, known_campaign, remove_
 from fixtures_db.database import Database
 from fixtures_db.errors import CampaignInUse
 from fixtures_db.schema import StepRow
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import DataRefused, cannot_write
 from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML, read_campaign_toml
 from station.files.opening import open_inside
@@ -24,13 +24,16 @@ from station.files.sha256sums import SHA256SUMS, read_hashes
 from station.guide.campaign.folder_lock import LOCK_FILE
 from station.stream.recorder.accepted_step_writer import TOML, CampaignRecorder, step_of
 
+_POLL_S = 0.01
+
+
 RESUMABLE_STATES = ("recording", "recorded")
 
 
 def reopen(folder: Path, database: Database) -> CampaignRecorder:
     """Resume a campaign: reconcile folder and database, then return its recorder.
 
-    Doing so again changes nothing. Hold the folder's `station.guide.campaign.folder_lock.folder_lock` meanwhile.
+    Doing so again changes nothing. Hold the folder's `folder_lock` meanwhile.
 
     Raises
     ------

@@ -7,8 +7,8 @@ from drivers.errors import DeadChannel, DriverError, LinkLost
 from procedures.campaign.plan_steps import Turn
 from station.files.campaign_folder.plan_file import WantedRecord, read_note
 from station.guide.campaign.checklist import Checklist
-from station.guide.campaign.disk_space import DiskSpace, disk_for
-from station.guide.campaign.gnss_receiver import SampleRateWatch
+from station.guide.campaign.folder_recorder import DiskSpace, disk_for
+from station.guide.campaign.port_check import SampleRateWatch
 from station.guide.checks.transfers import DEAD
 from station.guide.options import CalibrationOptions
 from station.guide.setup_view import PortCheck

@@ -1,7 +1,7 @@
 """Whether a campaign can end in PASS and in a certificate, before it begins: a pure function of what is known.
 
 Verdict and certificate follow the same rules afterwards: `station.results.verdict.judge` says NOT_MEASURED where a
-limited parameter is not estimated, `fixtures_db.campaign_references.why_measured` why a calibration is only
+limited parameter is not estimated, `fixtures_db.campaigns.why_measured` why a calibration is only
 measured, and `station.results.certificate.missing_statements` refuses a certificate whose campaign lacks
 something. What a laboratory's file can still state afterwards is not required here.
 """
@@ -13,17 +13,16 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from fixtures_db.campaign_references import reference, why_measured
-from fixtures_db.campaigns import is_expired
+from fixtures_db.campaigns import is_expired, reference, why_measured
 from fixtures_db.database import Database
 from fixtures_db.fixtures import fixture_rows, is_surveyed_at
-from fixtures_db.model_limits import UNITS, Limit, limited_models, limits_of
+from fixtures_db.imu_models import UNITS, Limit, limited_models, limits_of
 from fixtures_db.schema import CubeRow, SiteRow, SlabRow
 from procedures.campaign.plan_steps import Step
 from station.errors import megabytes
 from station.files.campaign_folder.campaign_schema import GRAVITY_STD
 from station.files.campaign_setup import Setup
-from station.guide.campaign.disk_space import disk_free, disk_needed
+from station.guide.campaign.folder_recorder import disk_free, disk_needed
 from station.guide.setup_view import PortCheck, Readiness, ReadyLine, ReadyState
 from station.results.certificate.missing_statements import missing_before
 

@@ -19,7 +19,7 @@ from procedures.arrays import FloatArray
 from procedures.bench.dwell_length import WHITE_NOISE_FACTOR
 from procedures.campaign.campaign import Campaign, Fixture
 from procedures.campaign.plan_steps import Dwell, Step, Turn
-from procedures.earth.geodesy import EARTH_RATE
+from procedures.geodesy import EARTH_RATE
 from procedures.planning.campaign_design import TURNS, CampaignDesign, HandTimes, Placement, usual_design
 from procedures.planning.design_sigmas import NAMES, DesignSigmas, wanted, with_all_solved
 from procedures.planning.least_time import NextPlacement, is_enough, next_placement
@@ -33,9 +33,16 @@ from station.guide.campaign.accepted_steps import NO_ACCEPTED_STEPS, AcceptedDwe
 from station.guide.campaign.campaign_tables import bench_of
 from station.guide.options import TargetUncertainties
 from station.guide.view import LimitView
-from station.results.continued_campaign import NO_ATTITUDE_LEFT, SigmaSoFar, all_else, sigmas_so_far
-from station.results.known_from_campaigns import hand_times, noise_in_database, noise_of
-from station.results.required_uncertainty import last_values, limits_named, wanted_by, wanted_by_name
+from station.results.plan_document import NO_ATTITUDE_LEFT, SigmaSoFar, all_else, sigmas_so_far
+from station.results.plan_inputs import (
+    hand_times,
+    last_values,
+    limits_named,
+    noise_in_database,
+    noise_of,
+    wanted_by,
+    wanted_by_name,
+)
 from station.stream.connected_unit import Unit
 
 NOISE_S = 120.0  # s at rest that show a unit's noise
@@ -61,8 +68,8 @@ def measured_noise(
         for name in ("accel_std", "gyro_std")
     )
     scales = (one_g, per_deg) if counts else (np.inf, np.inf)
-    wander = float(np.sqrt(np.mean((gyro / per_deg) ** 2) / NOISE_S))
-    return UnitNoise(accel / one_g, gyro / per_deg, np.full(3, scales[0]), np.full(3, scales[1]), wander)
+    instability = float(np.sqrt(np.mean((gyro / per_deg) ** 2) / NOISE_S))
+    return UnitNoise(accel / one_g, gyro / per_deg, np.full(3, scales[0]), np.full(3, scales[1]), instability)
 
 
 LEAST_FACTOR, MOST_FACTOR = 0.5, 3.0  # by which white noise may differ from what was known: more is no noise
@@ -195,7 +202,7 @@ class SequentialCampaign:
     def _ratios(self, dwell: AcceptedDwell, seconds: float) -> tuple[float, float]:
         """Return by what factor the variances of both triads' rates are above those that were known."""
         assert self._known is not None
-        known, T = replace(self._known, wander=0.0), np.array([seconds])
+        known, T = replace(self._known, instability=0.0), np.array([seconds])
         return (
             _ratio(dwell.accel_std, known.accel_scale, known.accel_variance(T)[0]),
             _ratio(dwell.gyro_std, known.gyro_scale, known.gyro_variance(T)[0]),
@@ -266,7 +273,7 @@ def target_record(database: Database, unit: Unit, asked: TargetUncertainties) ->
         update={
             "accel_white": tuple(noise.accel_white.tolist()), "gyro_white": tuple(noise.gyro_white.tolist()),
             "accel_scale": _counted(noise.accel_scale), "gyro_scale": _counted(noise.gyro_scale),
-            "wander": noise.wander,
+            "wander": noise.instability,
         }
     ), remarks  # fmt: skip
 

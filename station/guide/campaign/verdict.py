@@ -49,7 +49,7 @@ def verdict_view(results: "CampaignResults", database: Database) -> Verdict:
     moved = {} if previous is None else shifts(applied(found), parameters(previous))
     verdict = Verdict(
         word=results.outcome.word,
-        said=results.outcome.said,
+        in_words=results.outcome.in_words,
         sentence=results.outcome.sentence,
         doubt=results.doubt,
         status=results.status,

@@ -21,15 +21,15 @@ from procedures.bench.cube_attitude import (
     without_heading,
 )
 from procedures.campaign.plan_steps import Turn
-from procedures.earth.geodesy import EARTH_RATE
-from procedures.earth.gyrocompass import (
+from procedures.frames import AXES
+from procedures.geodesy import EARTH_RATE
+from procedures.gyrocompass import (
     BIAS_STD_RAD_S,
     SCALE_SPREAD,
     earth_heading,
     first_position,
     rough_scale_factor,
 )
-from procedures.frames import AXES
 from procedures.twelve_positions.placement_transfers import MAX_CONING_RAD, coning_of, long_enough_s
 from procedures.units import RAD_PER_ARCSEC
 from station.guide.checks.face_and_stillness import BlockLook

@@ -15,7 +15,7 @@ from procedures.bench.seating_check import (
     pair_limit,
 )
 from procedures.campaign.plan_steps import Turn
-from procedures.earth.gyrocompass import CertainDwell, heading_change
+from procedures.gyrocompass import CertainDwell, heading_change
 from station.guide.setup_view import Choice
 from station.guide.view import OperatorQuestion
 from station.guide.wording import step_title

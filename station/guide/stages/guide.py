@@ -256,7 +256,7 @@ class Guide:
             self.context.event_log.say("", what)
 
     def _do_more(self) -> None:
-        """Ask for one placing more of a campaign whose plan is not fixed."""
+        """Ask for one placement more of a campaign whose plan is not fixed."""
         if self.context.planner is None or self.context.checklist.open_steps:
             return
         self.context.replan(goes_on=True)

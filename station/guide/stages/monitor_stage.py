@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from procedures.attitude.attitude_log import ENU_NED, AttitudeLog, inclination
-from procedures.attitude.kalman_state import KalmanSettings
+from procedures.attitude.kalman.kalman_state import KalmanSettings
 from procedures.campaign.plan_steps import Monitor
 from procedures.errors import ProcedureError
 from procedures.frames import nominal_C_lb
@@ -29,7 +29,7 @@ from station.guide.checks.face_and_stillness import BlockLook
 from station.guide.stages.dwell_stage import DwellStage
 from station.guide.stages.stage import NextStage, Stage
 from station.guide.stages.stage_context import StageContext
-from station.guide.view import LawView, MonitoredView
+from station.guide.view import FilterView, MonitoredView
 from station.stream.live.stillness import Block
 from station.stream.recorder.sample_buffer import SampleRun
 
@@ -54,7 +54,7 @@ class FiltersAtRest:
         self._end: int | None = None  # of those that were read
         self._discarded_s = 0.0
         self._sensors: Sensors | None = None
-        self._laws: LiveFilters | None = None
+        self._filters: LiveFilters | None = None
         self._rest = ErrorAtRest(context.recorder.gravity, context.bench.latitude, 0.0)
         self._read: list[tuple[int, tuple[FilterReading, ...]]] = []  # each with its tick's first sample
         self.calibration, self.why = "", ""
@@ -89,12 +89,12 @@ class FiltersAtRest:
 
     def result(self, runs: Sequence[SampleRun]) -> dict[str, object]:
         """Return the values for the step's table in ``campaign.toml``, from ``runs``, the accepted samples."""
-        accepted = [laws for at, laws in self._read if any(first <= at < last for first, last in runs)]
+        accepted = [filters for at, filters in self._read if any(first <= at < last for first, last in runs)]
         settled = accepted[round(len(accepted) * SETTLED_SHARE) :]
         if not settled:
             return {"calibration": f"none: {self.why or 'the rest is too short'}"}
-        angles = np.array([[[law.roll, law.pitch] for law in laws] for laws in settled])
-        downs = np.array([[law.down for law in laws] for laws in settled])
+        angles = np.array([[[reading.roll, reading.pitch] for reading in filters] for filters in settled])
+        downs = np.array([[reading.down for reading in filters] for filters in settled])
         mean, middle = angles.mean(axis=0), downs.mean(axis=0)
         scatter = np.degrees(np.sqrt(np.mean(inclination(downs, middle[None]) ** 2, axis=0)))
         values: dict[str, object] = {
@@ -111,25 +111,25 @@ class FiltersAtRest:
 
     def view(self) -> MonitoredView:
         """Return what is shown."""
-        laws = self.newest
-        apart = difference(laws)
+        filters = self.newest
+        apart = difference(filters)
         waits = "" if self._asked.done() else "solving the accepted steps"
         return MonitoredView(
-            laws=tuple(LawView(law=law.law, roll_deg=law.roll, pitch_deg=law.pitch) for law in laws),
+            filters=tuple(FilterView(name=one.name, roll_deg=one.roll, pitch_deg=one.pitch) for one in filters),
             difference_deg=None if apart is None else apart.angle,
-            calibration=self.calibration, text=self.why or waits or ("" if laws else "measuring the noise"),
+            calibration=self.calibration, text=self.why or waits or ("" if filters else "measuring the noise"),
         )  # fmt: skip
 
     def _go_on(self) -> None:
-        if self._laws is None and not self._begun():
+        if self._filters is None and not self._begun():
             self._waiting.clear()
             return
         assert self._sensors is not None
-        assert self._laws is not None
+        assert self._filters is not None
         period, size = self._context.feed.period, max(1, round(TICK_S / self._context.feed.period))
         for block in self._waiting:
             if block.is_broken:
-                self._laws.reset()
+                self._filters.reset()
             elif (
                 self._end is not None
             ):  # the attitude is unchanged: for a filter the discarded seconds do not exist
@@ -137,11 +137,11 @@ class FiltersAtRest:
             self._end = block.last
             for at in range(block.first, block.last, size):
                 tick = self._sensors.take(self._context.feed.buffer.block(at, min(at + size, block.last)))
-                found = self._laws.take(tick.t - self._discarded_s, tick.calibrated)
+                found = self._filters.take(tick.t - self._discarded_s, tick.calibrated)
                 if found is not None:
-                    reading, laws = found
+                    reading, filters = found
                     self._rest.take(tick, len(tick.t) * period, rests=reading.mode == "at rest")
-                    self._read.append((at, laws or (joint_filter_reading(reading, "none"),)))
+                    self._read.append((at, filters or (joint_filter_reading(reading, "none"),)))
         self._waiting.clear()
 
     def _begun(self) -> bool:
@@ -165,7 +165,7 @@ class FiltersAtRest:
             return filter_settings(applied.document, "none", log, gravity, latitude, knows_heading, quantum)
 
         joint = AttitudeEstimator("none", settings, 0.0)
-        self._laws = LiveFilters(self._step.laws, "none", joint, applied.document, context.recorder.gravity)
+        self._filters = LiveFilters(self._step.filters, "none", joint, applied.document, context.recorder.gravity)
         self.calibration = applied.in_use.text
         return True
 
@@ -175,25 +175,25 @@ class MonitorStage(DwellStage):
 
     def __init__(self, context: StageContext, step: Monitor, again: NextStage) -> None:
         super().__init__(context, step.face, [step], again)
-        self._laws = FiltersAtRest(context, step)
+        self._filters = FiltersAtRest(context, step)
 
     @property
     def oldest(self) -> int | None:
         """The first sample that is still needed."""
-        needed = [each for each in (self._laws.oldest, super().oldest) if each is not None]
+        needed = [each for each in (self._filters.oldest, super().oldest) if each is not None]
         return min(needed, default=None)
 
     def _restarted(self, block: Block, look: BlockLook) -> Stage | None:
         restarted = super()._restarted(block, look)
-        self._laws.take(self._dwelling.kept)  # without the discarded seconds: a filter bridges them
+        self._filters.take(self._dwelling.kept)  # without the discarded seconds: a filter bridges them
         return restarted
 
     def shown(self) -> dict[str, Any]:
         """Return the progress and the readings of the filters."""
-        return super().shown() | {"monitored": self._laws.view()}
+        return super().shown() | {"monitored": self._filters.view()}
 
     def _completed(self) -> Stage:
-        return super()._completed() if self._laws.is_read() else self
+        return super()._completed() if self._filters.is_read() else self
 
     def _result(self) -> dict[str, object]:
-        return self._laws.result(self._dwelling.runs())
+        return self._filters.result(self._dwelling.runs())

@@ -76,11 +76,11 @@ class PlacementStage(Stage):
     def shown(self) -> dict[str, Any]:
         """Return where the cube is to go, and what hinders."""
         step, is_known = self._context.checklist.wanted, self._context.gate.stillness.is_known
-        lean = next_direction(self._context.tilts_taken()) if step is not None and is_free(step) else None
-        what = instruction(step, way=lean or (1, 1, 0)) if step else "all steps are done"
+        tilt = next_direction(self._context.tilts_taken()) if step is not None and is_free(step) else None
+        what = instruction(step, way=tilt or (1, 1, 0)) if step else "all steps are done"
         hint = self._why or (self._hint if not self._must_move else "")
         shown: dict[str, Any] = {"stage": "place", "line": what, "hint": hint}
-        shown |= {"lean": lean, "is_free": self._is_free}
+        shown |= {"tilt": tilt, "is_free": self._is_free}
         if step and not is_known:
             shown |= {"stage": "settle", "line": LEARNING, "hint": self._why}
         elif self._is_placed:

@@ -21,7 +21,7 @@ from station.stream.live.stillness import Block
 
 
 class Stage:
-    """One thing being done: placing, resting, turning, warming up."""
+    """One thing being done: placement, resting, turning, warming up."""
 
     def __init__(self, context: StageContext) -> None:
         self._context = context

@@ -13,9 +13,9 @@ from procedures.bench.seating_check import Closing, TurnCounts, pair_difference,
 from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Dwell, Monitor, Soak, Step, Turn
 from procedures.counts.count_rate import RateEstimate
-from procedures.earth.geodesy import EARTH_RATE
-from procedures.earth.gyrocompass import CertainDwell, QuarterHeading, find_heading, rough_scale_factor
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
+from procedures.geodesy import EARTH_RATE
+from procedures.gyrocompass import CertainDwell, QuarterHeading, find_heading, rough_scale_factor
 from station.errors import DataRefused
 from station.guide.campaign.accepted_steps import (
     NO_ACCEPTED_STEPS,

@@ -6,8 +6,8 @@ import numpy as np
 
 from procedures.bench.seating_check import TurnCounts
 from procedures.campaign.plan_steps import Turn
-from procedures.earth.gyrocompass import CertainDwell, rough_scale_factor
 from procedures.frames import AXES, face_of
+from procedures.gyrocompass import CertainDwell, rough_scale_factor
 from station.guide.checks.face_and_stillness import BlockLook
 from station.guide.checks.seating import SeatCheck, remember_rests, rest_rates, tilt_change
 from station.guide.checks.turn_closure import (

@@ -9,7 +9,7 @@ from procedures.arrays import FloatArray
 from procedures.bench.dwell_length import dwell_seconds
 from procedures.bench.warm_up import IntervalMeans, WarmUpState, unsettled_bias, warm_up
 from procedures.campaign.plan_steps import Dwell
-from procedures.earth.geodesy import EARTH_RATE
+from procedures.geodesy import EARTH_RATE
 from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
 from station.guide.campaign.accepted_steps import triad_estimates
 from station.guide.campaign.checklist import MOVE_S

@@ -23,10 +23,10 @@ from dataclasses import dataclass
 from math import hypot
 from typing import Any
 
-from fixtures_db.model_limits import Limit
+from fixtures_db.imu_models import Limit
 from station.results.certificate.printed_results import MeasuredParameter, measured, to_two_digits
 from station.results.parameters_by_name import applied, parameters, printed_scale, title_of
-from station.results.verdict import LimitVerdict, VerdictWord, judge, word_said
+from station.results.verdict import LimitVerdict, VerdictWord, judge, verdict_in_words
 from station.text import MINUS, aligned, decimals, fixed
 
 
@@ -82,10 +82,10 @@ def conformity(document: Mapping[str, Any], results: Mapping[str, MeasuredParame
     return Conformity(word, against, document.get("verdict", "NOT_MEASURED"))
 
 
-def limit_of(said: Mapping[str, Any]) -> Limit:
+def limit_of(stated: Mapping[str, Any]) -> Limit:
     """Return a limit as a calibration/1 holds it."""
-    guard = said.get("guard_band", 0.0)
-    return Limit(said["parameter"], said.get("low"), said.get("high"), said["unit"], guard)
+    guard = stated.get("guard_band", 0.0)
+    return Limit(stated["parameter"], stated.get("low"), stated.get("high"), stated["unit"], guard)
 
 
 def judge_previous(previous: Mapping[str, Any], document: Mapping[str, Any]) -> LimitVerdict | None:
@@ -201,13 +201,13 @@ class Shift:
 class AsFound:
     """The comparison with the previous calibration.
 
-    ``said`` is its own verdict then, ``verdict`` its values' against the limits of now (empty without limits).
+    ``own_verdict`` is its own then, ``verdict`` its values' against the limits of now (empty without limits).
     """
 
     sha256: str
     accepted_utc: str
     status: str
-    said: str
+    own_verdict: str
     verdict: str
     shifts: tuple[Shift, ...]
 
@@ -254,7 +254,7 @@ def as_found(document: Mapping[str, Any], previous: Mapping[str, Any], sha256: s
         sha256,
         previous["accepted_utc"],
         previous["status"],
-        word_said(previous.get("verdict", ""), has_limits=bool(previous.get("limits"))),
+        verdict_in_words(previous.get("verdict", ""), has_limits=bool(previous.get("limits"))),
         "" if outcome is None else outcome.word.replace("_", " "),
         shifts,
     )

@@ -12,7 +12,7 @@ from station.results.certificate import model_statement
 from station.results.certificate.conformity import AsFound, Conformity, as_found, conformity, greatest_risk
 from station.results.certificate.laboratory import Laboratory
 from station.results.certificate.missing_statements import COMMIT
-from station.results.certificate.model_statement import is_simulated, is_timed, residual_said
+from station.results.certificate.model_statement import is_simulated, is_timed, residual_in_words
 from station.results.certificate.printed_results import MeasuredParameter, measured
 from station.text import decimals, fixed, significant
 
@@ -53,11 +53,11 @@ class Certificate:
     @property
     def reasons(self) -> list[str]:
         """Why it is no calibration certificate; empty if it is one."""
-        said = [self.document["status_reason"]] if self.document.get("status_reason") else []
-        if self.document["status"] != "calibrated" and not said:
-            said = ["the calibration was stored as measured"]
-        said += [text for text in expired(self.document) if not any(text in known for known in said)]
-        return said
+        stated = [self.document["status_reason"]] if self.document.get("status_reason") else []
+        if self.document["status"] != "calibrated" and not stated:
+            stated = ["the calibration was stored as measured"]
+        stated += [text for text in expired(self.document) if not any(text in known for known in stated)]
+        return stated
 
     @property
     def title(self) -> str:
@@ -90,11 +90,11 @@ def greatest_risks(found: Conformity) -> str:
 def deviations(document: Mapping[str, Any]) -> list[str]:
     """Return what was done otherwise than the procedure says, or stood out."""
     procedure = document["procedure"]
-    said = list(procedure.get("deviations", ()))
-    said += [residual_said(document, text) for text in procedure.get("warnings", ())]
+    stated = list(procedure.get("deviations", ()))
+    stated += [residual_in_words(document, text) for text in procedure.get("warnings", ())]
     if (found := COMMIT.search(document["software"])) and found["dirty"]:
-        said.append("the software had uncommitted changes")
-    return said
+        stated.append("the software had uncommitted changes")
+    return stated
 
 
 def conditions(certificate: Certificate) -> list[tuple[str, str]]:
@@ -212,7 +212,7 @@ def content_of(certificate: Certificate) -> CertificateContent:
         before,
         references(certificate),
         deviations(document),
-        model_statement.diagnosis_said(document),
+        model_statement.diagnosis_in_words(document),
         model_statement.taken_as_zero(document),
         [*model_statement.stated(document), clock_of_the_laboratory(certificate)],
         model_statement.is_timed(document),

@@ -100,7 +100,7 @@ class DecisionTable(TomlTable):
 
 
 class SignatureTable(TomlTable):
-    """``[signature]``: whom the laboratory trusts, files beside this one; ``station verify --laboratory``."""
+    """``[signature]``: whom the laboratory trusts, files next to this one; ``station verify --laboratory``."""
 
     roots: list[Text] = []
     revocation_lists: list[Text] = []

@@ -59,7 +59,7 @@ FROM_LABORATORY = {
     "item.condition": "[item] condition, or --condition",
     "traceability.time_base": "[traceability] time_base",
 }
-FOR_DIGITAL = {  # what the form of a digital certificate asks for beside
+FOR_DIGITAL = {  # what the form of a digital certificate asks for in addition
     "laboratory.country": "[laboratory] country, two letters of ISO 3166-1",
     "laboratory.email": "[laboratory] email",
     "customer.email": "[customer] email, or --customer-email",
@@ -73,16 +73,16 @@ def missing(
 
     ``digital``: also what a digital certificate must say.
     """
-    said, lab = fields_of(document), laboratory.model_dump()
+    stated, lab = fields_of(document), laboratory.model_dump()
     found = [
         (field, where)
         for field, where in FROM_CALIBRATION.items()
-        if not _has(said, field) and not _has(lab, LABORATORY_INSTEAD.get(field, ""))
+        if not _has(stated, field) and not _has(lab, LABORATORY_INSTEAD.get(field, ""))
     ]
     asked = FROM_LABORATORY | (FOR_DIGITAL if digital else {})
     found += [(field, where) for field, where in asked.items() if not _has(lab, field)]
     found += [(f"confirmation of {name}", _CONFIRM) for name in only_proposed(document)]
-    if _has(said, "uncertainty"):
+    if _has(stated, "uncertainty"):
         budget = {one["name"] for one in document["uncertainty"]["parameters"]}
         values = applied(parameters(document))
         found += [(f"uncertainty of {name}", _ANEW) for name in values if name not in budget]
@@ -100,8 +100,8 @@ def only_proposed(document: Mapping[str, Any]) -> list[str]:
 
 def missing_before(document: Mapping[str, Any]) -> list[str]:
     """Return every field of `NEEDED_AT_BEGIN` that is missing; no laboratory's file can give it later."""
-    said = fields_of(document)
-    return [one for one in FROM_CALIBRATION if one.split(".")[0] in NEEDED_AT_BEGIN and not _has(said, one)]
+    stated = fields_of(document)
+    return [one for one in FROM_CALIBRATION if one.split(".")[0] in NEEDED_AT_BEGIN and not _has(stated, one)]
 
 
 def check_received(document: Mapping[str, Any], laboratory: Laboratory, now: datetime) -> None:

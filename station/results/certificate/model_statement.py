@@ -23,33 +23,33 @@ def is_simulated(document: Mapping[str, Any]) -> bool:
     return str(document["model"]).upper().startswith(SIMULATED)
 
 
-def diagnosis_said(document: Mapping[str, Any]) -> list[str]:
+def diagnosis_in_words(document: Mapping[str, Any]) -> list[str]:
     """Return sentences of what the diagnosis stored with a calibration/1 found in the residual."""
-    own = declared_said(document)
+    own = declared_in_words(document)
     diagnosis = document.get("diagnosis")
     if diagnosis is None:
         return [*own, "No diagnosis of the residual is stored with this calibration."]
-    findings, said = diagnosis["findings"], list[str]()
+    findings, reported = diagnosis["findings"], list[str]()
     sure = [f"{_name(f['effect'])} ({f['confidence']})" for f in findings if f["confidence"] != "possible"]
     if sure:
-        said.append(f"Found in the residual: {'; '.join(sure)}.")
+        reported.append(f"Found in the residual: {'; '.join(sure)}.")
     doubtful = [(f["effect"], *f["aliases"]) for f in findings if f["confidence"] == "possible"]
     parts = [names[0] for names in doubtful if len(names) == 1]
     if parts:
-        said.append(f"Explains the residual only in part: {'; '.join(map(_name, parts))}.")
+        reported.append(f"Explains the residual only in part: {'; '.join(map(_name, parts))}.")
     several = [names for names in doubtful if len(names) > 1]
     for group in dict.fromkeys(" or ".join(dict.fromkeys(map(_name, names))) for names in several):
-        said.append(f"Not separated by this campaign: {group}.")
+        reported.append(f"Not separated by this campaign: {group}.")
     if diagnosis["verdict"] == "consistent":
-        said.append("The residuals are consistent with noise: no further error term was detected.")
+        reported.append("The residuals are consistent with noise: no further error term was detected.")
     elif diagnosis["verdict"] not in {"established", "likely", "ambiguous"}:
         left = " The unexplained part is included in U." if _shares(document, "unexplained") else ""
         whole = "all of it" if diagnosis["verdict"] == "partly" else "it"
-        said.append(f"The residuals exceed noise, and no known error term explains {whole}.{left}")
-    return [*own, f"Diagnosis of the residual: {diagnosis['verdict']}.", *said]
+        reported.append(f"The residuals exceed noise, and no known error term explains {whole}.{left}")
+    return [*own, f"Diagnosis of the residual: {diagnosis['verdict']}.", *reported]
 
 
-def declared_said(document: Mapping[str, Any]) -> list[str]:
+def declared_in_words(document: Mapping[str, Any]) -> list[str]:
     """Return sentences of the effects that files of effect/1 put into the model of a calibration/1."""
     return [
         f"Also in the model: {each['name']}, c ({'; '.join(each['term'])}), c in {each['unit']}, as defined by "
@@ -63,10 +63,12 @@ def effect_rows(document: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
     """Return a line for each coefficient of the effects of a calibration/1: name, value, u, unit."""
     rows = list[tuple[str, str, str, str]]()
     for one in document.get("effects", ()):
-        for name, said in one["coefficients"].items():
-            unit, std = str(one.get("units", {}).get(name, one["unit"])), said.get("std")
+        for name, reported in one["coefficients"].items():
+            unit, std = str(one.get("units", {}).get(name, one["unit"])), reported.get("std")
             value = (
-                f"{said['value']:.6g}" if not std else f"{said['value']:.{max(_digits(said['value'], std), 1)}g}"
+                f"{reported['value']:.6g}"
+                if not std
+                else f"{reported['value']:.{max(_digits(reported['value'], std), 1)}g}"
             )
             rows.append((f"{_name(one['name'])}, {name}", value, "" if std is None else f"{std:.2g}", unit))
     return rows
@@ -82,7 +84,7 @@ def taken_as_zero(document: Mapping[str, Any]) -> list[str]:
     ]
 
 
-def residual_said(document: Mapping[str, Any], warning: str) -> str:
+def residual_in_words(document: Mapping[str, Any], warning: str) -> str:
     """Return a warning of the program as the customer may read it."""
     if PROGRAM not in warning:
         return warning

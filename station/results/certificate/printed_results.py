@@ -32,7 +32,7 @@ Row = tuple[str, ...]
 
 @dataclass(frozen=True, slots=True)
 class MeasuredParameter:
-    """A result: the value applied, its combined standard uncertainty, and what the budget says beside it.
+    """A result: the value applied, its combined standard uncertainty, and what the budget states with it.
 
     In the unit of files; ``dof`` is infinite where the budget leaves it out, ``expanded`` is U = k u.
     """
@@ -72,8 +72,8 @@ def result_groups(results: Mapping[str, MeasuredParameter]) -> list[tuple[str, s
 
 def budget_rows(
     results: "Sequence[MeasuredParameter | ParameterBudget]",
-    dof_said: Callable[[float], str],
-    parts_said: Callable[[Any], str],
+    dof_in_words: Callable[[float], str],
+    parts_in_words: Callable[[Any], str],
 ) -> list[Row]:
     """Return printed lines: symbol, axis, value, U, coverage factor, degrees of freedom, unit, main parts."""
     scaled = [printed_scale(one.name, one.unit) for one in results]
@@ -82,7 +82,7 @@ def budget_rows(
     columns = (to_two_digits(values, expanded), to_two_digits(expanded, expanded), scaled)
     return [
         (SYMBOLS[one.name.split(".")[1]], one.name.rpartition(".")[2], value, U, fixed(one.coverage_factor, 2),
-         dof_said(one.dof), unit, parts_said(one))
+         dof_in_words(one.dof), unit, parts_in_words(one))
         for one, value, U, (_, unit) in zip(results, *columns, strict=True)
     ]  # fmt: skip
 
@@ -142,7 +142,7 @@ MEANINGS = {
 }
 
 
-def sources_said(results: Iterable[MeasuredParameter]) -> list[tuple[str, str]]:
+def sources_in_words(results: Iterable[MeasuredParameter]) -> list[tuple[str, str]]:
     """Return each source that is printed among the main parts of the variance, with what it is."""
     found = {source for result in results for source, _ in main_shares(result)}
     return [(source, meaning) for source, meaning in MEANINGS.items() if source in found]

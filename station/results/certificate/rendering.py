@@ -13,7 +13,7 @@ from station.errors import NoPdf
 from station.results.certificate import model_statement
 from station.results.certificate.conformity import printed
 from station.results.certificate.content import CertificateContent, conditions, greatest_risks, minute
-from station.results.certificate.printed_results import result_groups, sources_said
+from station.results.certificate.printed_results import result_groups, sources_in_words
 from station.results.html_templates import html_template
 
 
@@ -27,7 +27,7 @@ def render(content: CertificateContent) -> str:
         procedure=document["procedure"],
         residual=document.get("residual", {}),
         groups=result_groups(content.results),
-        sources=sources_said(content.results.values()),
+        sources=sources_in_words(content.results.values()),
         effects=model_statement.effect_rows(document),
         found=found,
         conformity_rows=[] if found is None else printed(found.against),
@@ -70,10 +70,10 @@ def pdf_of(row: IssuedCertificateRow, html: Path, is_signed: bool = False) -> by
         string=f'.end::after {{ display: block; content: "{line}"; font: 7pt "DejaVu Sans Mono", monospace }}'
     )
     sheets = [seal, CSS(string=SIGNED_LINE)] if is_signed else [seal]
-    said = HTML(string=row.html)
+    text = HTML(string=row.html)
     if row.dcc is None:
         with _dated(row):
-            return bytes(said.write_pdf(stylesheets=sheets))
+            return bytes(text.write_pdf(stylesheets=sheets))
     attached = Attachment(
         string=row.dcc.encode(),
         name=f"{row.number}.xml",
@@ -83,7 +83,7 @@ def pdf_of(row: IssuedCertificateRow, html: Path, is_signed: bool = False) -> by
         relationship="Alternative",
     )
     with _dated(row):
-        return bytes(said.write_pdf(stylesheets=sheets, attachments=[attached], pdf_variant="pdf/a-3u"))
+        return bytes(text.write_pdf(stylesheets=sheets, attachments=[attached], pdf_variant="pdf/a-3u"))
 
 
 @contextmanager

@@ -30,7 +30,7 @@ from station.files.campaign_folder.loaded_campaign import LoadedCampaign, effect
 from station.files.effect_file import EffectFile
 from station.results.diagnosis.uncalibrated import channels_of, in_specified_unit, without_solution
 from station.results.parameters_by_name import parameters, shifts
-from station.results.report.noise_json import channel_document
+from station.results.report.noise_document import channel_document
 from station.results.solution_json import solution_document
 
 

@@ -9,25 +9,25 @@ from station.results.diagnosis.diagnosis_wording import (
     LEFT_TITLE,
     OTHERS_TITLE,
     PROPOSED,
-    alternatives_said,
-    confidence_said,
+    alternatives_in_words,
+    confidence_in_words,
     known_findings,
     left_lines,
-    not_separable_said,
+    not_separable_in_words,
     notes,
     other_terms,
     probability_text,
-    reduction_said,
+    reduction_in_words,
     shown_unit,
     size_in_sigmas,
-    unnamed_said,
+    unnamed_in_words,
     verdict_sentence,
     verdict_title,
     where_text,
 )  # fmt: skip
 from station.results.diagnosis.uncalibrated import channel_lines, rests_and_moves_lines, turns_lines
 from station.results.parameters_by_name import Parameter, shown, shown_sigma, title_of
-from station.results.report.noise_text import noise_summary
+from station.results.report.noise_document import noise_summary
 from station.results.solution_text import effect_lines, measured
 
 READINGS_SHOWN = 6  # readings
@@ -35,15 +35,15 @@ OFFERED = ("unexplained", "partly")
 
 
 def proposed_lines(finding: Mapping[str, Any]) -> list[str]:
-    """Return what is said of a proposed finding beside its coefficients; nothing of another."""
+    """Return what is reported of a proposed finding in addition to its coefficients; nothing of another."""
     if finding["confidence"] != PROPOSED:
         return []
-    return [line for text in proposed_said(finding) for line in _wrapped(text)] + [
-        f"      {line}" for line in readings_said(finding)
+    return [line for text in proposed_in_words(finding) for line in _wrapped(text)] + [
+        f"      {line}" for line in readings_in_words(finding)
     ]
 
 
-def proposed_said(finding: Mapping[str, Any]) -> list[str]:
+def proposed_in_words(finding: Mapping[str, Any]) -> list[str]:
     """Return sentences of a proposed finding: its term, its error held out, how many terms read the same."""
     held, count = finding["held_out_sigmas"], finding["readings_in_all"]
     alike = (
@@ -60,7 +60,7 @@ def proposed_said(finding: Mapping[str, Any]) -> list[str]:
     ]
 
 
-def readings_said(finding: Mapping[str, Any]) -> list[str]:
+def readings_in_words(finding: Mapping[str, Any]) -> list[str]:
     """Return the terms that read the same here, the best first, each with how alike they are."""
     return [
         f"{_term(one)}, correlation {one['correlation']:.3f}"
@@ -68,7 +68,7 @@ def readings_said(finding: Mapping[str, Any]) -> list[str]:
     ]
 
 
-def searched_said(document: Mapping[str, Any]) -> str:
+def searched_in_words(document: Mapping[str, Any]) -> str:
     """Return how many terms were searched, or the offer to search where the verdict leaves something."""
     if (searched := document.get("searched")) is None:
         is_offered = document["verdict"] in OFFERED and "solution" in document
@@ -78,9 +78,9 @@ def searched_said(document: Mapping[str, Any]) -> str:
             else ""
         )
     found = len(document["findings"]) - len(known_findings(document))
-    said = "none is significant" if not found else "one is proposed" if found == 1 else f"{found} are proposed"
+    text = "none is significant" if not found else "one is proposed" if found == 1 else f"{found} are proposed"
     adopt = " (`station effects adopt` writes it as a file)" if found else ""
-    return f"{searched['terms']} terms were searched: {said}{adopt}"
+    return f"{searched['terms']} terms were searched: {text}{adopt}"
 
 
 def _term(one: Mapping[str, Any]) -> str:
@@ -131,17 +131,17 @@ def diagnosis_text(document: Mapping[str, Any]) -> str:
         lines += [f"   {line}" for line in noise_summary(noise)]
     if channels := document.get("channels"):
         lines += ["", *channel_lines(channels)]
-    if said := searched_said(document):
-        lines += ["", *_fold(said, "")]
-    if said := not_separable_said(document):
-        lines += ["", *_fold(said, "")]
+    if wording := searched_in_words(document):
+        lines += ["", *_fold(wording, "")]
+    if wording := not_separable_in_words(document):
+        lines += ["", *_fold(wording, "")]
     if document["next_measurement"]:
         lines += ["", *_fold(f"measure next: {document['next_measurement']}", "")]
         lines += [_PLAN] if "solution" in document else []
     if missing := document.get("not_observable"):
         lines += ["", *_fold(f"not observable: {', '.join(missing)}", "")]
-    if said := not_looked_at(document):
-        lines += ["", *_fold(said, "")]
+    if wording := not_looked_at(document):
+        lines += ["", *_fold(wording, "")]
     if warnings := warnings_of(document.get("solution", document)):
         lines += ["", *(line for text in warnings for line in _fold(f"warning: {text}", ""))]
     return "\n".join(lines)
@@ -194,7 +194,7 @@ def coefficient_rows(finding: Mapping[str, Any]) -> list[tuple[str, str, str]]:
 def _finding(number: int, finding: Mapping[str, Any]) -> list[str]:
     where = where_text(finding["where"])
     lines = [f"{number}. {finding['effect']} ({finding['kind']}){f', {where}' if where else ''}"]
-    lines += _fold(confidence_said(finding), "   ")
+    lines += _fold(confidence_in_words(finding), "   ")
     for note in notes(finding):
         lines += _fold(note, "   ")
     for name, value, sigmas in coefficient_rows(finding):
@@ -203,7 +203,7 @@ def _finding(number: int, finding: Mapping[str, Any]) -> list[str]:
         lines.append(f"   ... and {len(finding['coefficients']) - MAX_COEFFICIENTS} more, smaller")
     lines += proposed_lines(finding)
     if finding["aliases"]:
-        lines += _fold(f"it may also be: {alternatives_said(finding)}", "   ")
+        lines += _fold(f"it may also be: {alternatives_in_words(finding)}", "   ")
         lines += _fold(f"to separate them: {finding['separate_by']}", "   ")
     return lines
 
@@ -212,14 +212,14 @@ def cause_rows(document: Mapping[str, Any]) -> list[tuple[str, str, str]]:
     """Return every cause with its probability, and the error held out without and with it, named ones first."""
     rows = list[tuple[str, str, str]]()
     for finding in document["findings"]:
-        held_out = reduction_said(finding).partition(" from ")[2].replace(" to ", " -> ")
+        held_out = reduction_in_words(finding).partition(" from ")[2].replace(" to ", " -> ")
         rows.append((finding["effect"], probability_text(finding["probability"]), held_out))
     for one in document.get("unnamed", ()):
         names = [
             name for name, p in one["shares"].items() if not name.startswith(("a ", one["what"])) and p > 0.05
         ]
         other = f"; or {', '.join(names)}" if names else ""
-        rows.append((f"unnamed: {unnamed_said(one)}{other}", probability_text(one["joint_probability"]), ""))
+        rows.append((f"unnamed: {unnamed_in_words(one)}{other}", probability_text(one["joint_probability"]), ""))
     return rows
 
 
@@ -242,10 +242,10 @@ def _plain(value: float) -> str:
 
 
 def _errors(errors: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    said = ""
+    text = ""
     for quantity, unit, inside, held_out, method in error_rows(errors):
-        if method != said:
-            said = method
+        if method != text:
+            text = method
             title = "validation data" if method.startswith("validation") else "held out"
             yield f"   {'':<24} {'unit':<8} {'in the data':<20} {title}"
             yield from _fold(f"({method})", "   ")

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from procedures.uncertainty.budget import ParameterBudget
 
 PROPOSED = "proposed"
-PROPOSED_SAID = "proposed: it is not in the catalogue and not in the solution; confirm it with other data"
+PROPOSED_IN_WORDS = "proposed: it is not in the catalogue and not in the solution; confirm it with other data"
 SAMPLE_EFFECTS = (
     "auxiliary.periodic", "accelerometer.count_periodic", "gyroscope.count_periodic", "disturbance.line",
     "accelerometer.vibration_rectification",
@@ -26,17 +26,17 @@ BEYOND_BELIEF = 10.0  # times its expected size, from which on a coefficient is 
 MIN_LOG10_P = -300  # below which a p-value is only known to be below
 
 
-def confidence_said(finding: Mapping[str, Any]) -> str:
+def confidence_in_words(finding: Mapping[str, Any]) -> str:
     """Return in words how sure a finding's name is, and how much of the error held out it removes."""
-    said = f"{finding['confidence']}, probability {probability_text(finding['probability'])}"
+    text = f"{finding['confidence']}, probability {probability_text(finding['probability'])}"
     if finding["confidence"] == PROPOSED:
-        said = f"{PROPOSED_SAID}; probability {probability_text(finding['probability'])}"
+        text = f"{PROPOSED_IN_WORDS}; probability {probability_text(finding['probability'])}"
     if finding["aliases"]:
         joint = finding.get("joint_probability", 1.0)
-        said += f"; the data cannot separate it from the alternatives (together {probability_text(joint)})"
+        text += f"; the data cannot separate it from the alternatives (together {probability_text(joint)})"
     share = finding.get("share", 0.0)
     whole = "the samples' variance" if is_of_samples(finding) else "the squared held-out error"
-    return f"{said}; it explains {share_text(share)} of {whole}" if share >= NEGLIGIBLE else said
+    return f"{text}; it explains {share_text(share)} of {whole}" if share >= NEGLIGIBLE else text
 
 
 def probability_text(p: float) -> str:
@@ -46,7 +46,7 @@ def probability_text(p: float) -> str:
     return f"{p:.3f}" if p > 0.95 else f"{p:.2f}" if p >= NEGLIGIBLE else "< 0.01"
 
 
-def alternatives_said(finding: Mapping[str, Any]) -> str:
+def alternatives_in_words(finding: Mapping[str, Any]) -> str:
     """Return the names that a finding may have instead, each with its probability where that is known."""
     shares = finding.get("shares", {})
     return ", ".join(
@@ -54,7 +54,7 @@ def alternatives_said(finding: Mapping[str, Any]) -> str:
     )
 
 
-def unnamed_said(cause: Mapping[str, Any]) -> str:
+def unnamed_in_words(cause: Mapping[str, Any]) -> str:
     """Return what a cause without a name looks like, and how."""
     return f"{cause['what']} ({cause['note']})" if cause["note"] else str(cause["what"])
 
@@ -77,15 +77,15 @@ def other_terms(document: Mapping[str, Any]) -> list[tuple[str, str]]:
     ]
 
 
-def not_separable_said(document: Mapping[str, Any]) -> str:
+def not_separable_in_words(document: Mapping[str, Any]) -> str:
     """Return the error terms that these measurements cannot show, and what would; nothing where there are none."""
     if not (names := document.get("not_separable", {})):
         return ""
     by_way = dict[str, list[str]]()
     for name, separate_by in names.items():
         by_way.setdefault(separate_by, []).append(name)
-    said = "; ".join(f"{both(several)} ({way})" for way, several in by_way.items())
-    return f"not separable here from the calibration itself (what would separate them): {said}"
+    text = "; ".join(f"{both(several)} ({way})" for way, several in by_way.items())
+    return f"not separable here from the calibration itself (what would separate them): {text}"
 
 
 def share_text(share: float) -> str:
@@ -128,10 +128,10 @@ def left_lines(document: Mapping[str, Any]) -> list[str]:
         p = p_text(one["log10_p"])
         match one["by"]:
             case "temperature" | "time":
-                said = f"{one['what']}: {100 * one['size']:.0f} % of the residual follows {one['by']}"
+                text = f"{one['what']}: {100 * one['size']:.0f} % of the residual follows {one['by']}"
             case _:
-                said = f"{one['what']}: {one['size']:.1f} times the expected noise"
-        found.append(f"{said} ({p})")
+                text = f"{one['what']}: {one['size']:.1f} times the expected noise"
+        found.append(f"{text} ({p})")
     return found
 
 
@@ -183,18 +183,18 @@ def verdict_sentence(document: Mapping[str, Any]) -> str:
 
 def _named(findings: Sequence[Mapping[str, Any]]) -> str:
     """Return a sentence for each finding: what it is, its probability, the error held out without and with it."""
-    said = list[str]()
+    wording = list[str]()
     for one in findings:
         what = meaning_of(one["effect"])
         name = f"{what} ({one['effect']}" if what else f"{one['effect']} ("
         text = f"{name}, probability {probability_text(one['probability'])})".replace("(, ", "(")
-        if reduced := reduction_said(one):
+        if reduced := reduction_in_words(one):
             text += f": {reduced}"
-        said.append(f"{text}.")
-    return " ".join(dict.fromkeys(said))
+        wording.append(f"{text}.")
+    return " ".join(dict.fromkeys(wording))
 
 
-def reduction_said(finding: Mapping[str, Any]) -> str:
+def reduction_in_words(finding: Mapping[str, Any]) -> str:
     """Return by how much the error held out falls with a finding in the model, where it falls most."""
     errors = [e for e in finding.get("error", ()) if e.get("held_out_before") and "held_out_after" in e]
     if not errors or finding.get("share", 0.0) < NEGLIGIBLE:
@@ -241,7 +241,7 @@ def known_findings(document: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     return [finding for finding in document["findings"] if finding["confidence"] != PROPOSED]
 
 
-def left_said(document: Mapping[str, Any], budgets: Sequence["ParameterBudget"]) -> str:
+def left_in_words(document: Mapping[str, Any], budgets: Sequence["ParameterBudget"]) -> str:
     """Return what a verdict on limits must say of a residual that is unexplained; nothing of any other."""
     if document["verdict"] not in {"unexplained", "partly"}:
         return ""
@@ -262,7 +262,7 @@ def p_text(log10_p: float) -> str:
 
 
 def notes(finding: Mapping[str, Any]) -> list[str]:
-    """Return what else is to be said of a finding, a sentence each."""
+    """Return what else is to be reported of a finding, a sentence each."""
     found = list[str]()
     if (angle := finding.get("levelling_deg")) is not None:
         along = [f"{degrees(c['value']):.2f} along {n[-1]}" for n, c in finding["coefficients"].items()]
@@ -298,13 +298,13 @@ def both(names: Sequence[str]) -> str:
 
 def where_text(where: Mapping[str, Any]) -> str:
     """Return what a finding is about: ``position 3 or 4, dwell_03.csv``."""
-    said = []
+    wording = list[str]()
     for name, value in where.items():
         joined = " or " if name == "position" else ", "  # one position of several, but all channels
         parts = value if isinstance(value, list) else [value]
         text = joined.join(f"{each:.6g}" if isinstance(each, float) else str(each) for each in parts)
-        said.append(text if name == "file" else f"{name} {text}")
-    return ", ".join(said)
+        wording.append(text if name == "file" else f"{name} {text}")
+    return ", ".join(wording)
 
 
 def size_in_sigmas(value: float, std: float) -> str:
@@ -316,7 +316,7 @@ def size_in_sigmas(value: float, std: float) -> str:
 def _groups(findings: Sequence[Mapping[str, Any]]) -> str:
     groups = [
         f"{one['effect']} ({probability_text(one['probability'])})"
-        + (f" or {alternatives_said(one)}" if one["aliases"] else "")
+        + (f" or {alternatives_in_words(one)}" if one["aliases"] else "")
         for one in findings
     ]
     return "; and ".join(dict.fromkeys(groups))

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from procedures.frames import AXES
 from procedures.free_positions.norm_fit import Undetermined
 from procedures.free_positions.pose_means import MeansCalibration, calibrate_means, gyro_bias

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from procedures.calibration.joint_calibration import CampaignFits, leans_of
+from procedures.calibration.joint_calibration import CampaignFits, undetectable_tilts_of
 from procedures.calibration.solution_values import Solution
 from procedures.calibration.undetectable_tilt import undetectable_tilt_warnings
 from procedures.diagnosis.diagnose import diagnose
@@ -121,7 +121,7 @@ def _with_tilts(solution: Solution, fits: CampaignFits, seatings: Collection[tup
     if not seatings:
         return solution
     tilts, before = (
-        leans_of(fits, solution.quality, seatings),
+        undetectable_tilts_of(fits, solution.quality, seatings),
         undetectable_tilt_warnings(solution.undetectable_tilts),
     )
     kept = [each for each in solution.warnings if each not in before]
@@ -129,14 +129,14 @@ def _with_tilts(solution: Solution, fits: CampaignFits, seatings: Collection[tup
 
 
 def is_of_unit(finding: Finding) -> bool:
-    """Say whether a finding is one of the instrument in the solution; one of a rate table's file is beside it."""
+    """Say whether a finding is one of the instrument in the solution; one of a rate table's file is not."""
     return finding.kind == "instrument" and "file" not in finding.where
 
 
 def _carried(finding: Finding) -> Mapping[str, Any]:
     """Return one of the ``effects`` of `calibration/1`; ``reference`` is where it vanishes, if it does."""
-    said = finding_document(finding)
-    entry = {"name": finding.effect, "coefficients": said["coefficients"], "unit": finding.unit}
+    text = finding_document(finding)
+    entry = {"name": finding.effect, "coefficients": text["coefficients"], "unit": finding.unit}
     if finding.shape:
         entry["shape"] = finding.shape
     if temperature_effect(finding.effect):

@@ -1,7 +1,7 @@
-"""The measurement that would tell an effect from what it is mistaken for: by effect, a line in the table each.
+"""The measurement that would separate an effect from what it is mistaken for: by effect, a line in the table each.
 
 Steps complement the campaign that was diagnosed: both are then diagnosed together, ``station diagnose FIRST
-SECOND``. What cannot be written as steps is said in words; the others are files of `plan/1`.
+SECOND``. What cannot be written as steps is reported in words; the others are files of `plan/1`.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -98,7 +98,7 @@ def partner(position: int) -> int:
 
 
 def turns(**more: Any) -> list[dict[str, Any]]:
-    """Return a turn about every axis, both ways; ``more`` is what each states beside."""
+    """Return a turn about every axis, both ways; ``more`` is what each states in addition."""
     return [{"axis": a, "direction": s, "revolutions": REVOLUTIONS, **more} for a in AXES for s in "+-"]
 
 
@@ -253,7 +253,7 @@ def _of(name: str, is_certified: bool) -> tuple[Make, ...]:
 
 
 def write_plans(path: Path, wanted: Sequence[Measurement]) -> list[Path]:
-    """Write measurements as `plan/1`, the first to ``path``, others beside it; return the files.
+    """Write measurements as `plan/1`, the first to ``path``, others next to it; return the files.
 
     What has no steps is a remark in the first.
 
@@ -266,8 +266,8 @@ def write_plans(path: Path, wanted: Sequence[Measurement]) -> list[Path]:
     besides = [f"Besides: {one.say}" for one in wanted if one not in with_steps]
     files = [path, *(path.with_name(f"{path.stem}_{i}{path.suffix}") for i in range(2, len(with_steps) + 1))]
     for file, one in zip(files, with_steps, strict=True):
-        said = [one.say, *(besides if file == path else [])]
-        remarks = "".join(f"# {line}\n" for text in said for line in wrap(text, WIDTH))
+        wording = [one.say, *(besides if file == path else [])]
+        remarks = "".join(f"# {line}\n" for text in wording for line in wrap(text, WIDTH))
         replace_file(file, (remarks + toml_text(_tables(one))).encode())
     return files
 

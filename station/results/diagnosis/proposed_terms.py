@@ -57,7 +57,7 @@ def parted_by(found: Discovery) -> list[NextMeasurement | None]:
     return [next_measurement(found, one) for one in found.proposals]
 
 
-def next_said(one: Proposal, best: NextMeasurement | None) -> str:
+def next_in_words(one: Proposal, best: NextMeasurement | None) -> str:
     """Return what to measure next to part a proposal from its readings; nothing where there are none."""
     if not one.readings:
         return ""
@@ -92,7 +92,7 @@ def _finding(one: Proposal, best: NextMeasurement | None) -> dict[str, Any]:
     return {
         "effect": f"{one.term.triad}.{one.term.name}", "kind": "instrument", "coefficients": known,
         "unit": one.term.unit, **({"units": units} if units else {}), "where": {}, "confidence": PROPOSED,
-        "share": float(one.share), "aliases": [], "separate_by": next_said(one, best),
+        "share": float(one.share), "aliases": [], "separate_by": next_in_words(one, best),
         **({"next": {"measurement": best.name, "minutes": best.minutes, "parts": best.parted}} if best else {}),
         "probability": float(one.probability),
         "term": list(one.term.terms), "latex": latex_of_law(one.term),

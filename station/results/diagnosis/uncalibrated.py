@@ -97,8 +97,8 @@ def rests_and_moves_lines(document: Mapping[str, Any]) -> Iterator[str]:
         off = [each[key] for each in rests if key in each]  # none where the unit is not specified
         rms = 1e3 * sqrt(fmean(x * x for x in off)) if off else 0.0
         seconds = [each["seconds"] for each in rests]
-        said = f", specific force differs from gravity by {rms:.3g} mg rms" if off else ""
-        yield f"{len(rests)} rests of {min(seconds):.1f} to {max(seconds):.1f} s{said}"
+        text = f", specific force differs from gravity by {rms:.3g} mg rms" if off else ""
+        yield f"{len(rests)} rests of {min(seconds):.1f} to {max(seconds):.1f} s{text}"
     if moves:
         yield "transfers as measured: by the gyroscopes x, y, z [deg]; rotation of gravity by the"
         yield "accelerometers, and its difference to the gyroscopes [deg]"
@@ -176,7 +176,7 @@ def turns_lines(document: Mapping[str, Any]) -> Iterator[str]:
         yield (
             "at rest is the bias with the Earth's rate along the axis; " if rested else ""
         ) + "not determined by this:"
-        yield from (f"   {said}" for said in document["turns_leave_open"])
+        yield from (f"   {text}" for text in document["turns_leave_open"])
 
 
 NOT_KNOWN = "unknown: the recording is too short, or the counts are too coarse"

@@ -1,8 +1,8 @@
-"""What can be said of a campaign that determines no triad: how level its faces stood.
+"""What can be reported of a campaign that determines no triad: how level its faces stood.
 
 The mean accelerometer output of a dwell with a known face up points along the up vector, if scale factors agree
-and biases are small beside 1 g. Its components along the two other cube axes over that along the vertical are the
-tilt, in which bias / 1 g and misalignment are. No scale factor is needed for a ratio.
+and biases are small compared with 1 g. Its components along the two other cube axes over that along the vertical
+are the tilt, in which bias / 1 g and misalignment are. No scale factor is needed for a ratio.
 """
 
 from collections.abc import Iterator, Sequence
@@ -30,7 +30,7 @@ MAX_TILT = 0.5  # rad: beyond, the vertical is not where the face says
 
 
 def partial_document(campaigns: Sequence[LoadedCampaign], missing: NotObservable) -> dict[str, Any] | None:
-    """Return what can be said as `diagnosis/2`, None if nothing can; ``missing`` says what stays open."""
+    """Return what can be reported as `diagnosis/2`, None if nothing can; ``missing`` says what stays open."""
     tilts = [found for loaded in campaigns for found in levelling(loaded.campaign)]
     channels = channels_of(campaigns, ())
     recorded = [loaded.campaign for loaded in campaigns]

@@ -38,8 +38,8 @@ def history_svg(kind: str, found: Mapping[str, dict[str, Any]], control: float) 
             empty.remove()
 
     rows = -(-len(found) // COLUMNS)
-    said = f"{title_of(kind)} over calibrations, with prediction and control chart"
-    return draw_svg(kind.replace(".", "-").replace("_", "-"), said, (8.6, 3.7 * rows), draw)
+    text = f"{title_of(kind)} over calibrations, with prediction and control chart"
+    return draw_svg(kind.replace(".", "-").replace("_", "-"), text, (8.6, 3.7 * rows), draw)
 
 
 def draw_values(axes: Axes, name: str, track: dict[str, Any]) -> None:

@@ -1,8 +1,9 @@
 """population/1: units of a model that stand out, and fixtures, sites or operators that shift a parameter.
 
-Two families of tests, each with half of `ALPHA`: all parameters of all units (Bonferroni over parameters, beside
-that over units in `procedures.history.population`), and all parameters of all groups (Holm). The adjusted p-values
-are doubled for it, so that a fleet in which nothing is off shows something with probability `ALPHA` at most.
+Two families of tests, each with half of `ALPHA`: all parameters of all units (Bonferroni over parameters, with
+that over units in `procedures.statistics.population`), and all parameters of all groups (Holm). The adjusted
+p-values are doubled for it, so that a fleet in which nothing is off shows something with probability `ALPHA` at
+most.
 """
 
 from collections.abc import Iterator, Sequence
@@ -12,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from fixtures_db.stored_calibrations import MADE_WITH, Run, turn_ons
-from procedures.history.population import (
+from procedures.statistics.population import (
     MIN_UNITS,
     MIN_UNITS_IN_BOTH,
     GroupShift,

@@ -7,25 +7,23 @@ from typing import Any
 
 import numpy as np
 
-from fixtures_db.calibration import utc_text
-from fixtures_db.model_limits import Limit
+from fixtures_db.hash_chain import utc_text
+from fixtures_db.imu_models import Limit
 from fixtures_db.stored_calibrations import Run, turn_ons
 from procedures.arrays import FloatArray
-from procedures.history.drift import (
+from procedures.statistics.calibration_drift import (
+    CLUSTER_DAYS,
     MAX_SPANS_AHEAD,
     MIN_CALIBRATIONS,
-    Forecast,
-    forecast,
-    last_predictable_day,
-)
-from procedures.history.repeatability import (
-    CLUSTER_DAYS,
     MIN_EARLIER,
     CalibrationSeries,
     ControlChart,
+    Forecast,
     Repeatability,
     control_chart,
     control_limit,
+    forecast,
+    last_predictable_day,
     turn_on_repeatability,
 )
 from procedures.statistics.significance import holm, two_sided

@@ -14,7 +14,7 @@ from station.results.parameters_by_name import (
     shown_sigma,
     title_of,
 )
-from station.results.verdict import word_said
+from station.results.verdict import verdict_in_words
 from station.text import WIDTH, decimals, table_lines
 
 SIGNIFICANT_P = 0.05  # a drift's p-value, adjusted for the number of parameters
@@ -31,7 +31,7 @@ def history_text(document: dict[str, Any]) -> str:
 
 
 def _entry(entry: dict[str, Any]) -> Iterator[str]:
-    verdict = word_said(entry.get("verdict", "not judged"), has_limits=entry["limited"] > 0)
+    verdict = verdict_in_words(entry.get("verdict", "not judged"), has_limits=entry["limited"] > 0)
     when = entry["accepted_utc"][:16].replace("T", " ")
     yield f"{when} UTC  {entry['model']}  {verdict}, {entry['status']}  {entry['sha256'][:12]}"
     for name, sha256 in entry.get("effects", {}).items():
@@ -67,9 +67,9 @@ def _analysis(one: dict[str, Any]) -> Iterator[str]:
         )
     needs = {text for track in one["parameters"].values() for text in track["needs"]}
     for text in sorted(needs):
-        word, _, said = text.partition(": ")
+        word, _, wording = text.partition(": ")
         yield from wrap(
-            f"the history is too short to predict: {said}" if word == "prediction" else f"too few for {text}",
+            f"the history is too short to predict: {wording}" if word == "prediction" else f"too few for {text}",
             width=WIDTH, initial_indent="  ", subsequent_indent="    ",
         )  # fmt: skip
     yield from _alarms(one)
@@ -80,8 +80,8 @@ def _title(name: str, track: dict[str, Any]) -> str:
     ends = track.get("limits", {})
     scale, unit = shown_scale(name, track["unit"])
     limits = " to ".join(f"{ends[end] * scale:g}" if end in ends else "open" for end in ("low", "high"))
-    said = f"; limits {limits}" if ends else ""
-    return f"{name.rpartition('.')[0].replace('_', ' ').replace('.', ' ')} [{unit}]{said}"
+    text = f"; limits {limits}" if ends else ""
+    return f"{name.rpartition('.')[0].replace('_', ' ').replace('.', ' ')} [{unit}]{text}"
 
 
 def _cells(name: str, track: dict[str, Any]) -> tuple[str, ...]:

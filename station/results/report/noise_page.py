@@ -14,9 +14,14 @@ from procedures.frames import TRIADS
 from procedures.statistics.allan_deviation import noise_shapes
 from station.files.atomic_file import replace_file
 from station.results.html_templates import html_template
-from station.results.report.noise_figure import decade
-from station.results.report.noise_json import units_of
-from station.results.report.noise_text import MAX_LINES_SAID, condition_texts, is_undetermined, line_text
+from station.results.report.noise_document import (
+    MAX_LINES_IN_WORDS,
+    condition_texts,
+    is_undetermined,
+    line_text,
+    units_of,
+)
+from station.results.report.report_figures import decade
 from station.results.report.svg import AXIS_STYLE, RULE, draw_png, draw_svg
 
 WIDTH_IN, ROW_IN = 7.0, 2.7
@@ -29,8 +34,8 @@ def noise_svg(name: str, channels: Channels) -> str:
     if not channels:
         return ""
     rows = _by_triad(channels)
-    said = f"Allan deviation and spectrum of {', '.join(each['channel'] for each in channels)}"
-    return draw_svg(name, said, (WIDTH_IN, ROW_IN * len(rows)), lambda figure: _draw(figure, rows))
+    text = f"Allan deviation and spectrum of {', '.join(each['channel'] for each in channels)}"
+    return draw_svg(name, text, (WIDTH_IN, ROW_IN * len(rows)), lambda figure: _draw(figure, rows))
 
 
 def write_noise_png(path: Path, channels: Channels) -> None:
@@ -146,7 +151,7 @@ def _triad_table(channels: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         "rows": rows,
         "conditions": [(each["channel"], text) for each in channels for text in condition_texts(each)],
         "lines": [
-            (each["channel"], line_text(line)) for each in channels for line in each["lines"][:MAX_LINES_SAID]
+            (each["channel"], line_text(line)) for each in channels for line in each["lines"][:MAX_LINES_IN_WORDS]
         ],
     }
 

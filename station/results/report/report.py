@@ -29,7 +29,7 @@ from station.results.report.result_tables import (
     residual_tables,
     triad_groups,
 )
-from station.results.verdict import word_said
+from station.results.verdict import verdict_in_words
 from station.text import MINUS, decimals, fixed, plural, significant
 
 
@@ -170,7 +170,7 @@ def render(context: ReportContext) -> str:
         context=context,
         model=first.model,
         serial=first.serial,
-        verdict=word_said(context.verdict, has_limits=context.has_limits),
+        verdict=verdict_in_words(context.verdict, has_limits=context.has_limits),
         verdict_mark=VERDICT_MARK[context.verdict],
         quality=solution.quality,
         summary=_summary(context),
@@ -244,24 +244,26 @@ def _detectable_seating(tilts: Sequence[UndetectableTilt]) -> str:
     """Say which seating error of the cube the residuals show, and what a smaller one does; nothing without one."""
     if not tilts:
         return ""
-    shown = [f"{each.lean / RAD_PER_ARCSEC:.0f}" for each in sorted(tilts, key=attrgetter("lean"))]
-    shown = shown[: sum(each.lean <= ANY_TILT_RAD for each in tilts)]
-    hidden = sorted({each.position for each in tilts if each.lean > ANY_TILT_RAD})
+    shown = [f"{each.tilt / RAD_PER_ARCSEC:.0f}" for each in sorted(tilts, key=attrgetter("tilt"))]
+    shown = shown[: sum(each.tilt <= ANY_TILT_RAD for each in tilts)]
+    hidden = sorted({each.position for each in tilts if each.tilt > ANY_TILT_RAD})
     worst = max(tilts, key=attrgetter("sigmas"))
-    said = []
+    stated = []
     if shown:
-        said.append(f"{' to '.join(dict.fromkeys((shown[0], shown[-1])))} arcsec (detected in half of the cases).")
+        stated.append(
+            f"{' to '.join(dict.fromkeys((shown[0], shown[-1])))} arcsec (detected in half of the cases)."
+        )
     if hidden:
-        said.append(
+        stated.append(
             f"No seating error is detected in position{'s' * (len(hidden) > 1)} {', '.join(map(str, hidden))}."
         )
-    is_any = worst.lean > ANY_TILT_RAD
+    is_any = worst.tilt > ANY_TILT_RAD
     which = f"One of {ANY_TILT_RAD / RAD_PER_ARCSEC:.0f} arcsec" if is_any else "A smaller one"
-    said.append(
+    stated.append(
         f"{which} in position {worst.position} can shift {worst.value} by up to {worst.sigmas:.1f} times its "
         f"standard uncertainty."
     )
-    return " ".join(said)
+    return " ".join(stated)
 
 
 def _budget_tables(budgets: Sequence[ParameterBudget]) -> list[tuple[str, list[Row]]]:

@@ -86,8 +86,8 @@ def matrix_rows(misalignment: Estimate) -> list[list[str]]:
 
 
 def _found(part: str, estimates: Mapping[str, Estimate | None]) -> list[Parameter]:
-    said = {field: estimate_document(one) for field, one in estimates.items() if one is not None}
-    return list(parameters({part: said}).values())
+    text = {field: estimate_document(one) for field, one in estimates.items() if one is not None}
+    return list(parameters({part: text}).values())
 
 
 def _group(

@@ -11,7 +11,7 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 INK, RULE, PALE = "#1b2733", "#9aa5b1", "#e9edf1"
-AXIS_STYLE = {  # colour and symbol both tell the axis: readable in grey and by the colour-blind
+AXIS_STYLE = {  # colour and symbol both show the axis: readable in grey and by the colour-blind
     "x": ("#0b5fa5", "o"),
     "y": ("#b8480f", "s"),
     "z": ("#1f7a4d", "^"),

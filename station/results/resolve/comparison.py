@@ -13,7 +13,7 @@ from typing import Any, Literal
 from sqlalchemy.orm import Session
 
 from fixtures_db.campaigns import known_campaign
-from fixtures_db.model_limits import Limit
+from fixtures_db.imu_models import Limit
 from fixtures_db.stored_calibrations import newest_calibration
 from station.errors import DataRefused
 from station.files.toml_file import read_text_file
@@ -136,7 +136,7 @@ def compare(now: Mapping[str, Any], before: PreviousSolution | None, limits: Seq
     if before is None:
         return {"verdict": verdict}
     new, old = applied(parameters(now)), applied(parameters(before.document))
-    said: dict[str, Any] = {
+    stated: dict[str, Any] = {
         "verdict": {"before": _verdict(before, limits), **verdict},
         "shifts": {name: _row(one, old[name]) for name, one in shifts(new, old, _sigma_before).items()},
         "lost": [name for name in old if name not in new],
@@ -144,8 +144,8 @@ def compare(now: Mapping[str, Any], before: PreviousSolution | None, limits: Seq
     }
     if before.warnings is not None:
         then = {_alike(text) for text in before.warnings}
-        said["new_warnings"] = [text for text in now["warnings"] if _alike(text) not in then]
-    return said
+        stated["new_warnings"] = [text for text in now["warnings"] if _alike(text) not in then]
+    return stated
 
 
 def _alike(warning: str) -> str:
@@ -223,24 +223,24 @@ def in_words(finding: Finding) -> str:
 
 def is_otherwise(entry: Mapping[str, Any]) -> bool:
     """Say whether a campaign's diagnosis has another verdict, or findings, than before."""
-    said = entry.get("diagnosis", {})
-    verdict = said.get("verdict", {})
+    stated = entry.get("diagnosis", {})
+    verdict = stated.get("verdict", {})
     is_other = "before" in verdict and verdict["before"] != verdict["now"]
-    return is_other or any(said.get(what) for what in ("gained", "lost", "changed"))
+    return is_other or any(stated.get(what) for what in ("gained", "lost", "changed"))
 
 
 def diagnosis_remarks(entry: Mapping[str, Any]) -> Iterator[str]:
     """Yield what changed in a campaign's diagnosis."""
     if not is_otherwise(entry):
         return
-    said = entry["diagnosis"]
-    was, now = said["verdict"]["before"], said["verdict"]["now"]
+    stated = entry["diagnosis"]
+    was, now = stated["verdict"]["before"], stated["verdict"]["now"]
     yield f"diagnosis: {now}, as before" if was == now else f"diagnosis: {was} before, {now} now"
-    for one in said["gained"]:
+    for one in stated["gained"]:
         yield f"found now: {one['effect']}, {in_words(one)}"
-    for one in said["lost"]:
+    for one in stated["lost"]:
         yield f"no more found: {one['effect']}, {in_words(one)}"
-    for row in said["changed"]:
+    for row in stated["changed"]:
         yield f"{row['effect']}: {row['before']} before, {row['now']} now"
 
 

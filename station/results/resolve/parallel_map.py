@@ -105,7 +105,8 @@ def map_restartable(
         Of a module that workers can import; returns what JSON can hold, finite. What it computes depends on the
         item alone (seeds are part of it), so that no number depends on who computes it or when.
     key
-        All that the result of an item depends on beside the code, as JSON can hold it: hashes of files, seeds.
+        All that the result of an item depends on in addition to the code, as JSON can hold it: hashes of files,
+        seeds.
     folder
         Where results are kept, a file each; None keeps none. It may be deleted at any time.
 
@@ -187,13 +188,13 @@ class Progress:
             self._stream.flush()
 
     def __str__(self) -> str:
-        said = [f"{self._title}: {self._done} of {self._total}"]
+        text = [f"{self._title}: {self._done} of {self._total}"]
         if self._kept:
-            said.append(f"{self._kept} kept")
+            text.append(f"{self._kept} kept")
         if self._faults:
-            said.append(f"{self._faults} refused")
+            text.append(f"{self._faults} refused")
         worked, left = self._done - self._kept, self._total - self._done
         if worked and left:
             seconds = (self._now() - self._began) / worked * left
-            said.append(f"{seconds:.0f} s left" if seconds < 100 else f"{seconds / 60:.0f} min left")
-        return ", ".join(said)
+            text.append(f"{seconds:.0f} s left" if seconds < 100 else f"{seconds / 60:.0f} min left")
+        return ", ".join(text)

@@ -14,7 +14,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, TypeVar
 
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import StationError
 
 PACKAGES = ("procedures", "drivers", "fixtures_db", "station")
@@ -69,7 +69,7 @@ class ClusterLost(StationError, ConnectionError):
 
 @dataclass(frozen=True, slots=True)
 class ItemFault:
-    """Why there is no result: one line, the exit code a command would end with, and the machine that said so."""
+    """Why there is no result: one line, the exit code a command would end with, and the machine that sent it."""
 
     text: str
     code: int
@@ -90,7 +90,7 @@ def attempt(function: Callable[[I], Result], item: I, code: str | None = None) -
     ``code`` is the `code_hash` of whoever asks from another machine: a worker with other code would give other
     numbers, and refuses. None asks no such thing.
     """
-    from station.exit_codes import explain, one_line
+    from station.errors import explain, one_line
 
     host = socket.gethostname()
     try:
@@ -100,5 +100,5 @@ def attempt(function: Callable[[I], Result], item: I, code: str | None = None) -
             return ItemResult(None, ItemFault(text, 2, host))
         return ItemResult(function(item))
     except Exception as error:  # the edge of a worker: an exception of ours does not survive pickling
-        said, text = explain(error)
-        return ItemResult(None, ItemFault(one_line(text), said, host))
+        wording, text = explain(error)
+        return ItemResult(None, ItemFault(one_line(text), wording, host))

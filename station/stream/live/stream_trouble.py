@@ -19,7 +19,7 @@ from procedures.campaign.dead_channels import (
     walk,
 )
 from procedures.counts.sample_records import CountBlock, SampleBlock
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import DataRefused
 from station.stream.recorder.sample_stream import DecodedChunk, SampleStream
 
@@ -85,7 +85,7 @@ NUMBER = re.compile(r"\d[\d.]*")
 
 
 class TroubleLog:
-    """One stream's troubles, each said once: other counts in the same words are no other trouble."""
+    """One stream's troubles, each reported once: other counts in the same words are no other trouble."""
 
     def __init__(self, name: str, say: Callable[[str], None]) -> None:
         self._name, self._say = name, say
@@ -95,8 +95,8 @@ class TroubleLog:
         """Take what is wrong now, empty where nothing is."""
         if (words := without_numbers(trouble)) != self._words:
             self._words = words
-            said = trouble if self._name in trouble else f"{self._name}: {trouble or 'well again'}"
-            self._say(f"{datetime.now():%H:%M:%S}  {said}")
+            text = trouble if self._name in trouble else f"{self._name}: {trouble or 'well again'}"
+            self._say(f"{datetime.now():%H:%M:%S}  {text}")
 
 
 def without_numbers(text: str) -> str:
@@ -183,8 +183,8 @@ def refuse_partial(name: str, kind: FrameKind) -> None:
 
 def _silent_text(found: Sequence[int], values: FloatArray, seconds: float) -> str:
     """Return in words that channels 0..5 put out ``values`` (6,) for so many seconds, and what to do."""
-    said = ", ".join(f"{TRIADS[COLUMNS[i][0]]} {COLUMNS[i][1]} a constant {values[i] + 0.0:.6g}" for i in found)
-    return f"{said} for {seconds:.0f} s: dead or not there; what needs it is wrong: check its wiring and supply"
+    text = ", ".join(f"{TRIADS[COLUMNS[i][0]]} {COLUMNS[i][1]} a constant {values[i] + 0.0:.6g}" for i in found)
+    return f"{text} for {seconds:.0f} s: dead or not there; what needs it is wrong: check its wiring and supply"
 
 
 MIN_TURN_S = 60.0

@@ -97,8 +97,8 @@ class Journal:
                 content = MESSAGES[RAW](data=data, host_ns=host_ns).SerializeToString()
                 self._writer.add_message(self._raw, log_time=host_ns, data=content, publish_time=host_ns)
             case StreamGap(host_ns, reason, is_open):
-                told = {"host_ns": str(host_ns), "reason": reason, "is_open": str(is_open).lower()}
-                self._writer.add_metadata(GAP, told)
+                metadata = {"host_ns": str(host_ns), "reason": reason, "is_open": str(is_open).lower()}
+                self._writer.add_metadata(GAP, metadata)
 
     def _flush(self, *, sync: bool) -> None:
         self._writer.flush()  # type: ignore[no-untyped-call]

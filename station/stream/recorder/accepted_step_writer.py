@@ -88,13 +88,13 @@ class CampaignRecorder:
         step: Step,
         buffer: SampleBuffer,
         runs: Sequence[SampleRun],
-        said: Mapping[str, object] = MappingProxyType({}),
+        stated: Mapping[str, object] = MappingProxyType({}),
         moved: MovedFrom | None = None,
         seats: Mapping[str, Sequence[float] | None] = MappingProxyType({}),
     ) -> Path:
         """Record ``step`` as the samples of ``runs``; it is accepted when this returns its file.
 
-        ``said`` is what else its table in ``campaign.toml`` holds, by key; ``moved`` is how the cube came there.
+        ``stated`` is what else its table in ``campaign.toml`` holds, by key; ``moved`` is how the cube came there.
         ``seats`` says, by step, how far off (2,) [rad] the cube sat in dwells before, or that it sat well.
 
         A step of the same name recorded before is superseded: its file stays, the campaign no longer names it, nor
@@ -104,7 +104,7 @@ class CampaignRecorder:
         if moved is not None:
             carried = self._written(f"move_{len(self.tables.move) + 1:02d}", buffer, [moved.run])[0]
         path, sha256 = self._written(step.name, buffer, runs)
-        tables = _with_step(self.tables, step, path.name, said)
+        tables = _with_step(self.tables, step, path.name, stated)
         if moved is not None and carried is not None:
             table = MoveTable.model_validate({"from": moved.file, "to": path.name, "file": carried.name})
             tables = tables.model_copy(update={"move": [*tables.move, table]})
@@ -197,8 +197,8 @@ def step_of(table: StepTable) -> Step | None:
             return FreePosition(int(numbered[2]), 0.0)
         case SoakTable(number=position, up=up) if numbered and numbered[1] == "soak":
             return Soak(int(numbered[2]), 0.0, position or 0, up or "")
-        case MonitorTable(position=int(position), laws=laws) if numbered and numbered[1] == "monitor":
-            return Monitor(int(numbered[2]), 0.0, position, tuple(laws))
+        case MonitorTable(position=int(position), laws=filters) if numbered and numbered[1] == "monitor":
+            return Monitor(int(numbered[2]), 0.0, position, tuple(filters))
     return None
 
 
@@ -230,10 +230,10 @@ def write_runs(
         raise cannot_write(path, error) from error
 
 
-def _with_step(tables: CampaignTable, step: Step, file: str, said: Mapping[str, object]) -> CampaignTable:
+def _with_step(tables: CampaignTable, step: Step, file: str, stated: Mapping[str, object]) -> CampaignTable:
     """Return the tables with ``step`` in ``file``, its recording before omitted with its moves."""
     kind, table = _table(step, file)
-    table = type(table).model_validate(table.model_dump() | dict(said))
+    table = type(table).model_validate(table.model_dump() | dict(stated))
     there = getattr(tables, kind)
     kept = [one for one in there if (known := step_of(one)) is None or known.name != step.name]
     gone = {one.file for one in there} - {one.file for one in kept}
@@ -259,8 +259,8 @@ def _table(step: Step, file: str) -> tuple[str, StepTable]:
         case Soak(position=position, up=up):
             where = attitude(position) if position else {"up": up} if up else {"attitude": "free"}
             return "soak", SoakTable.model_validate({**where, "file": file})
-        case Monitor(position=position, laws=laws):
-            return "monitor", MonitorTable(position=position, laws=list(laws), file=file)
+        case Monitor(position=position, filters=filters):
+            return "monitor", MonitorTable(position=position, laws=list(filters), file=file)
         case Turn():
             own = {name: getattr(step, name) for name in ("axis", "direction", "revolutions", "start_position")}
             return "turn", TurnTable.model_validate({**own, "file": file})

@@ -52,14 +52,14 @@ def record(
     writer, pace = StepWriter(folder / RECORDING_FILE, BY_OUTPUT[decoder.wire.output]), FlushInterval(FLUSH_S)
     period, samples, pulses = 0.0, 0, PulseAges(decoder.wire.pulse)
 
-    def beside() -> None:
+    def advance() -> None:
         if gnss is not None:
             gnss.advance()
         look()
 
     with _the_disk_refusing(writer.path):
         try:
-            for piece in feed.pieces(beside):
+            for piece in feed.pieces(advance):
                 writer.write_raw(piece.chunk.host_ns, piece.chunk.data)
                 if piece.anew is not None:
                     times.reset()
@@ -87,7 +87,7 @@ def record(
 def _the_disk_refusing(path: Path) -> Iterator[None]:
     try:
         yield
-    except (CannotWrite, ConnectionError, TimeoutError):  # said already, or the device's
+    except (CannotWrite, ConnectionError, TimeoutError):  # reported already, or the device's
         raise
     except OSError as error:
         raise cannot_write(path, error) from error

@@ -11,8 +11,7 @@ from station.guide.campaign.checklist import why_not_solvable
 from station.guide.view import CalibrationView, OperatorCommand, StageName
 from station.tui.screens.stage import FramedScreen
 from station.tui.widgets.common import BannerText
-from station.tui.widgets.cube import CubePair
-from station.tui.widgets.orientation import is_counter_clockwise
+from station.tui.widgets.cube import CubePair, is_counter_clockwise
 from station.tui.widgets.step_grid import GridCursor, StepGrid
 from station.tui.widgets.step_panels import (
     AcceptedBar,

@@ -36,7 +36,7 @@ LEAVE_CAMPAIGN_TEXT = (
 )
 COMMON_KEYS = ("app.ask", "leave", "cancel", "help", "command_palette")  # the keys of every screen
 MIN_SIZE = (MIN_COLUMNS, 24)  # columns, rows
-PHONE_SIZE = (44, 34)  # columns, rows of a telephone held upright: parts stand below instead of beside each other
+PHONE_SIZE = (44, 34)  # columns, rows of a telephone held upright: parts stand below instead of next to each other
 CAMPAIGN_GOES_ON = "The campaign continues, and the keys work"
 
 
@@ -165,7 +165,7 @@ class StageScreen(Screen[None]):
         self._send(OperatorCommand(verb=verb, step=step, folder=folder, url=url))
 
     def confirm(self, title: str, text: str, yes: str, verb: CommandVerb, *stages: StageName) -> None:
-        """Send a command once the operator has said yes."""
+        """Send a command once the operator has agreed."""
 
         def answered(answer: bool | None) -> None:
             if answer:

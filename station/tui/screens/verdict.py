@@ -40,7 +40,7 @@ class VerdictSentence(ValueWidget[Verdict]):
 
     def _drawn(self, verdict: Verdict) -> Content:
         symbol, colour = DOUBTED if _is_doubted(verdict) else VERDICT_LOOKS[verdict.word]
-        plain = verdict.said or verdict.word.replace("_", " ")
+        plain = verdict.in_words or verdict.word.replace("_", " ")
         sentence = verdict.sentence.removeprefix(f"{plain}: ")
         return Content.assemble((f" {symbol} {plain} ", f"$background on {colour}"), f"  {sentence}")
 
@@ -127,7 +127,7 @@ REPORT = "report"  # where a page finds it: `station.tui.web_server.Guard.report
 
 
 class FactLine(Horizontal):
-    """A name on the left, the text beside it however long."""
+    """A name on the left, the text next to it however long."""
 
     DEFAULT_CSS = """
     FactLine { height: auto; padding: 0 2; display: none; }
@@ -230,7 +230,7 @@ class VerdictScreen(StageScreen):
     def action_open_report(self) -> None:
         """Open the report: in the browser that shows this screen, else in one of this machine; say where it is.
 
-        That is said among the facts: it covers nothing there.
+        That is reported among the facts: it covers nothing there.
         """
         report = self.view.verdict.report if self.view.verdict else ""
         text = report or "no report was written"

@@ -1,5 +1,5 @@
 """What the screens are made of.
 
 `common` is on every screen; `setup_entries` and `setup_form` are on the start screen; `step_grid`, `cube` and
-`step_panels` on the campaign's. `canvas` and `orientation` are what pictures of the cube are drawn with.
+`step_panels` on the campaign's.
 """

@@ -7,7 +7,7 @@ from textual.content import Content
 from procedures.frames import POSITIONS, position_name
 from station.guide.view import StepState, StepView
 from station.tui.widgets.common import ValueWidget
-from station.tui.widgets.orientation import faces, is_counter_clockwise, start_of
+from station.tui.widgets.cube import faces, is_counter_clockwise, start_of
 
 FACE_COLUMNS = ("X up", "X down", "Y up", "Y down", "Z up", "Z down")
 TURNS = 2  # the row of the turns

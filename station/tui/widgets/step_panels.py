@@ -9,7 +9,7 @@ from procedures.units import S_PER_MIN
 from station.guide.view import GatesView, LimitView, MonitoredView, SoakView, StepView, TurnView, WarmUpView
 from station.guide.wording import rounded
 from station.tui.widgets.common import ValueWidget, against_limit, bar, duration_in_words, pointer
-from station.tui.widgets.orientation import short_step_title
+from station.tui.widgets.cube import short_step_title
 
 
 class AcceptedBar(ValueWidget[tuple[float, float]]):
@@ -63,11 +63,13 @@ class MonitoredLines(ValueWidget[MonitoredView]):
     DEFAULT_CSS = "MonitoredLines { height: 3; }"
 
     def _drawn(self, seen: MonitoredView) -> Content:
-        if not seen.laws:
+        if not seen.filters:
             return Content.assemble((" LAWS  ", "bold"), seen.text)
         lines = [
-            Content.assemble((f" {law.law:7}", "bold"), f"roll {law.roll_deg:+.3f} pitch {law.pitch_deg:+.3f} deg")
-            for law in seen.laws
+            Content.assemble(
+                (f" {reading.name:7}", "bold"), f"roll {reading.roll_deg:+.3f} pitch {reading.pitch_deg:+.3f} deg"
+            )
+            for reading in seen.filters
         ]
         if seen.difference_deg is not None:
             lines.append(Content.assemble((" APART ", "bold"), f" {seen.difference_deg:.3f} deg"))

@@ -12,14 +12,13 @@ from sqlalchemy import select
 from fixtures_db import stored_calibrations
 from fixtures_db.campaigns import accept_step, in_state, remove_campaign, set_state
 from fixtures_db.database import Database, open_db, sqlite_engine
-from fixtures_db.fixture_transfer import dump, restore
+from fixtures_db.fixture_measurements import dump, restore
 from fixtures_db.hash_chain import ChainFault
+from fixtures_db.imu_models import add_effect, all_in_force, set_limits, withdraw_effect
 from fixtures_db.journal import columns_there, journalled_tables
 from fixtures_db.migrations import KNOWN
 from fixtures_db.migrations.upgrade import config
-from fixtures_db.model_limits import set_limits
 from fixtures_db.stored_calibrations import accept_calibration
-from fixtures_db.user_effects import add_effect, all_in_force, withdraw_effect
 from fixtures_db.verification import alterations, take_anchor
 from tests.fixtures_db.factory import LATER, facts, solution
 from tests.fixtures_db.filled_database import WIDE, fill

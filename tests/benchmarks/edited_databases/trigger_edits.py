@@ -5,7 +5,7 @@ import re
 
 from sqlalchemy import Connection, text
 
-from fixtures_db.append_only_triggers import append_only_tables, on_postgresql, on_sqlite
+from fixtures_db.append_only_rows import append_only_tables, on_postgresql, on_sqlite
 
 
 def edit_trigger(connection: Connection, chance: random.Random) -> str:

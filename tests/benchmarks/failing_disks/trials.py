@@ -16,7 +16,7 @@ from fixtures_db.campaigns import campaign, verify_steps
 from fixtures_db.database import open_db
 from fixtures_db.stored_calibrations import accept_calibration, verify_chain
 from station import cli
-from station.exit_codes import BUG, explain
+from station.errors import BUG, explain
 from station.files.sha256sums import verify_folder
 from station.guide.campaign.folder_recorder import FolderRecorder
 from station.guide.campaign.interrupted_campaigns import reopen

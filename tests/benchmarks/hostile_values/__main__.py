@@ -18,7 +18,7 @@ from typing import Any
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from station import cli
-from station.exit_codes import BUG
+from station.errors import BUG
 from tests.benchmarks.hostile_values.files import Kind, kinds
 from tests.benchmarks.hostile_values.toml_of import toml_of
 from tests.benchmarks.hostile_values.values import mutants

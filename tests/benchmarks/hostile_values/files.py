@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from station import cli
-from station.exit_codes import explain
+from station.errors import explain
 from station.files.campaign_folder.plan_file import read_mounting, read_plan
 from station.files.limits_file import example_limits
 from station.files.scenario import read_scenario

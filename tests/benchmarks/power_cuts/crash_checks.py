@@ -21,7 +21,7 @@ from fixtures_db.database import Database, open_db
 from fixtures_db.migrations import HEAD
 from fixtures_db.verification import alterations
 from station import cli
-from station.exit_codes import exit_code
+from station.errors import exit_code
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.mcap_files import read_step
 from station.files.sha256sums import SHA256SUMS, verify_folder
@@ -33,7 +33,7 @@ from tests.benchmarks.power_cuts.more_workloads import GUIDED
 from tests.benchmarks.power_cuts.saying import CAMPAIGN, DATABASE, sha256
 from tests.station.guide.recorded import TAPE, step
 
-Said = list[dict[str, Any]]
+Bilingual = list[dict[str, Any]]
 
 
 @dataclass(slots=True)
@@ -48,8 +48,8 @@ class Findings:
 class Known:
     """What a check may know beside the folder: what was said by the cut, in the end, and what was synced."""
 
-    said: Said
-    in_the_end: Said
+    said: Bilingual
+    in_the_end: Bilingual
     synced: Mapping[str, bytes]
     goes_on: bool = False
 
@@ -111,7 +111,7 @@ def check_campaign(
         _steps(database, folder, accepted, found, full=known.goes_on)
 
 
-def _steps(database: Database, folder: Path, accepted: Said, found: Findings, *, full: bool) -> None:
+def _steps(database: Database, folder: Path, accepted: Bilingual, found: Findings, *, full: bool) -> None:
     with database.read() as session:
         rows = [(one.name, one.file, one.sha256, one.superseded) for one in campaign(session, str(folder)).steps]
         faults = verify_steps(session, str(folder))
@@ -263,7 +263,7 @@ CHECKS: dict[str, Callable[[Path, Known, Findings], None]] = {
 }
 
 
-def read_said(texts: Iterable[str]) -> Said:
+def read_said(texts: Iterable[str]) -> Bilingual:
     """Return what was said, a line of JSON each; other lines are left out."""
     lines = (line for one in texts for line in one.splitlines())
     return [json.loads(line) for line in lines if line.startswith('{"')]

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
-from tests.benchmarks.power_cuts.crash_checks import CHECKS, Findings, Known, Said, read_said
+from tests.benchmarks.power_cuts.crash_checks import CHECKS, Bilingual, Findings, Known, read_said
 from tests.benchmarks.power_cuts.disk_models import MODELS, CrashState, crash_states
 from tests.benchmarks.power_cuts.file_operations import FileLog, Say
 from tests.benchmarks.power_cuts.meaning import MEMORY_MAPPED, Meaning
@@ -143,7 +143,7 @@ def proof(size: int, seed: int) -> dict[str, Figure]:
 class _Trial:
     """Checks states that were not seen before, each meaning once."""
 
-    def __init__(self, workload: str, home: Path, in_the_end: Said, tally: Tally) -> None:
+    def __init__(self, workload: str, home: Path, in_the_end: Bilingual, tally: Tally) -> None:
         self._workload, self._home, self._in_the_end, self._tally = workload, home, in_the_end, tally
         self._placer, self._meaning = Placer(home), Meaning(home)
         self._seen, self._checked = set[bytes](), set[bytes]()

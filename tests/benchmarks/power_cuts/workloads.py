@@ -8,12 +8,12 @@ from sqlalchemy.engine import URL
 
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db, sqlite_engine
-from fixtures_db.fixture_transfer import dump
+from fixtures_db.fixture_measurements import dump
 from fixtures_db.migrations.upgrade import config
 from fixtures_db.stored_calibrations import accept_calibration
 from station.errors import CannotWrite
 from station.files.atomic_file import new_folder
-from station.files.fixture_files import write_csv
+from station.files.database_files import write_csv
 from station.files.mcap_files.schemas import RAW_TOPIC
 from station.guide.campaign.folder_lock import folder_lock
 from station.guide.campaign.folder_recorder import FolderRecorder

@@ -13,7 +13,7 @@ from drivers.camera.decoder import CONTENT_TYPE, part
 from drivers.errors import LinkLost, PortNotFound
 from drivers.port_interface import Port
 from drivers.ports import open_port
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from tests.drivers.camera.images import jpegs
 from tests.patience import HANG_S
 from tests.refusals import refused

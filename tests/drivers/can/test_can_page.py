@@ -7,8 +7,7 @@ import pytest
 
 from drivers.can.can_format import OWN_DBC, can_format
 from drivers.can.dbc_signals import load_dbc
-from drivers.can.mapping_file import KEYS
-from drivers.can.payload_checks import CHECKS
+from drivers.can.mapping_file import CHECKS, KEYS
 from tests.drivers.can.frames import DBC, needs_captures
 from tests.paths import ROOT
 

@@ -11,7 +11,7 @@ from drivers.can import frame_record
 from drivers.can.can_port import CanPort, open_can
 from drivers.can.frame_record import ERROR, EXTENDED, REMOTE
 from drivers.errors import PortBusy, PortDenied, PortNotFound
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from tests.refusals import refused
 
 OPENED = list[dict[str, Any]]()

@@ -9,7 +9,7 @@ from cantools.database.conversion import BaseConversion
 from hypothesis import given, settings
 
 from drivers.can.dbc_signals import SignalField, payloads_of, words_of
-from drivers.can.payload_checks import CHECKS
+from drivers.can.mapping_file import CHECKS
 
 
 @st.composite

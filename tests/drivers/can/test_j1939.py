@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 
 from drivers.can.can_format import can_format
-from drivers.can.frame_record import pack
-from drivers.can.j1939 import ALL_BITS, pgn_mask, pgn_of
+from drivers.can.frame_record import ALL_BITS, pack, pgn_mask, pgn_of
 from drivers.can.wheel_signal import WheelDecoder, wheel_signal
 from drivers.errors import BadCanFile
 from drivers.framing import Decoder
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 
 # Angular rate (ARI, PGN 61482) and acceleration (ACCS, PGN 61485) as SAE J1939-71 defines them: 1/128 deg/s from
 # -250 deg/s, 0.01 m/s2 from -320 m/s2

@@ -8,7 +8,7 @@ import pytest
 
 from drivers.mavlink.decoder import MavlinkDecoder
 from drivers.mavlink.frames import GPS_RAW_INT, NAMES, MavlinkFramer, fields
-from procedures.earth.gnss_records import FixType, GnssFix, averaged_site
+from procedures.gnss_records import FixType, GnssFix, averaged_site
 from tests.paths import DATA
 
 FOLDER = DATA / "captures/mavlink"

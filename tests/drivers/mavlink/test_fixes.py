@@ -6,9 +6,8 @@ from datetime import UTC, datetime
 import pytest
 from pymavlink.dialects.v20 import all as dialect
 
-from drivers.mavlink.decoder import MavlinkDecoder
-from drivers.mavlink.fixes import SenderClock
-from procedures.earth.gnss_records import FixType, GnssFix
+from drivers.mavlink.decoder import MavlinkDecoder, SenderClock
+from procedures.gnss_records import FixType, GnssFix
 
 
 def fix_of(message: dialect.MAVLink_message) -> GnssFix:

@@ -14,7 +14,7 @@ import pytest
 from drivers.mavlink.decoder import MavlinkDecoder
 from drivers.port_interface import Port
 from drivers.ports import open_port
-from procedures.earth.gnss_records import FixType, GnssFix, TimeMark
+from procedures.gnss_records import FixType, GnssFix, TimeMark
 from tests.free_port import free_udp_port
 from tests.patience import HANG_S
 

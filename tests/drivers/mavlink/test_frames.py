@@ -7,8 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pymavlink.dialects.v20 import all as dialect
 
-from drivers.mavlink.frames import HEARTBEAT, MavlinkFramer, fields
-from drivers.mavlink.signing import SignatureCheck, signing_time
+from drivers.mavlink.frames import HEARTBEAT, MavlinkFramer, SignatureCheck, fields, signing_time
 from tests.benchmarks.hostile_mavlink import a_sender, attack, some_frames
 
 KEY = bytes(range(32))

@@ -9,16 +9,15 @@ import pytest
 
 from drivers.address_parsing import parse_device_url
 from drivers.mavlink.decoder import MavlinkDecoder, Record
-from drivers.mavlink.frames import GLOBAL_POSITION_INT, GPS2_RAW
+from drivers.mavlink.frames import GLOBAL_POSITION_INT, GPS2_RAW, SignatureCheck, read_key
 from drivers.mavlink.session import MavlinkPort
-from drivers.mavlink.signing import SignatureCheck, read_key
 from drivers.ports import open_port
 from drivers.simulated.companions.gnss_server import SimulatedGnss
 from drivers.simulated.companions.truths import EPOCH_UTC, AutopilotTruth
 from drivers.simulated.faults import TimedFault
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack
-from procedures.earth.gnss_records import AirData, Ambient, GnssFix, TimeMark, averaged_site
+from procedures.gnss_records import AirData, Ambient, GnssFix, TimeMark, averaged_site
 from tests.patience import HANG_S
 
 KEY = bytes(range(100, 132))

@@ -10,7 +10,7 @@ from pymavlink.dialects.v20 import all as dialect
 
 from drivers.errors import TruthRefused
 from drivers.mavlink import frames as mavlink
-from drivers.simulated.companions.autopilot import Autopilot, SimulatedFix, SimulatedReceiver
+from drivers.simulated.companions.gnss_server import Autopilot, SimulatedFix, SimulatedReceiver
 from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.faults import TimedFault, gnss_faults_from
 from drivers.simulated.truth import Truth

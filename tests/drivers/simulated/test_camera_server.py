@@ -32,7 +32,7 @@ def test_opencv_reads_it_as_any_network_camera() -> None:
 
 def test_an_image_is_sent_once_its_latency_is_over() -> None:
     clock, truth = Clock(), CameraTruth(rate_hz=10.0, latency_s=0.25, clock_offset_s=0.0, clock_ppm=0.0)
-    with SimulatedCamera(Truth(), truth, beside=clock) as camera, closing(open_port(camera.url)) as port:
+    with SimulatedCamera(Truth(), truth, imu=clock) as camera, closing(open_port(camera.url)) as port:
         decoder, sent = CameraDecoder(), list[tuple[float, float]]()
         while len(sent) < 8:
             images = decoder.feed(port.read(2**20), 0)

@@ -5,8 +5,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from drivers.errors import TruthRefused
+from drivers.simulated.cube_motion import carry
 from drivers.simulated.device import ByteDevice
-from drivers.simulated.handling_motion import carry
 from drivers.simulated.imu import SimulatedImu
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import MIN_SPEED_M_S, VehicleTrack

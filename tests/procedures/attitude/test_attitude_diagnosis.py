@@ -10,8 +10,7 @@ from procedures.arrays import FloatArray
 from procedures.attitude.attitude_diagnosis import diagnose_attitude
 from procedures.attitude.attitude_effects import NAMED, AttitudeMotion
 from procedures.attitude.attitude_log import AttitudeLog
-from procedures.error_codes import ErrorCode
-from procedures.errors import NotObservable
+from procedures.errors import ErrorCode, NotObservable
 from tests.procedures.attitude.driving import G, with_truth
 from tests.refusals import refused
 

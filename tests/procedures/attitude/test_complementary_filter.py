@@ -9,8 +9,7 @@ from procedures.attitude.attitude_log import AttitudeLog, down_of, inclination, 
 from procedures.attitude.complementary_filter import ComplementaryFilter
 from procedures.attitude.filter_choice import PAPER_GAINS, Gains
 from procedures.attitude.gain_tuning import FOLDS, grid_of_taus, tune
-from procedures.error_codes import ErrorCode
-from procedures.errors import NotObservable
+from procedures.errors import ErrorCode, NotObservable
 from procedures.frames import nominal_C_lb
 from tests.drivers.simulated.flight import paper_bench
 from tests.refusals import refused

@@ -3,14 +3,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from procedures.attitude.attitude_estimate import AttitudeEstimate, estimate
+from procedures.attitude.attitude_estimate import AttitudeEstimate, estimate, estimate_both_directions
 from procedures.attitude.attitude_log import AttitudeLog, earth_rate_ned, inclination
-from procedures.attitude.both_directions import estimate_both_directions
-from procedures.attitude.kalman_filter import AttitudeKalmanFilter
-from procedures.attitude.kalman_state import AIDED_SETTINGS, UNAIDED_SETTINGS, propagate
-from procedures.attitude.strapdown_integration import align, integrate_sample
-from procedures.earth.geodesy import EARTH_RATE
+from procedures.attitude.kalman.kalman_filter import AttitudeKalmanFilter
+from procedures.attitude.kalman.kalman_state import AIDED_SETTINGS, UNAIDED_SETTINGS, propagate
+from procedures.attitude.kalman.strapdown_integration import align, integrate_sample
 from procedures.frames import rotation
+from procedures.geodesy import EARTH_RATE
 from tests.drivers.simulated.flight import paper_bench, paper_flight
 from tests.procedures.attitude.driving import G, driving
 

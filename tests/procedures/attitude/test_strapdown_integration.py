@@ -7,8 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
-from procedures.attitude.kalman_state import AIDED_SETTINGS, KalmanState, new_state
-from procedures.attitude.strapdown_integration import integrate_sample
+from procedures.attitude.kalman.kalman_state import AIDED_SETTINGS, KalmanState, new_state
+from procedures.attitude.kalman.strapdown_integration import integrate_sample
 
 G = 9.80665
 DT = 0.01

@@ -5,10 +5,10 @@ import pytest
 
 from procedures.attitude.attitude_estimate import estimate
 from procedures.attitude.attitude_log import AttitudeLog, earth_rate_ned, inclination, roll_pitch_of
-from procedures.attitude.kalman_state import KalmanSettings
-from procedures.attitude.unaided_motion import heading_at_rest
-from procedures.earth.geodesy import EARTH_RATE
+from procedures.attitude.kalman.kalman_state import KalmanSettings
+from procedures.attitude.kalman.unaided_motion import heading_at_rest
 from procedures.frames import rotation
+from procedures.geodesy import EARTH_RATE
 from procedures.units import RAD_S_PER_DEG_H
 from tests.drivers.simulated.flight import paper_bench
 from tests.drivers.simulated.vehicles import FOG, MEMS, VEHICLES, vehicle_log

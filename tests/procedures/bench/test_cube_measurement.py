@@ -8,8 +8,7 @@ from procedures.bench.cube_drift import drift
 from procedures.bench.cube_measurement import K2_STD_G_PER_G2, measure_cube
 from procedures.campaign.campaign import MeasuredCube
 from procedures.campaign.measured_cube import PARALLELISM, CubeMeasurement, UnitShare, common_and_difference
-from procedures.error_codes import ErrorCode
-from procedures.errors import NotObservable
+from procedures.errors import ErrorCode, NotObservable
 from tests.procedures.measured_units import calibrated, campaigns, some_unit, values
 from tests.refusals import refused
 

@@ -19,8 +19,7 @@ from procedures.calibration.joint_calibration import solve
 from procedures.calibration.solution_values import Solution, TriadCalibration
 from procedures.campaign.campaign import Campaign, FaceCertificate, Fixture
 from procedures.counts.sample_records import CountSeries, RateSeries, Series
-from procedures.error_codes import ErrorCode
-from procedures.errors import FitsNoFace, NotObservable
+from procedures.errors import ErrorCode, FitsNoFace, NotObservable
 from procedures.frames import FACES
 from station.files.campaign_folder.campaign_reading import read_campaign
 from tests.paths import DATA

@@ -17,7 +17,7 @@ from procedures.calibration.undetectable_tilt import (
 )
 from procedures.campaign.campaign import Campaign
 from procedures.twelve_positions.accelerometer_fit import TriadFit, solve_accelerometer, specific_force
-from procedures.twelve_positions.seating import seating_rotations
+from procedures.twelve_positions.placement_transfers import seating_rotations
 from procedures.units import RAD_PER_ARCSEC
 
 TRUTH = Truth.example(7)
@@ -47,7 +47,7 @@ def test_of_each_dwell_it_is_said_what_shows_and_what_a_smaller_lean_moves() -> 
     noticed = solution.quality.noticed_sigmas
     assert [each.position for each in solution.undetectable_tilts] == list(range(1, 13))
     for each in solution.undetectable_tilts:
-        assert each.lean / RAD_PER_ARCSEC == pytest.approx(6, abs=1)
+        assert each.tilt / RAD_PER_ARCSEC == pytest.approx(6, abs=1)
         assert 0.3 * noticed < each.sigmas < HARMFUL * noticed
         assert each.value.split()[0] == "accelerometer"
 
@@ -59,12 +59,12 @@ def test_a_face_that_stood_once_is_named_with_what_leans_on_it() -> None:
     assert found[3].largest > 100 * RAD_PER_ARCSEC
 
 
-def lean_of(fits: CampaignFits, i: int, lean: np.ndarray) -> TriadFit:
+def lean_of(fits: CampaignFits, i: int, tilt: np.ndarray) -> TriadFit:
     """Return the fit of the same rates with the cube of dwell ``i`` leaning by (2,) [rad] more."""
     fitted = fits.accelerometer
     assert fitted is not None
     force = specific_force(fitted.bench, fitted.fit.x[12 : 12 + fitted.bench.size])[i]
-    axis = fitted.bench.C_sb[i] @ (seating_rotations([fitted.bench.placements[i].position])[0] @ lean)
+    axis = fitted.bench.C_sb[i] @ (seating_rotations([fitted.bench.placements[i].position])[0] @ tilt)
     rate = fitted.seen.rate.copy()
     rate[i] += fitted.K @ np.cross(axis, force)
     again = solve_accelerometer(fits.campaigns, replace(fitted.seen, rate=rate))
@@ -85,8 +85,8 @@ def test_a_lean_of_the_size_that_is_said_shows_by_so_much_and_makes_a_value_so_w
     small = 1e-2 * said.largest
     leans = [(np.cos(a), np.sin(a)) for a in np.radians(np.arange(0, 180, 15))]
     rises, moves = list[float](), list[float]()
-    for lean in leans:
-        both = [lean_of(fits, i, way * small * np.array(lean)) for way in (1, -1)]
+    for tilt in leans:
+        both = [lean_of(fits, i, way * small * np.array(tilt)) for way in (1, -1)]
         rises.append((sum(one.fit.chi2 for one in both) / 2 - plain.fit.chi2) / small**2)
         moves.append(float(np.max(np.abs(both[0].fit.x[:9] - both[1].fit.x[:9]) / std)) / (2 * small))
     quality = report(fits).quality

@@ -12,8 +12,7 @@ from procedures.counts.count_rate import (
     RateEstimate,
     estimate_counts,
 )
-from procedures.error_codes import ErrorCode
-from procedures.errors import TooShort
+from procedures.errors import ErrorCode, TooShort
 from tests.refusals import refused
 
 N = 2000

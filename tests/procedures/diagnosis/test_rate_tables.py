@@ -8,8 +8,7 @@ import pytest
 
 from procedures.campaign.campaign import Campaign, Fixture, RateTable, Site
 from procedures.diagnosis.diagnose import diagnose
-from procedures.error_codes import ErrorCode
-from procedures.errors import NotObservable
+from procedures.errors import ErrorCode, NotObservable
 from procedures.evidence.rate_points import LEAST_POINTS
 from procedures.inference.result import Diagnosis, Finding
 from tests.paths import DATA

@@ -11,8 +11,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
-from procedures.earth.geodesy import earth_rate_n
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries, Trajectory, WheelMount, WheelSpeeds
+from procedures.geodesy import earth_rate_n
 
 GRAVITY = 9.81
 LATITUDE = np.radians(48.0)

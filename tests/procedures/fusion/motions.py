@@ -6,12 +6,12 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
-from procedures.earth.geodesy import earth_rate_n
 from procedures.frames import rotation
 from procedures.fusion.feature_tracks import FeatureTracks, PinholeCamera
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries, Trajectory
 from procedures.fusion.inner.window_terms import Site
 from procedures.fusion.odometry import OdometryDrift, RecordedOdometry
+from procedures.geodesy import earth_rate_n
 from procedures.units import RAD_S_PER_DEG_H
 from tests.drivers.simulated.camera_tracks import View, simulate_tracks
 

@@ -3,8 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from procedures.earth.gnss_records import FixType, GnssFix
 from procedures.fusion.fusion_records import antenna, is_usable, level_fixes, origin_at
+from procedures.gnss_records import FixType, GnssFix
 
 HERE = GnssFix("GPS_RAW_INT", 1, 0, FixType.FIX_3D, latitude=0.5, longitude=1.0, height=100.0, altitude=80.0)
 

@@ -23,9 +23,9 @@ def bench(noise: UnitNoise, closure_deg: float = 0.01) -> DesignSigmas:
     return DesignSigmas(StepInformation(Campaign("M", "S", True, site, (), (), care, Fixture()), noise))
 
 
-def unit(accel_white: float = 1e-5 * np.sqrt(0.02), wander: float = WANDER_DEG_S) -> UnitNoise:
+def unit(accel_white: float = 1e-5 * np.sqrt(0.02), instability: float = WANDER_DEG_S) -> UnitNoise:
     """A unit of 1000 count/(g s) and 36000 count/deg; accelerometers of 10 ug a sample of 20 ms."""
-    return UnitNoise(np.full(3, accel_white), np.full(3, ARW), np.full(3, 1e3), np.full(3, 36e3), wander)
+    return UnitNoise(np.full(3, accel_white), np.full(3, ARW), np.full(3, 1e3), np.full(3, 36e3), instability)
 
 
 def order(letters: list[str], seconds: float = 100.0) -> CampaignDesign:

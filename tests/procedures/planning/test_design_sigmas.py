@@ -51,8 +51,9 @@ def test_the_sigma_of_a_plan_is_that_which_the_solve_states(letters: list[str], 
         sigma = np.sqrt(np.diag(vector.covariance))
         sigma[:3] /= vector.value[:3]
         stated.append(sigma[[0, 1, 2, *OFF_DIAGONAL, 12, 13, 14]])
-    wander = float(np.mean(fit.joint.excess / fit.joint.k))  # as the campaign showed it: the draw of one is wide
-    noise = replace(unit(1e-6 / 1.03, wander), gyro_white=np.full(3, 1e-4 / 1.03))
+    # as the campaign showed it: the draw of one is wide
+    instability = float(np.mean(fit.joint.excess / fit.joint.k))
+    noise = replace(unit(1e-6 / 1.03, instability), gyro_white=np.full(3, 1e-4 / 1.03))
     planned = bench(noise).of(order(letters)).reshape(2, OF_TRIAD)[:, [0, 1, 2, *OFF_DIAGONAL, 12, 13, 14]]
     assert stated[1] == pytest.approx(planned[1], rel=0.06)
     assert stated[0] == pytest.approx(planned[0], rel=0.12)  # a heading times the slab's tilt is not in the plan

@@ -9,7 +9,7 @@ from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.calibration.joint_calibration import fit, solve
 from procedures.campaign.campaign import Campaign
-from procedures.earth.geodesy import earth_rate_n
+from procedures.geodesy import earth_rate_n
 from procedures.twelve_positions.gyroscope_fit import (
     GyroscopeFit,
     MeasuredLatitude,

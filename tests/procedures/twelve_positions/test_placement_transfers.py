@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from drivers.simulated.handling_motion import carry
+from drivers.simulated.cube_motion import carry
 from procedures.arrays import FloatArray
 from procedures.calibration.triad_calibration import TriadVector, triad_vector
 from procedures.campaign.campaign import Campaign

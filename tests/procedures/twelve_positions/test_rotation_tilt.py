@@ -51,10 +51,10 @@ def errors(of: CampaignFits, true: Truth) -> FloatArray:
     return off
 
 
-def leans(of: CampaignFits) -> dict[str, RotationTilt]:
+def tilts(of: CampaignFits) -> dict[str, RotationTilt]:
     assert of.gyroscope is not None
-    named = zip(of.gyroscope.turns, of.gyroscope.leans, strict=True)
-    return {turn.record.name: lean for turn, lean in named if lean is not None}
+    named = zip(of.gyroscope.turns, of.gyroscope.tilts, strict=True)
+    return {turn.record.name: tilt for turn, tilt in named if tilt is not None}
 
 
 def test_a_crumb_under_turns_is_measured_and_said_and_in_the_sigma() -> None:
@@ -62,10 +62,10 @@ def test_a_crumb_under_turns_is_measured_and_said_and_in_the_sigma() -> None:
     clean = simulate_campaign(true, 7, dwell_s=20.0, certificate_sigma=5e-6)
     fits = fit([with_turns_of_z(clean, SimulatedImu(true, 8), CRUMB)])
     for name in ("turn_z_+", "turn_z_-"):
-        lean = leans(fits)[name]
-        assert lean.is_off
-        assert np.all(np.abs(lean.mean - LEAN) < 4 * lean.std)
-        assert np.all(lean.std < 20 * RAD_PER_ARCSEC)
+        tilt = tilts(fits)[name]
+        assert tilt.is_off
+        assert np.all(np.abs(tilt.mean - LEAN) < 4 * tilt.std)
+        assert np.all(tilt.std < 20 * RAD_PER_ARCSEC)
     assert np.abs(errors(fits, true)).max() < 4
     said = [each for each in report(fits).warnings if "tilted by 4" in each]
     assert [each.split(":")[0] for each in said] == ["turn_z_+", "turn_z_-"]
@@ -84,5 +84,5 @@ def test_the_bias_step_of_another_turn_on_is_no_crumb_and_hides_none() -> None:
         rest = DwellRecord("dwell_01_2", 1, block_series([imu.read(400)], true.sample_period_s), 2)
         made = with_turns_of_z(clean, imu, off, turn_on=2)
         fits = fit([replace(made, dwells=(*made.dwells, rest))])
-        assert [leans(fits)[name].is_off for name in ("turn_z_+", "turn_z_-")] == [off is not None] * 2
+        assert [tilts(fits)[name].is_off for name in ("turn_z_+", "turn_z_-")] == [off is not None] * 2
         assert np.abs(errors(fits, true)).max() < 4

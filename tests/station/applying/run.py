@@ -8,8 +8,7 @@ import numpy as np
 from typer.testing import CliRunner, Result
 
 from station.cli import app
-from station.errors import DataRefused
-from station.exit_codes import explain
+from station.errors import DataRefused, explain
 
 OUTPUTS = [f"{name}_{axis}_{unit}" for name, unit in (("f", "m_s2"), ("omega", "rad_s")) for axis in "xyz"]
 

@@ -201,9 +201,8 @@ def test_without_an_effect_it_goes_on_and_says_so(tmp_path: Path) -> None:
 
 
 def test_what_is_interrupted_leaves_nothing(tmp_path: Path) -> None:
-    from station.applying.applying import Progress, apply_to
+    from station.applying.applying import OutputRequest, Progress, apply_to
     from station.applying.open_source import open_source
-    from station.applying.output_request import OutputRequest
     from station.calibration import load
     from station.files.logs.log_columns import ColumnOptions
 

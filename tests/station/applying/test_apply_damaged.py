@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from station.exit_codes import explain
+from station.errors import explain
 from tests.station.applying.inputs import COLUMNS, calibration_file, write_mcap
 from tests.station.applying.run import apply
 

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.calibration import DataRefused, calibration_of
-from station.exit_codes import explain
+from station.errors import explain
 from tests.refusals import refused
 from tests.station.applying.inputs import K_A, K_G, NAMES, calibration_file, document, write_csv
 from tests.station.applying.run import apply, written

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.attitude.attitude_log import read_log
 from station.cli import run
 from station.errors import DataRefused

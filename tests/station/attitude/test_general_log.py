@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.attitude.general_log import read_any_log
 from station.cli import run
 from station.errors import DataRefused

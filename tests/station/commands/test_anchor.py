@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from sqlalchemy import text
 
-from fixtures_db.append_only_triggers import append_only_tables
+from fixtures_db.append_only_rows import append_only_tables
 from fixtures_db.campaigns import set_state
 from fixtures_db.database import Database
 from fixtures_db.journal import journal_head
@@ -129,7 +129,7 @@ def test_a_stamped_anchor_says_since_when_it_witnesses(db, verify, tmp_path) -> 
 
 def test_an_anchor_without_a_journal_is_read(db, verify, tmp_path) -> None:
     verify("--write-anchor", str(tmp_path / "a"))
-    from station.files.fixture_files import seal_of, sealed
+    from station.files.database_files import seal_of, sealed
 
     content = seal_of(tmp_path / "a")[0].decode()
     lines = [line for line in content.splitlines() if not line.startswith(("journal", "entries"))]

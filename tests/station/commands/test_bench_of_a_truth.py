@@ -9,7 +9,7 @@ from drivers.simulated.truth import load_truth
 from fixtures_db.database import open_db
 from fixtures_db.fixture_measurements import cube
 from fixtures_db.fixtures import fixture_row
-from fixtures_db.model_limits import limits_of
+from fixtures_db.imu_models import limits_of
 from fixtures_db.schema import SiteRow
 from procedures.frames import FACES
 from station import cli

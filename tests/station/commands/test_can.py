@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from mcap.reader import make_reader
 
-from drivers.address_guess import with_absolute_paths
 from drivers.address_parsing import parse_device_url
+from drivers.addresses import with_absolute_paths
 from drivers.can.can_format import OWN_DBC
 from drivers.framing import seen_instead
 from drivers.ports import open_port, wire_of

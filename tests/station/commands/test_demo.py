@@ -7,7 +7,7 @@ import pytest
 
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
-from fixtures_db.model_limits import Limit, limits_of, set_limits
+from fixtures_db.imu_models import Limit, limits_of, set_limits
 from station import cli
 from station.demo.run import MARK, clear
 from station.errors import CannotWrite

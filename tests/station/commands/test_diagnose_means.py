@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station import cli
 from station.errors import DataRefused
 from station.files.logs.log_columns import ColumnOptions

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station import cli
 from station.errors import DataRefused
 from station.files.logs.log_campaign import LogOptions, campaign_of_logs

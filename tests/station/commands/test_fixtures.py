@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from fixtures_db.database import open_db
-from fixtures_db.fixture_transfer import dump
+from fixtures_db.fixture_measurements import dump
 from station import cli
 from tests.fixtures_db.factory import fill_fixtures
 

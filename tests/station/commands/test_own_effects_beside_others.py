@@ -13,7 +13,7 @@ from station import cli
 from tests.station.campaign_writing import write_campaign
 from tests.station.effect_examples import WARMING, WARMING_LAW, WARMING_SIZES
 
-DECLARED, BESIDE = "gyroscope.warming_while_warm", "gyroscope.g_sensitivity"
+DECLARED, OTHER = "gyroscope.warming_while_warm", "gyroscope.g_sensitivity"
 
 
 @pytest.fixture(scope="module")
@@ -22,7 +22,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     found = tmp_path_factory.mktemp("beside") / "campaign"
     truth = replace(
         Truth.example(7), temperature_rise_k=8.0, temperature_tau_s=500.0, heading_std_deg=0.02,
-        sample_period_s=0.05, effects={BESIDE: {"xy": 2.0}},
+        sample_period_s=0.05, effects={OTHER: {"xy": 2.0}},
     )  # fmt: skip
     campaign = simulate_campaign(
         truth,
@@ -46,7 +46,7 @@ def test_a_diagnosis_finds_the_other_effect_beside_the_declared_one(folder: Path
     assert cli.run(["diagnose", str(folder), "--json", str(out)]) == 0
     document = json.loads(out.read_text())
     (found,) = [one for one in document["findings"] if one["kind"] == "instrument"]
-    assert found["effect"] == BESIDE
+    assert found["effect"] == OTHER
     xy = found["coefficients"]["xy"]
     assert abs(xy["value"] - 2.0) < 4 * xy["std"] < 1.0
     (declared,) = document["solution"]["effects"]

@@ -69,7 +69,7 @@ def _located(folder: Path, tmp_path: Path, first: np.ndarray) -> None:
 
 def test_a_live_run_that_ctrl_c_ends_leaves_the_folder_that_its_recording_gives(tmp_path: Path) -> None:
     calibration = ["--calibration", str(write_calibration(tmp_path, TRUTH))]
-    with SimulatedDevice(TRUTH, 5, speed=paced(10.0)) as imu, SimulatedGnss(TRUTH, AUTOPILOT, beside=imu) as gnss:
+    with SimulatedDevice(TRUTH, 5, speed=paced(10.0)) as imu, SimulatedGnss(TRUTH, AUTOPILOT, imu=imu) as gnss:
         given = ["--gnss", gnss.url, "--out", str(tmp_path / "r"), "--fusion", str(tmp_path / "one")]
         with Program("record", imu.url, *given, *calibration) as program:
             while len(recorded(tmp_path / "r")) < 60:

@@ -12,7 +12,7 @@ import pytest
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth, paper_truth, truth_from
 from procedures.campaign.campaign import Campaign
-from procedures.earth.geodesy import normal_gravity
+from procedures.geodesy import normal_gravity
 from procedures.units import STANDARD_GRAVITY
 from station import cli
 from station.files.campaign_folder.campaign_reading import read_campaign

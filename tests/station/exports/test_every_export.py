@@ -11,13 +11,13 @@ import pytest
 
 from drivers.simulated.bench_in_memory import SimulatedBench
 from drivers.simulated.truth import Truth
-from fixtures_db.calibration import calibration_document
 from fixtures_db.hash_chain import GENESIS
+from fixtures_db.stored_calibrations import calibration_document
 from procedures.arrays import FloatArray
 from procedures.calibration.solution_values import Estimate, FitQuality, Solution, TriadCalibration
 from procedures.campaign.plan_steps import Dwell
-from procedures.earth.geodesy import earth_rate_n
 from procedures.frames import face_normal, face_of, nominal_C_lb
+from procedures.geodesy import earth_rate_n
 from procedures.units import STANDARD_GRAVITY
 from station import cli
 from station.exports import EXPORTS, Export, Request

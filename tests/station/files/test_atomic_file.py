@@ -14,13 +14,11 @@ import pytest
 from fixtures_db.database import open_db
 from fixtures_db.errors import NotWritten
 from fixtures_db.folder_on_disk import make_folder
-from procedures.error_codes import ErrorCode
-from station.errors import CannotWrite, DiskFails
-from station.exit_codes import exit_code
+from procedures.errors import ErrorCode
+from station.errors import CannotWrite, DiskFails, exit_code
 from station.files.atomic_file import FlushInterval, replace_file, write_file_pair
 from station.files.mcap_files import StepWriter
-from station.files.sample_arrays import SampleColumns
-from station.files.sample_files import Ros2Samples
+from station.files.sample_files import Ros2Samples, SampleColumns
 from tests.benchmarks.power_cuts.trial import tried
 from tests.paths import ROOT
 from tests.refusals import refused

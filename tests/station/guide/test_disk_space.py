@@ -15,7 +15,7 @@ from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from fixtures_db.database import Database
 from procedures.counts.sample_records import CountBlock, SampleBlock, block_rows
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import DiskFull
 from station.files.campaign_setup import Setup
 from station.files.mcap_files import BY_OUTPUT, StepWriter
@@ -23,7 +23,7 @@ from station.files.mcap_files.gnss_file import FixWriter
 from station.files.mcap_files.schemas import RAW_TOPIC
 from station.guide import server
 from station.guide.campaign.campaign_start import usual_steps
-from station.guide.campaign.disk_space import JOURNAL_BYTES, STEP_BYTES, disk_for, disk_needed, refuse_full
+from station.guide.campaign.folder_recorder import JOURNAL_BYTES, STEP_BYTES, disk_for, disk_needed, refuse_full
 from station.guide.engine import CalibrationEngine
 from station.guide.options import CalibrationOptions
 from station.guide.server import StallNotice

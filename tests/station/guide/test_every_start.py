@@ -17,8 +17,7 @@ from drivers.simulated.faults import Fault
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import Database
-from station.errors import CannotWrite
-from station.exit_codes import exit_code
+from station.errors import CannotWrite, exit_code
 from station.files.campaign_setup import Setup
 from station.guide.engine import REFUSALS, CalibrationEngine
 from station.guide.headless import run_headless

@@ -12,7 +12,7 @@ from fixtures_db.database import Database, open_db
 from fixtures_db.errors import CampaignInUse
 from fixtures_db.stored_calibrations import accept_calibration
 from procedures.campaign.plan_steps import Turn
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import CannotWrite, DataRefused
 from station.files.atomic_file import new_folder
 from station.files.campaign_folder.campaign_reading import read_campaign

@@ -13,7 +13,7 @@ from drivers.simulated.truth import Truth
 from drivers.wire import WireFormat
 from drivers.wire.counts import FORMAT as COUNTS
 from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from procedures.free_positions.free_attitudes import UP_DIRECTIONS, angle_deg, up_vector
 from station.calibrated import InUse
 from station.calibrated.calibration_choice import AppliedCalibration
@@ -25,7 +25,7 @@ from station.guide.campaign.accepted_steps import read_accepted_steps
 from station.guide.campaign.folder_recorder import interim_calibration
 from station.guide.campaign.interrupted_campaigns import reopen
 from station.guide.view import CalibrationView
-from station.guide.wording import instruction, laws_in_words
+from station.guide.wording import filters_in_words, instruction
 from station.stream.connected_unit import Unit
 from tests.refusals import refused
 from tests.station.campaign_writing import write_campaign
@@ -46,10 +46,10 @@ def up_of(rig: GuideRig, name: str) -> np.ndarray:
 def test_leaning_cubes_are_recorded_each_where_it_is_asked_for(rig: Make) -> None:
     guided = rig(free(3))
     for count in (1, 2, 3):
-        lean = guided.rest(2).lean
-        guided.hands("lean {} {} {} 8".format(*lean))
+        tilt = guided.rest(2).tilt
+        guided.hands("lean {} {} {} 8".format(*tilt))
         guided.run(guided.done(count))
-        assert angle_deg(up_of(guided, f"free_{count:02d}"), up_vector(lean)) < 15  # 3 deg an axis, and biases
+        assert angle_deg(up_of(guided, f"free_{count:02d}"), up_vector(tilt)) < 15  # 3 deg an axis, and biases
     loaded = read_campaign(guided.folder)
     assert [(table.attitude, table.file) for table in loaded.tables.dwell] == [
         ("free", "free_01.mcap"), ("free", "free_02.mcap"), ("free", "free_03.mcap"),
@@ -138,7 +138,7 @@ def test_what_is_gone_on_with_knows_the_attitudes_taken_and_the_soaks(rig: Make)
 
 
 def test_the_ways_wanted_are_far_from_faces_and_from_each_other() -> None:
-    ups = [up_vector(lean) for lean in UP_DIRECTIONS]
+    ups = [up_vector(tilt) for tilt in UP_DIRECTIONS]
     assert len(ups) == 20
     assert min(angle_deg(up, face * sign) for up in ups for face in np.eye(3) for sign in (1, -1)) > 44
     assert min(angle_deg(one, other) for i, one in enumerate(ups) for other in ups[:i]) > 35
@@ -168,8 +168,8 @@ def test_a_monitor_reads_a_cube_level_in_any_position_and_keeps_what_it_read(rig
     seen = shown[-1].monitored
     assert seen is not None
     assert seen.calibration == "by hand"
-    assert [law.law for law in seen.laws] == ["joint", "mixer"]
-    assert "deg apart" in laws_in_words(seen)
+    assert [one.name for one in seen.filters] == ["joint", "mixer"]
+    assert "deg apart" in filters_in_words(seen)
     [table] = read_campaign(guided.folder).tables.monitor
     assert (table.position, table.laws, table.calibration) == (position, ["joint", "mixer"], "by hand")
     for angle in (*table.roll_deg, *table.pitch_deg):

@@ -15,7 +15,7 @@ from fixtures_db.campaigns import accept_step
 from fixtures_db.database import Database, open_db
 from fixtures_db.fixture_measurements import add_level, certify_faces
 from fixtures_db.fixtures import add_fixture
-from fixtures_db.model_limits import Limit, limits_of, set_limits
+from fixtures_db.imu_models import Limit, limits_of, set_limits
 from fixtures_db.schema import CubeRow, SiteRow, SlabRow
 from fixtures_db.stored_calibrations import calibration
 from procedures.campaign.campaign import FaceCertificate

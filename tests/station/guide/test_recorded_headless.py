@@ -13,8 +13,8 @@ from drivers.simulated.bench_control import BenchControl
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
-from fixtures_db.user_effects import add_effect
-from procedures.error_codes import ErrorCode
+from fixtures_db.imu_models import add_effect
+from procedures.errors import ErrorCode
 from station import cli
 from station.errors import Altered
 from station.files.campaign_folder.campaign_reading import read_campaign

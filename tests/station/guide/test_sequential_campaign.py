@@ -108,7 +108,7 @@ def test_moves_that_are_missing_and_noise_that_is_larger_leave_more_to_do() -> N
     share = campaign.limits(None, 0.0, is_carried=True)[0].share
     assert 0.3 < share < 1
     assert apart.limits(None, 0.0, is_carried=True)[0].share < share
-    std = np.sqrt(unit(wander=0.0).gyro_variance(np.array([45.0]))[0])
+    std = np.sqrt(unit(instability=0.0).gyro_variance(np.array([45.0]))[0])
     loud = AcceptedDwell(Dwell(1, 45.0), np.zeros(3), np.full(3, 1e-4), np.zeros(3), 2 * 36e3 * std)
     campaign.accepted(loud.step, 45.0, is_carried=True)
     longer = campaign.limits(None, 0.0, is_carried=True)[0].share

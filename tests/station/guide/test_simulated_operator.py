@@ -12,9 +12,9 @@ from drivers.simulated.bench_control import BenchControl
 from drivers.simulated.device import MAX_CHUNK_SAMPLES
 from drivers.simulated.server import MAX_AHEAD_S, SimulatedDevice
 from drivers.simulated.truth import Truth
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.cli import app
-from station.exit_codes import exit_code
+from station.errors import exit_code
 from station.guide.simulated_operator import REPEAT_AFTER_S, RETRY_S, HandsLost, SimulatedOperator
 from station.guide.view import CalibrationView, StepView
 

@@ -145,7 +145,7 @@ def test_the_campaign_waits_for_looks_and_says_the_site_that_it_took(tmp_path: P
     shown: list[CalibrationView] = []
     with (
         SimulatedDevice(TRUTH, 5, speed=paced(SPEED)) as device,
-        SimulatedGnss(device.truth, beside=device) as gnss,
+        SimulatedGnss(device.truth, imu=device) as gnss,
         open_db(tmp_path / "s.db") as database,
     ):
         engine = CalibrationEngine(

@@ -8,7 +8,7 @@ from drivers.errors import LinkSilent
 from drivers.simulated.device import ByteDevice
 from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.guide.campaign.accepted_steps import read_accepted_steps
 from station.stream.connected_unit import UnitChanged

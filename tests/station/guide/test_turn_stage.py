@@ -10,7 +10,7 @@ import pytest
 from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import Dwell, Turn
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.campaign_schema import read_campaign_toml

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from procedures.earth.geodesy import earth_rate_n
+from procedures.geodesy import earth_rate_n
 from station import cli
 from station.files.fusion_folder import read_tum
 from station.locate.locate_folder import location_text

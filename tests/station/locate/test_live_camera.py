@@ -5,7 +5,7 @@ import pytest
 
 from drivers.camera import CameraImage
 from procedures.fusion.feature_tracks import FeatureTracks
-from procedures.fusion.inner.keyframes import FRAME_SPACING_S
+from procedures.fusion.inner.window_state import FRAME_SPACING_S
 from procedures.fusion.vision.camera_time import CameraTimeOffset
 from station.locate.live_camera import LiveCamera
 from station.stream.camera import FeaturePositions
@@ -50,12 +50,12 @@ def test_what_stamps_are_late_by_is_found(stamps: bool) -> None:
     imu, tracks = seen(rocking, offset=0.0)
     eye = Eye(tracks, stamps=stamps)
     live = LiveCamera(CAMERA, eye.follow)
-    assert live.said == "no image yet"
+    assert live.text == "no image yet"
     first = fed(live, eye, 1.9)  # it stands still
     assert live.is_due
     live.learn(imu)
     assert live.offset is None
-    assert live.said == "its delay is not known: rotate it unevenly"
+    assert live.text == "its delay is not known: rotate it unevenly"
     assert live.why.startswith("its delay is not known: ")
     assert not len(live.tracks().t)
     first = fed(live, eye, 4.0, first)
@@ -65,9 +65,9 @@ def test_what_stamps_are_late_by_is_found(stamps: bool) -> None:
     assert not live.is_due
     assert live.offset_std > 0.01
     fed(live, eye, 11.5, first)
-    assert live.said == f"120 features, stamps {-live.offset.offset * 1e3:.0f} ms late"
+    assert live.text == f"120 features, stamps {-live.offset.offset * 1e3:.0f} ms late"
     live.fitted = 0.01
-    assert live.said == f"120 features, stamps {-live.offset.offset * 1e3 - 10:.0f} ms late"
+    assert live.text == f"120 features, stamps {-live.offset.offset * 1e3 - 10:.0f} ms late"
     assert np.abs(live.tracks(4.95).t[0] - eye.t[np.searchsorted(eye.t, 4.95)]) < 0.005
     assert live.lateness == pytest.approx(LATE_S + 0.06, abs=0.11)
 
@@ -79,9 +79,9 @@ def test_what_is_told_is_kept() -> None:
     fed(live, eye, 3.0)
     assert not live.is_due
     assert live.offset_std == 0.0
-    assert live.said == "120 features, stamps 60 ms late"
+    assert live.text == "120 features, stamps 60 ms late"
     live.reset()
-    assert live.said == "no image yet"
+    assert live.text == "no image yet"
     assert live.offset == CameraTimeOffset(-LATE_S, 0.0)
 
 
@@ -111,11 +111,11 @@ def test_images_that_are_none_are_passed_over() -> None:
     live.take([eye.image(first - 1)], 2.1)  # again, as after a gap
     assert len(live.tracks().t) == before
     live.take([], 6.0)
-    assert live.said == "no image for 4 s"
+    assert live.text == "no image for 4 s"
     live.take([CameraImage(round(5.95e9), None, b"spoilt")], 6.1)
-    assert live.said == "images are not JPEG, or their size differs from the first"
+    assert live.text == "images are not JPEG, or their size differs from the first"
     live.take([], 8.2)
-    assert live.said == "no image for 6 s"
+    assert live.text == "no image for 6 s"
 
 
 def test_where_it_lags_keyframes_stand_where_frames_will_and_have_them_once_they_come() -> None:

@@ -6,14 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivers.camera.video import camera_images
 from drivers.errors import PortNotFound
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from procedures.fusion.vision.feature_tracker import LensModel
 from station import cli
 from station.errors import CannotWrite, DataRefused
 from station.files.fusion_folder import read_fusion
-from station.locate.tracks_from_images import follow_all, listed_images, make_tracks
+from station.locate.tracks_from_images import camera_images, follow_all, listed_images, make_tracks
 from tests.procedures.fusion.rendered import FOCAL, HEIGHT, WIDTH, Scene, frames
 from tests.refusals import refused
 from tests.station.files.fusion_folder.drive_folders import write_folder

@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 
 from drivers.mavlink.decoder import MavlinkDecoder
-from drivers.simulated.companions.autopilot import Autopilot
+from drivers.simulated.companions.gnss_server import Autopilot
 from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.faults import TimedFault
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack
-from procedures.earth.gnss_records import AirData, GnssFix, TimeMark
 from procedures.fusion.vision.camera_time import CameraTimeOffset
+from procedures.gnss_records import AirData, GnssFix, TimeMark
 from station.calibrated import InUse
 from station.calibrated.calibration_choice import AppliedCalibration
 from station.calibrated.output_frame import DEFAULT_AXES, body_axes
@@ -90,7 +90,7 @@ class DriveRig:
         lever_arm: tuple[float, ...] = (0.0, 0.0, 0.0), folder: Path | None = None, seed: int = 1,
         sees: tuple[float, tuple[float, float]] | None = None, told: float | None = None,
         held_s: Callable[[float], float] = lambda t: 0.0,
-        laws: tuple[str, ...] = ("joint",), aid: str = "gnss",
+        filters: tuple[str, ...] = ("joint",), aid: str = "gnss",
         told_late_s: Callable[[float], float] = lambda t: 0.0, format: str = "counts", pps: bool = False,
         tells_time: bool = True, locates: bool = True,
     ) -> None:  # fmt: skip
@@ -118,7 +118,8 @@ class DriveRig:
         if recording is not None:
             recording.begin()
         self.monitor = Monitor(
-            self.feed, applied, MonitorOptions(C=C, aid=aid, laws=laws, locating=where, camera=sight), recording,
+            self.feed, applied, MonitorOptions(C=C, aid=aid, filters=filters, locating=where, camera=sight),
+            recording,
             receiver, (self.lines.append,),
         )  # fmt: skip
 
@@ -164,11 +165,11 @@ def driven_along(
 
 def record_drive(
     folder: Path, truth: Truth, track: VehicleTrack, autopilot: AutopilotTruth, seconds: float,
-    laws: tuple[str, ...] = ("joint",),
+    filters: tuple[str, ...] = ("joint",),
 ) -> Path:  # fmt: skip
     """Record a drive as a monitored run leaves it, at once, and return the IMU's file."""
     folder.mkdir()
-    rig = DriveRig(truth, track, autopilot, folder=folder, laws=laws)
+    rig = DriveRig(truth, track, autopilot, folder=folder, filters=filters)
     rig.run(seconds)
     rig.monitor.close()
     assert rig.writer is not None

@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from procedures.fusion.inner.keyframes import FRAME_SPACING_S
+from procedures.fusion.inner.window_state import FRAME_SPACING_S
 from station.locate.location import Location
 from station.monitor.text_lines import json_line
 from tests.station.monitor.driving import DrivenAlong, DriveRig, driven_along

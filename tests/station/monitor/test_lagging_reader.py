@@ -9,7 +9,7 @@ import pytest
 
 from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.truth import Truth
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station import cli
 from station.errors import DataRefused
 from station.monitor import auxiliary_inputs

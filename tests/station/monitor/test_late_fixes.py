@@ -8,7 +8,7 @@ import pytest
 
 from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.truth import Truth
-from procedures.earth.gnss_records import FixType, GnssFix
+from procedures.gnss_records import FixType, GnssFix
 from station.attitude.live_kalman_filter import AidValues
 from station.monitor import monitor
 from station.monitor.auxiliary_inputs import USUAL_LATENCY, aiding_of

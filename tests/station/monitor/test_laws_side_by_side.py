@@ -12,7 +12,7 @@ from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.truth import Truth
 from procedures.attitude.filter_choice import Gains, parse_filters
 from station import cli
-from station.attitude.live_complementary_filter import ComplementaryFilterTrack
+from station.attitude.live_filters import ComplementaryFilterTrack
 from station.attitude.live_kalman_filter import AidValues
 from station.calibrated.rates_and_forces import RatesAndForces
 from station.monitor.monitor import MonitorOptions
@@ -27,18 +27,18 @@ FLAT = replace(Truth.example(5), faces_rad=np.zeros((6, 2)), slab_tilt_rad=np.ze
 AUTOPILOT = AutopilotTruth(position_std_m=0.3, default_hz=5.0, airspeed_m_s=7.5)
 
 
-@pytest.mark.parametrize("law", ["mixer", "paper"])
-def test_a_mixing_law_beside_the_joint_filter_reads_the_bench_as_it_does(law: str) -> None:
-    rig = MonitorRig(FLAT, MonitorOptions(laws=("joint", law), gains=Gains.of_time_constant(3.0)))
+@pytest.mark.parametrize("name", ["mixer", "paper"])
+def test_a_mixing_law_beside_the_joint_filter_reads_the_bench_as_it_does(name: str) -> None:
+    rig = MonitorRig(FLAT, MonitorOptions(filters=("joint", name), gains=Gains.of_time_constant(3.0)))
     view = rig.run(40.0)
-    joint, mixing = view.laws
-    assert (joint.law, mixing.law) == ("joint", law)
+    joint, mixing = view.filters
+    assert (joint.name, mixing.name) == ("joint", name)
     assert view.reading is not None
     assert (joint.roll, joint.pitch) == (view.reading.roll, view.reading.pitch)
     assert abs(mixing.roll) < 0.05
     assert abs(mixing.pitch) < 0.05
     told = json.loads(json_line(view))
-    assert [one["law"] for one in told["laws"]] == ["joint", law]
+    assert [one["law"] for one in told["laws"]] == ["joint", name]
     assert told["difference"]["roll_deg"] == pytest.approx(mixing.roll - joint.roll)
     assert told["difference"]["angle_deg"] == pytest.approx(
         np.hypot(mixing.roll - joint.roll, mixing.pitch - joint.pitch), rel=1e-3
@@ -47,24 +47,26 @@ def test_a_mixing_law_beside_the_joint_filter_reads_the_bench_as_it_does(law: st
 
 
 def test_on_its_end_a_printed_law_says_that_its_angles_fail() -> None:
-    rig = MonitorRig(FLAT, MonitorOptions(laws=("joint", "paper")), position=1)  # X up
+    rig = MonitorRig(FLAT, MonitorOptions(filters=("joint", "paper")), position=1)  # X up
     view = rig.run(4.0)
-    assert "use joint or mixer" in view.laws[1].note
+    assert "use joint or mixer" in view.filters[1].note
     assert any("beyond 80 deg" in text for text in rig.texts)
 
 
 @pytest.mark.parametrize(
-    ("law", "aid"),
+    ("name", "aid"),
     [("mixer", "gnss"), ("paper", "gnss"), ("paper-whole", "airspeed-filter")],
 )
-def test_in_a_drive_a_law_is_aided_and_says_where_it_will_settle(law: str, aid: str) -> None:
-    rig = DriveRig(TRUTH, bends(40.0, still=6.0), AUTOPILOT, laws=("joint", law), aid=aid, locates=False)
+def test_in_a_drive_a_law_is_aided_and_says_where_it_will_settle(name: str, aid: str) -> None:
+    rig = DriveRig(TRUTH, bends(40.0, still=6.0), AUTOPILOT, filters=("joint", name), aid=aid, locates=False)
     rig.run(36.0)
-    seen = [view for view in rig.lines if view.laws and view.laws[1].settles is not None and view.reading.t > 12]
+    seen = [
+        view for view in rig.lines if view.filters and view.filters[1].settles is not None and view.reading.t > 12
+    ]
     assert len(seen) > 100
-    off = np.array([[view.laws[1].roll, view.laws[1].pitch] for view in seen])  # it drives level
+    off = np.array([[view.filters[1].roll, view.filters[1].pitch] for view in seen])  # it drives level
     assert np.sqrt(np.mean(off**2)) < 3.0
-    assert all(np.isfinite(view.laws[1].settles).all() for view in seen)
+    assert all(np.isfinite(view.filters[1].settles).all() for view in seen)
     assert "bias of" in reading_line(seen[-1])
     told = json.loads(json_line(seen[-1]))["laws"][1]["final_bias"]
     assert set(told) == {"roll_deg", "pitch_deg", "roll_std_deg", "pitch_std_deg"}
@@ -72,9 +74,9 @@ def test_in_a_drive_a_law_is_aided_and_says_where_it_will_settle(law: str, aid: 
 
 def test_forward_speed_keeps_a_turn_level_that_tilts_the_law_without() -> None:
     def roll_rms(aid: str) -> float:
-        rig = DriveRig(TRUTH, bends(40.0, still=6.0), AUTOPILOT, laws=("paper",), aid=aid, locates=False)
+        rig = DriveRig(TRUTH, bends(40.0, still=6.0), AUTOPILOT, filters=("paper",), aid=aid, locates=False)
         rig.run(36.0)
-        rolls = [view.laws[0].roll for view in rig.lines if view.laws and view.reading.t > 12]
+        rolls = [view.filters[0].roll for view in rig.lines if view.filters and view.reading.t > 12]
         return float(np.sqrt(np.mean(np.square(rolls))))
 
     assert roll_rms("gnss") < 0.5 * roll_rms("none")
@@ -83,8 +85,8 @@ def test_forward_speed_keeps_a_turn_level_that_tilts_the_law_without() -> None:
 def test_what_two_laws_read_is_recorded_and_a_replay_reads_the_same_to_the_last_bit(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    laws = ("joint", "paper-filter")
-    file = record_drive(tmp_path / "r", TRUTH, bends(30.0, still=6.0), AUTOPILOT, 26.0, laws)
+    filters = ("joint", "paper-filter")
+    file = record_drive(tmp_path / "r", TRUTH, bends(30.0, still=6.0), AUTOPILOT, 26.0, filters)
     recorded = (tmp_path / "r" / "laws.csv").read_bytes()
     rows = list(csv.DictReader(recorded.decode().splitlines()))
     assert len(rows) > 200
@@ -92,7 +94,7 @@ def test_what_two_laws_read_is_recorded_and_a_replay_reads_the_same_to_the_last_
     apart = float(last["paper-filter_roll_deg"]) - float(last["joint_roll_deg"])
     assert float(last["difference_roll_deg"]) == pytest.approx(apart, abs=1e-12)
     again = tmp_path / "again"
-    given = ["--aid", "gnss", "--law", ",".join(laws), "--speed", "0", "--json", "--folder", str(again)]
+    given = ["--aid", "gnss", "--law", ",".join(filters), "--speed", "0", "--json", "--folder", str(again)]
     given += ["--calibration", str(write_calibration(tmp_path, TRUTH))]
     assert cli.run(["monitor", f"replay:{file}", *given]) == 0
     assert (again / "laws.csv").read_bytes() == recorded

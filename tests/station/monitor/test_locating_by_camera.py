@@ -97,8 +97,8 @@ def test_a_recorded_drive_becomes_a_folder_with_tracks(
 def test_live_images_are_followed_and_recorded(tmp_path: Path) -> None:
     with (
         SimulatedDevice(TRUTH, 5, speed=3.0) as imu,
-        SimulatedGnss(TRUTH, AUTOPILOT, beside=imu) as gnss,
-        SimulatedCamera(TRUTH, SMALL, beside=imu) as camera,
+        SimulatedGnss(TRUTH, AUTOPILOT, imu=imu) as gnss,
+        SimulatedCamera(TRUTH, SMALL, imu=imu) as camera,
     ):
         (tmp_path / "eye.toml").write_text(camera_toml(SMALL, camera.url))
         given = ["--plain", "--gnss", gnss.url, "--folder", str(tmp_path / "r"), *asked(tmp_path)]
@@ -121,7 +121,7 @@ def test_a_camera_that_is_wrong_or_not_there_is_refused(
     assert "give --locate" in capsys.readouterr().err
     assert cli.run([*wanted, *folder, "--locate", "--camera", str(eye)]) == 3
     assert "no readable file" in capsys.readouterr().err
-    with SimulatedDevice(TRUTH, 5) as imu, SimulatedGnss(TRUTH, AUTOPILOT, beside=imu) as gnss:
+    with SimulatedDevice(TRUTH, 5) as imu, SimulatedGnss(TRUTH, AUTOPILOT, imu=imu) as gnss:
         eye.write_text(camera_toml(CAMERA, "camera:http://127.0.0.1:1/stream"))
         there = ["monitor", imu.url, "--json", "--gnss", gnss.url, "--seconds", "1", *folder, *asked(tmp_path)]
         assert cli.run([*there, "--locate", "--camera", str(eye)]) == 4

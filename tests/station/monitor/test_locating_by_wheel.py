@@ -112,8 +112,8 @@ def test_a_recorded_drive_becomes_a_folder_with_a_wheel(
 def test_a_live_wheel_is_followed_and_recorded(tmp_path: Path) -> None:
     with (
         SimulatedDevice(TRUTH, 5, speed=3.0) as imu,
-        SimulatedGnss(TRUTH, AUTOPILOT, track=TRACK, beside=imu) as gnss,
-        SimulatedWheel(TRACK, beside=imu) as wheel,
+        SimulatedGnss(TRUTH, AUTOPILOT, track=TRACK, imu=imu) as gnss,
+        SimulatedWheel(TRACK, imu=imu) as wheel,
     ):
         (tmp_path / "axle.toml").write_text(wheel_toml(wheel.url, DBC))
         given = ["--plain", "--gnss", gnss.url, "--folder", str(tmp_path / "r"), *asked(tmp_path)]
@@ -144,7 +144,7 @@ def test_a_wheel_that_is_wrong_or_not_there_is_refused_in_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], table: str, code: int, said: str
 ) -> None:
     (tmp_path / "axle.toml").write_text(table)
-    with SimulatedDevice(TRUTH, 5) as imu, SimulatedGnss(TRUTH, AUTOPILOT, beside=imu) as gnss:
+    with SimulatedDevice(TRUTH, 5) as imu, SimulatedGnss(TRUTH, AUTOPILOT, imu=imu) as gnss:
         wanted = ["monitor", imu.url, "--json", "--gnss", gnss.url, "--folder", str(tmp_path / "r"), "--locate"]
         assert cli.run([*wanted, *asked(tmp_path), "--wheel", str(tmp_path / "axle.toml")]) == code
     error = capsys.readouterr().err

@@ -73,7 +73,7 @@ def test_a_thread_finds_what_is_found_without_it_and_says_why_it_stops() -> None
 
 
 def test_live_it_says_what_is_missing(tmp_path: Path) -> None:
-    with SimulatedDevice(TRUTH, 5, speed=paced(10.0)) as imu, SimulatedGnss(TRUTH, AUTOPILOT, beside=imu) as gnss:
+    with SimulatedDevice(TRUTH, 5, speed=paced(10.0)) as imu, SimulatedGnss(TRUTH, AUTOPILOT, imu=imu) as gnss:
         given = ["--plain", "--gnss", gnss.url, "--folder", str(tmp_path / "r"), *asked(tmp_path)]
         with Program("monitor", imu.url, *given) as program:
             program.until("at rest the Earth's rate gives yaw to")

@@ -14,7 +14,7 @@ from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
 from fixtures_db.database import open_db
 from procedures.campaign.campaign import UNKNOWN
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from procedures.frames import nominal_C_lb
 from station.calibrated.calibration_choice import find_calibration
 from station.calibrated.output_frame import body_axes

@@ -126,21 +126,23 @@ _PAPER = FilterReading(
     SettlesAt(-0.138, 1.226, 0.338, 0.194),
 )  # fmt: skip
 SIDE_BY_SIDE = _with(
-    AIDED, laws=(_JOINT, _PAPER),
+    AIDED, filters=(_JOINT, _PAPER),
     history=tuple(point._replace(apart=1.2 * _bump(i / 600)) for i, point in enumerate(AIDED.history)),
 )  # fmt: skip
 FAILING = _with(
     STEEP,
-    laws=(
+    filters=(
         _JOINT,
         _with(_PAPER, note="paper: pitch beyond 80 deg, its Euler angles fail there; use joint or mixer"),
     ),
 )
 BY_MIXERS = _with(
     AIDED, reading=_with(AIDED.reading, sigma=math.nan),
-    laws=(_with(_PAPER, law="paper-filter", roll=-123.456), _with(_PAPER, law="paper-whole", settles=None)),
+    filters=(_with(_PAPER, name="paper-filter", roll=-123.456), _with(_PAPER, name="paper-whole", settles=None)),
 )  # fmt: skip
-BY_MIXER = _with(MOVING, reading=_with(READING, sigma=math.nan), laws=(_with(_PAPER, law="mixer", settles=None),))
+BY_MIXER = _with(
+    MOVING, reading=_with(READING, sigma=math.nan), filters=(_with(_PAPER, name="mixer", settles=None),)
+)
 VIEWS = {
     "side_by_side": SIDE_BY_SIDE, "failing": FAILING, "by_mixers": BY_MIXERS, "by_mixer": BY_MIXER,
     "behind": BEHIND,

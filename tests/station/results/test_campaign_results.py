@@ -15,11 +15,11 @@ from fixtures_db.database import Database
 from fixtures_db.errors import AlreadyStored, NotInDatabase
 from fixtures_db.fixture_measurements import add_level, certify_faces
 from fixtures_db.fixtures import add_fixture
-from fixtures_db.model_limits import Limit, set_limits
+from fixtures_db.imu_models import Limit, set_limits
 from fixtures_db.schema import CubeRow, SlabRow
 from fixtures_db.stored_calibrations import history, verify_chain
 from procedures.campaign.campaign import FaceCertificate
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from procedures.frames import FACES
 from station.errors import Altered, CannotWrite
 from station.files.atomic_file import replace_file
@@ -30,7 +30,7 @@ from station.guide.campaign.interrupted_campaigns import cancel_campaign
 from station.guide.campaign.verdict import verdict_view
 from station.results import campaign_results as module
 from station.results.campaign_results import make_results, store
-from station.results.certificate.model_statement import diagnosis_said
+from station.results.certificate.model_statement import diagnosis_in_words
 from tests.empty_database import empty_db
 from tests.fixtures_db.factory import level_row
 from tests.procedures.diagnosis.planted import wandering
@@ -126,7 +126,7 @@ def test_an_unexplained_residual_is_in_the_uncertainty_and_a_pass_says_so(db: Da
     judged = next(one for one in document["judged"] if one["parameter"] == "accelerometer.bias.x")
     assert judged["std"] == pytest.approx(bias["std"])  # what the guard band was taken of
     assert judged["std"] > left["std"] > 0
-    assert any(text.endswith("is included in U.") for text in diagnosis_said(document))
+    assert any(text.endswith("is included in U.") for text in diagnosis_in_words(document))
 
 
 def db_document(db: Database, sha256: str) -> str:

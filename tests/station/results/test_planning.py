@@ -8,7 +8,7 @@ import pytest
 
 from fixtures_db.campaigns import imu
 from fixtures_db.database import Database, open_db
-from fixtures_db.model_limits import Limit
+from fixtures_db.imu_models import Limit
 from fixtures_db.schema import CampaignRow, StepRow
 from procedures.campaign.plan_steps import dwell_steps, turn_steps
 from procedures.planning.campaign_design import HandTimes
@@ -16,9 +16,8 @@ from procedures.planning.design_sigmas import NAMES
 from procedures.planning.step_information import UnitNoise
 from station.errors import DataRefused
 from station.files.campaign_folder.plan_file import write_plan
-from station.results.known_from_campaigns import hand_times, known_noise
 from station.results.plan_document import noise_table
-from station.results.required_uncertainty import wanted_by, wanted_by_name
+from station.results.plan_inputs import hand_times, known_noise, wanted_by, wanted_by_name
 from tests.refusals import refused
 
 BIAS = "gyroscope.bias.x"

@@ -11,7 +11,7 @@ import pytest
 from procedures.inference.result import Finding
 from station import cli
 from station.files.effect_file import read_effect
-from station.results import effect_tried
+from station.results import user_defined_effects
 from tests.station.effect_examples import WARMING
 
 FOUND_IN = {"campaign.toml": "c" * 64, "dwell_01.mcap": "1" * 64, "turn_x_plus.mcap": "2" * 64}
@@ -103,8 +103,8 @@ def diagnosis(
 
 def said_of(found: Any, monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Return the lines that are said where campaigns are diagnosed so."""
-    monkeypatch.setattr(effect_tried, "diagnose", lambda *_: found)
-    return effect_tried.tried_text(FILE, []).splitlines()
+    monkeypatch.setattr(user_defined_effects, "diagnose", lambda *_: found)
+    return user_defined_effects.tried_text(FILE, []).splitlines()
 
 
 @pytest.mark.parametrize(

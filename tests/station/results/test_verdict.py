@@ -4,8 +4,8 @@ from typing import Any
 
 import pytest
 
-from fixtures_db.model_limits import Limit
-from station.results.verdict import judge, judged_in_words, word_said
+from fixtures_db.imu_models import Limit
+from station.results.verdict import judge, judged_in_words, verdict_in_words
 
 BIAS = {"value": [0.9, -0.2, 0.05], "std": [0.1, 0.01, 0.01], "unit": "deg/h"}
 X, Y, Z = (f"gyroscope.bias.{axis}" for axis in "xyz")
@@ -67,9 +67,9 @@ def test_the_worst_is_named_where_one_fails_though_another_was_not_measured() ->
 def test_what_has_no_value_or_no_limit_is_not_measured() -> None:
     others = [limit(f"accelerometer.bias.{axis}", -1.0, 1.0, unit="g") for axis in "xyz"]
     found = judge(document(), [limit(X, -1.0, 1.0), *others])
-    assert (found.word, found.said, found.exit_code) == ("NOT_MEASURED", "NOT MEASURED", 0)
+    assert (found.word, found.in_words, found.exit_code) == ("NOT_MEASURED", "NOT MEASURED", 0)
     assert "3 of 4 limited parameters of FOG3 S1 were not measured: accelerometer bias x" in found.reason
     assert judge(document(unit="deg/s"), [limit(X, -1.0, 1.0)]).word == "NOT_MEASURED"
     none = judge(document(), [])
-    assert (none.word, none.said) == ("NOT_MEASURED", "NO LIMITS")
-    assert word_said("NOT_MEASURED", has_limits=True) == "NOT MEASURED"
+    assert (none.word, none.in_words) == ("NOT_MEASURED", "NO LIMITS")
+    assert verdict_in_words("NOT_MEASURED", has_limits=True) == "NOT MEASURED"

@@ -11,7 +11,7 @@ from fixtures_db.database import open_db
 from fixtures_db.stored_calibrations import accept_calibration
 from procedures.calibration.solution_values import Estimate, Solution, TriadCalibration
 from procedures.campaign.campaign import UNKNOWN
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import DataRefused
 from station.sending.chosen_calibration import chosen_calibration, refuse_unfit
 from station.stream.connected_unit import Unit

@@ -27,10 +27,10 @@ def test_topic_schema_values_and_times_are_those_sent() -> None:
         assert channel["schemaName"] == "station.CalibratedSample"
         read = reader_of(channel)
         ask_for(client, channel)
-        until(lambda: "1 client" in server.said())
+        until(lambda: "1 client" in server.status())
         server.send(samples)
         found = [(log_ns, read(data)) for _, (log_ns, data) in zip(range(6), messages(client), strict=False)]
-    until(lambda: "0 clients" in server.said())
+    until(lambda: "0 clients" in server.status())
     server.close()
     six = np.hstack((samples.f, samples.omega))
     for i, (log_ns, message) in enumerate(found):
@@ -51,7 +51,7 @@ def test_a_client_that_does_not_read_holds_up_neither_samples_nor_others() -> No
     with connected(port) as reading, connected(port, max_queue=1, close_timeout=0.1) as asleep:
         read = subscribe(reading)
         subscribe(asleep)
-        until(lambda: "2 clients" in server.said())
+        until(lambda: "2 clients" in server.status())
 
         def listen() -> None:
             for _, data in messages(reading):
@@ -69,11 +69,11 @@ def test_a_client_that_does_not_read_holds_up_neither_samples_nor_others() -> No
             sent += BURST
             until(lambda: came and came[-1] == sent - 1)  # so that the one that reads is never behind
 
-        until(lambda: "too slow" in server.said(), burst)
+        until(lambda: "too slow" in server.status(), burst)
         is_over.set()
         server.send(made(1, sent))
         thread.join()
         assert came == list(range(sent + 1))
         address = ":".join(map(str, asleep.local_address[:2]))
-        assert server.said().endswith(f"samples dropped for {address}: too slow")
+        assert server.status().endswith(f"samples dropped for {address}: too slow")
     server.close()

@@ -103,7 +103,7 @@ def test_a_reader_that_does_not_read_costs_counted_samples_and_no_time() -> None
         output.send(made(100, sent))
         sent += 100
     dropped = output.dropped
-    assert f"{dropped} samples dropped" in output.said()
+    assert f"{dropped} samples dropped" in output.status()
     lines = list[bytes]()
     with os.fdopen(reading, "rb") as pipe:
         while len(lines) < sent - dropped:
@@ -120,7 +120,7 @@ def test_a_reader_that_has_left_ends_the_output() -> None:
     os.close(reading)
     output.send(made(1))
     until(lambda: output.is_over)
-    assert "left" in output.said()
+    assert "left" in output.status()
     output.close()
     os.close(writing)
 

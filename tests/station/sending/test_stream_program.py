@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 
 from drivers.framing import Decoder
-from drivers.sample_datagram import DATAGRAM
 from drivers.simulated.companions.gnss_server import SimulatedGnss
 from drivers.simulated.companions.truths import EPOCH_UTC
 from drivers.simulated.faults import Fault
@@ -25,6 +24,7 @@ from station import cli
 from station.calibration import load
 from station.files.mcap_files import read_step
 from station.files.mcap_files.schemas import COLUMNS
+from station.sending.to_udp import DATAGRAM
 from tests.patience import paced
 from tests.station.commands.program import STATION, Program
 from tests.station.monitor.unit import write_calibration
@@ -94,7 +94,7 @@ def test_lines_hold_what_the_library_makes_of_the_bytes_that_came(
 def test_utc_is_the_receivers(
     device: SimulatedDevice, calibration: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    with SimulatedGnss(UNIT, beside=device) as gnss:
+    with SimulatedGnss(UNIT, imu=device) as gnss:
         asked = ["--calibration", calibration, "--gnss", f"{gnss.url}?rate=20", "--seconds", "60"]
         assert cli.run(["stream", device.url, *asked]) == 0
     lines = [line for line in lines_of(capfd.readouterr().out) if "utc_s" in line]

@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivers.sample_datagram import DATAGRAM, MAGIC
 from station.sending.outputs import Quality, open_outputs
+from station.sending.to_udp import DATAGRAM, MAGIC
 from tests.free_port import free_udp_port
 from tests.paths import ROOT
 from tests.station.sending.test_outputs import ABOUT, made

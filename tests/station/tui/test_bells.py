@@ -6,7 +6,7 @@ from typing import get_args
 import pytest
 
 from station.stream.stream_events import Event, Sound
-from station.tui.common_app import BELL_PATTERNS, MAX_STROKES, Bells
+from station.tui.app import BELL_PATTERNS, MAX_STROKES, Bells
 from tests.station.tui.session import MemorySession, StationApp
 from tests.station.tui.views import HOLDING
 

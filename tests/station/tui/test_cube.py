@@ -9,15 +9,18 @@ from textual.content import Content
 from procedures.arrays import FloatArray
 from procedures.frames import nominal_C_lb, vertical_rotation
 from station.guide.view import StepView
-from station.tui.widgets.canvas import Canvas
+from station.tui.widgets.common import Canvas
 from station.tui.widgets.cube import (
     LARGE,
     SMALL,
     PictureSize,
     draw_cube,
     draw_turned,
+    faces,
+    faces_of,
+    is_counter_clockwise,
+    start_of,
 )
-from station.tui.widgets.orientation import faces, faces_of, is_counter_clockwise, start_of
 from tests.station.tui import views
 from tests.station.tui.session import LARGE as LARGE_TERMINAL
 from tests.station.tui.session import screens

@@ -1,7 +1,7 @@
 """What the top of the screen says is the one thing to do; steps and limits below it are whole."""
 
 from station.guide.view import LimitView, TurnView
-from station.tui.widgets.orientation import is_counter_clockwise
+from station.tui.widgets.cube import is_counter_clockwise
 from tests.station.tui import views
 from tests.station.tui.flip_views import FLIPPING
 from tests.station.tui.session import SMALL, screens

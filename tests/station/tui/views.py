@@ -5,8 +5,8 @@ from station.guide.setup_view import Choice
 from station.guide.stages.guide import trouble_of
 from station.guide.view import (
     CalibrationView,
+    FilterView,
     GatesView,
-    LawView,
     LimitView,
     LinkView,
     MonitoredView,
@@ -130,7 +130,7 @@ LEANING = running(
     wanted="free_03",
     can_redo="free_02",
     events=EVENTS[:1],
-    lean=(1, 0, -1),
+    tilt=(1, 0, -1),
     line="tilt the cube on an edge, X half up, Z half down, near 45 deg; prop it",
     hint="12 deg from an attitude already recorded, at least 20: tilt it in another direction",
     gates=GatesView(
@@ -157,9 +157,9 @@ MONITORING = running(
     live="monitor_01", wanted="monitor_01", can_redo="dwell_12", events=EVENTS[:1], accepted_s=41.0, wanted_s=60.0,
     remaining_s=19.0, line="monitor 1: 41 of 60 s, hands off",
     monitored=MonitoredView(
-        laws=(
-            LawView(law="joint", roll_deg=0.0123, pitch_deg=-0.0041),
-            LawView(law="mixer", roll_deg=0.0131, pitch_deg=-0.0029),
+        filters=(
+            FilterView(name="joint", roll_deg=0.0123, pitch_deg=-0.0041),
+            FilterView(name="mixer", roll_deg=0.0131, pitch_deg=-0.0029),
         ),
         difference_deg=0.0014, calibration="this campaign",
     ),

@@ -3,16 +3,18 @@
 import re
 
 from station.results.certificate.content import Certificate, CertificateContent
-from station.results.certificate.dcc.elements import LANGUAGES, Element, Said, Text, dcc, worded
+from station.results.certificate.dcc.elements import LANGUAGES, Bilingual, Element, Text, dcc, worded
 from station.results.certificate.dcc.statements import statements
 
 VERSION = re.compile(r"^(?P<name>\S+) (?P<release>\d{1,3}(?:\.\d{1,3}){0,3})")
-NOT_STATED = Said("not stated", "nicht angegeben")
-ITEM = Said(
+NOT_STATED = Bilingual("not stated", "nicht angegeben")
+ITEM = Bilingual(
     "Inertial measurement unit with fibre-optic gyroscopes and accelerometers",
     "Inertialmesseinheit mit faseroptischen Kreiseln und Beschleunigungsmessern",
 )
-SIMULATED = Said(" (simulated device: no hardware was measured)", " (simuliertes Gerät: keine Hardware gemessen)")
+SIMULATED = Bilingual(
+    " (simulated device: no hardware was measured)", " (simuliertes Gerät: keine Hardware gemessen)"
+)
 
 
 def administrative_data(content: CertificateContent) -> Element:
@@ -30,15 +32,15 @@ def administrative_data(content: CertificateContent) -> Element:
     )
 
 
-def software(said: str) -> Element:
+def software(text: str) -> Element:
     """Return the program with its release, as the form wants it written; the commit is in its description."""
-    found = VERSION.match(said)
+    found = VERSION.match(text)
     return dcc(
         "software",
-        worded("name", found["name"] if found else said.split()[0]),
+        worded("name", found["name"] if found else text.split()[0]),
         dcc("release", text=f"v{found['release']}" if found else "v0"),
         dcc("type", text="application"),
-        worded("description", Said(f"Version and commit: {said}", f"Version und Commit: {said}")),
+        worded("description", Bilingual(f"Version and commit: {text}", f"Version und Commit: {text}")),
     )
 
 
@@ -73,14 +75,14 @@ def _core_data(certificate: Certificate) -> Element:
     )
 
 
-CALIBRATION = Said("SHA-256 of the calibration certified", "SHA-256 der bescheinigten Kalibrierung")
-ISSUED = Said("issued", "ausgestellt")
-ACCEPTED = Said("calibration accepted", "Kalibrierung angenommen")
-REPLACED = Said("the certificate that this one replaces", "der Kalibrierschein, den dieser ersetzt")
-SERIAL = Said("serial number", "Seriennummer")
+CALIBRATION = Bilingual("SHA-256 of the calibration certified", "SHA-256 der bescheinigten Kalibrierung")
+ISSUED = Bilingual("issued", "ausgestellt")
+ACCEPTED = Bilingual("calibration accepted", "Kalibrierung angenommen")
+REPLACED = Bilingual("the certificate that this one replaces", "der Kalibrierschein, den dieser ersetzt")
+SERIAL = Bilingual("serial number", "Seriennummer")
 
 
-def _identification(issuer: str, value: str, name: Said, ref_type: str) -> Element:
+def _identification(issuer: str, value: str, name: Bilingual, ref_type: str) -> Element:
     return dcc(
         "identification",
         dcc("issuer", text=issuer),
@@ -92,7 +94,7 @@ def _identification(issuer: str, value: str, name: Said, ref_type: str) -> Eleme
 
 def _items(content: CertificateContent) -> Element:
     document, item = content.document, content.certificate.laboratory.item
-    condition = Said(f"Condition on receipt: {item.condition}", f"Zustand bei Eingang: {item.condition}")
+    condition = Bilingual(f"Condition on receipt: {item.condition}", f"Zustand bei Eingang: {item.condition}")
     return dcc(
         "items",
         dcc(
@@ -110,13 +112,13 @@ def _items(content: CertificateContent) -> Element:
 
 
 def _laboratory(certificate: Certificate) -> Element:
-    said = certificate.laboratory.laboratory
-    code = None if not said.accreditation else dcc("calibrationLaboratoryCode", text=said.accreditation)
-    return dcc("calibrationLaboratory", code, _contact("contact", said, said.country))
+    text = certificate.laboratory.laboratory
+    code = None if not text.accreditation else dcc("calibrationLaboratoryCode", text=text.accreditation)
+    return dcc("calibrationLaboratory", code, _contact("contact", text, text.country))
 
 
-def _contact(element: str, said: object, country: str | None = None) -> Element:
-    name, address, email = (getattr(said, field) for field in ("name", "address", "email"))
+def _contact(element: str, text: object, country: str | None = None) -> Element:
+    name, address, email = (getattr(text, field) for field in ("name", "address", "email"))
     where = dcc(
         "location",
         worded("further", str(address)),
@@ -129,17 +131,17 @@ def _persons(certificate: Certificate) -> Element:
     authorised = certificate.laboratory.authorised
     return dcc(
         "respPersons",
-        _person(str(authorised.name), Said("authorised the certificate", "gibt den Kalibrierschein frei"),
+        _person(str(authorised.name), Bilingual("authorised the certificate", "gibt den Kalibrierschein frei"),
                 role=str(authorised.function), main="true"),
-        _person(str(certificate.document["operator"]), Said("measured", "hat gemessen"), "operator", "false"),
+        _person(str(certificate.document["operator"]), Bilingual("measured", "hat gemessen"), "operator", "false"),
     )  # fmt: skip
 
 
-def _person(name: Text, what: Said, role: str, main: str) -> Element:
+def _person(name: Text, what: Bilingual, role: str, main: str) -> Element:
     return dcc(
         "respPerson",
         dcc("person", worded("name", name)),
-        worded("description", Said(what.en, what.de)),
+        worded("description", Bilingual(what.en, what.de)),
         dcc("role", text=role),
         dcc("mainSigner", text=main),
     )

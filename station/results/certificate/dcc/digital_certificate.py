@@ -60,8 +60,8 @@ def rule_faults(content: bytes) -> list[str] | None:
     except ImportError:
         return None
     found = rules.validate_str(content.decode())
-    said = [*found.failed_assertions, *found.successful_reports]
-    return [f"{one.location}: {' '.join(one.text.split())}" for one in said if one.role == "error"]
+    text = [*found.failed_assertions, *found.successful_reports]
+    return [f"{one.location}: {' '.join(one.text.split())}" for one in text if one.role == "error"]
 
 
 def held_against() -> str:

@@ -24,18 +24,18 @@ Element: TypeAlias = etree._Element  # noqa: SLF001  lxml has no other name for 
 
 
 @dataclass(frozen=True, slots=True)
-class Said:
+class Bilingual:
     """A text in both languages of the certificate."""
 
     en: str
     de: str
 
-    def __add__(self, other: "Said") -> "Said":
+    def __add__(self, other: "Bilingual") -> "Bilingual":
         """Return this followed by another text, both languages."""
-        return Said(self.en + other.en, self.de + other.de)
+        return Bilingual(self.en + other.en, self.de + other.de)
 
 
-Text = Said | str
+Text = Bilingual | str
 """A text in both languages, or one of no language: a name, an address, what people wrote."""
 
 
@@ -57,10 +57,10 @@ def worded(name: str, text: Text, **attributes: str | None) -> Element:
     return dcc(name, *both, **attributes)
 
 
-def joined(texts: Iterable[Said], between: str = "\n") -> Said:
+def joined(texts: Iterable[Bilingual], between: str = "\n") -> Bilingual:
     """Return several texts as one: an element holds one text of each language."""
     several = list(texts)
-    return Said(*(between.join(getattr(one, lang) for one in several) for lang in LANGUAGES))
+    return Bilingual(*(between.join(getattr(one, lang) for one in several) for lang in LANGUAGES))
 
 
 def _made(
@@ -203,13 +203,13 @@ def numbers(values: Sequence[float], unit: DsiUnit, labels: Sequence[str] = ()) 
 
 
 def quantity(
-    name: Said, inside: Element, *beside: Element | None, ref_type: str | None = None, **ids: str
+    name: Bilingual, inside: Element, *extra: Element | None, ref_type: str | None = None, **ids: str
 ) -> Element:
-    """Return a quantity with its name; ``beside`` is what may follow the number."""
-    return dcc("quantity", worded("name", name), inside, *beside, refType=ref_type, **ids)
+    """Return a quantity with its name; ``extra`` is what may follow the number."""
+    return dcc("quantity", worded("name", name), inside, *extra, refType=ref_type, **ids)
 
 
-def no_quantity(name: Said, text: Text, ref_type: str | None = None) -> Element:
+def no_quantity(name: Bilingual, text: Text, ref_type: str | None = None) -> Element:
     """Return a named text in the place of a quantity."""
     return dcc("quantity", worded("name", name), worded("noQuantity", text), refType=ref_type)
 

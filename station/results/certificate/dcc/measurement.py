@@ -14,10 +14,10 @@ from station.results.certificate.dcc.elements import (
     METRE_PER_S2,
     MILLIMETRE,
     PERCENT,
+    Bilingual,
     DsiUnit,
     Element,
     Expanded,
-    Said,
     dcc,
     joined,
     no_quantity,
@@ -36,11 +36,11 @@ from station.results.certificate.dcc.results import (
 )
 from station.results.certificate.model_statement import TAKEN_AS_ZERO
 
-TITLE = Said("Records, SHA-256", "Aufzeichnungen, SHA-256")
-HEADS = Said("Heads of the chains", "Köpfe der Ketten")
-FILES = Said("Files used", "Verwendete Dateien")
-CALIBRATION = Said("The calibration as it is applied", "Die Kalibrierung, wie sie angewandt wird")
-RECORD = Said(
+TITLE = Bilingual("Records, SHA-256", "Aufzeichnungen, SHA-256")
+HEADS = Bilingual("Heads of the chains", "Köpfe der Ketten")
+FILES = Bilingual("Files used", "Verwendete Dateien")
+CALIBRATION = Bilingual("The calibration as it is applied", "Die Kalibrierung, wie sie angewandt wird")
+RECORD = Bilingual(
     "The calibration/1 that is certified, byte by byte: its SHA-256 is the one given as this calibration.",
     "Die bescheinigte calibration/1, Byte für Byte: ihr SHA-256 ist der als diese Kalibrierung genannte.",
 )
@@ -50,25 +50,30 @@ def records_results(content: CertificateContent) -> Iterator[Element]:
     """Give the hashes, then the calibration itself."""
     certificate, document = content.certificate, content.document
     heads = [
-        (Said("this calibration", "diese Kalibrierung"), certificate.sha256, "fog_thisCalibration"),
-        (Said("newest calibration", "neueste Kalibrierung"), certificate.heads.calibration, "fog_head"),
-        (Said("newest face certificate", "neuester Flächenschein"), certificate.heads.certificate, "fog_head"),
-        (Said("newest surface plate level", "neueste Nivellierung"), certificate.heads.level, "fog_head"),
-        (Said("certificate before this", "Schein vor diesem"), certificate.heads.issued, "fog_head"),
+        (Bilingual("this calibration", "diese Kalibrierung"), certificate.sha256, "fog_thisCalibration"),
+        (Bilingual("newest calibration", "neueste Kalibrierung"), certificate.heads.calibration, "fog_head"),
+        (
+            Bilingual("newest face certificate", "neuester Flächenschein"),
+            certificate.heads.certificate,
+            "fog_head",
+        ),
+        (Bilingual("newest surface plate level", "neueste Nivellierung"), certificate.heads.level, "fog_head"),
+        (Bilingual("certificate before this", "Schein vor diesem"), certificate.heads.issued, "fog_head"),
     ]
     if certificate.heads.entries:
         heads.append(
-            (Said("journal of the database", "Journal der Datenbank"), certificate.heads.code, "fog_head")
+            (Bilingual("journal of the database", "Journal der Datenbank"), certificate.heads.code, "fog_head")
         )
     if "manifest" in document:
-        steps = Said("recorded steps, head of their chain", "aufgezeichnete Schritte, Kopf ihrer Kette")
+        steps = Bilingual("recorded steps, head of their chain", "aufgezeichnete Schritte, Kopf ihrer Kette")
         heads.insert(1, (steps, str(document["manifest"]), "fog_stepsHead"))
     if content.before is not None:
         heads.insert(
-            1, (Said("previous calibration", "vorige Kalibrierung"), content.before.sha256, "fog_previous")
+            1, (Bilingual("previous calibration", "vorige Kalibrierung"), content.before.sha256, "fog_previous")
         )
     files = [
-        no_quantity(Said(name, name), hash_, "fog_rawData") for name, hash_ in sorted(document["inputs"].items())
+        no_quantity(Bilingual(name, name), hash_, "fog_rawData")
+        for name, hash_ in sorted(document["inputs"].items())
     ]
     yield result(
         TITLE,
@@ -113,46 +118,46 @@ def influence_conditions(content: CertificateContent) -> Element:
     return dcc("influenceConditions", *(one for one in known if one is not None))
 
 
-UNIT_TEMPERATURE = Said("temperature of the unit", "Temperatur des Geräts")
-ROOM_TEMPERATURE = Said("temperature of the laboratory", "Temperatur des Labors")
-HUMIDITY = Said("relative humidity", "relative Luftfeuchte")
-GRAVITY = Said("local gravity, standard uncertainty", "örtliche Fallbeschleunigung, Standardunsicherheit")
-LATITUDE = Said("latitude", "geographische Breite")
-HEIGHT = Said("height", "Höhe")
-REFERENCE = Said(
+UNIT_TEMPERATURE = Bilingual("temperature of the unit", "Temperatur des Geräts")
+ROOM_TEMPERATURE = Bilingual("temperature of the laboratory", "Temperatur des Labors")
+HUMIDITY = Bilingual("relative humidity", "relative Luftfeuchte")
+GRAVITY = Bilingual("local gravity, standard uncertainty", "örtliche Fallbeschleunigung, Standardunsicherheit")
+LATITUDE = Bilingual("latitude", "geographische Breite")
+HEIGHT = Bilingual("height", "Höhe")
+REFERENCE = Bilingual(
     "temperature of the unit that results refer to", "Gerätetemperatur, auf die Ergebnisse sich beziehen"
 )
-PLACE = Said("site", "Ort")
-ENDS = (("Min", Said("least", "kleinste")), ("Max", Said("greatest", "größte")))
+PLACE = Bilingual("site", "Ort")
+ENDS = (("Min", Bilingual("least", "kleinste")), ("Max", Bilingual("greatest", "größte")))
 
 
-def _span(of: str, name: Said, ref_type: str, span: Any, unit: DsiUnit) -> Element | None:
+def _span(of: str, name: Bilingual, ref_type: str, span: Any, unit: DsiUnit) -> Element | None:
     if not span:
         return None
     ends = [
-        quantity(name + Said(f", {word.en}", f", {word.de}"), real(value, unit), ref_type=f"{ref_type}{end}")
+        quantity(name + Bilingual(f", {word.en}", f", {word.de}"), real(value, unit), ref_type=f"{ref_type}{end}")
         for value, (end, word) in zip(span, ENDS, strict=True)
     ]
     return _condition(name, f"{ref_type} fog_{of}", *ends)
 
 
-def _one(name: Said, value: float, unit: DsiUnit, ref_type: str, expanded: Expanded | None = None) -> Element:
+def _one(name: Bilingual, value: float, unit: DsiUnit, ref_type: str, expanded: Expanded | None = None) -> Element:
     return _condition(name, ref_type, quantity(name, real(value, unit, expanded)))
 
 
-def _condition(name: Said, ref_type: str, *quantities: Element) -> Element:
+def _condition(name: Bilingual, ref_type: str, *quantities: Element) -> Element:
     return dcc("influenceCondition", worded("name", name), dcc("data", *quantities), refType=ref_type)
 
 
 EQUIPMENT = {
-    "cube": Said("Cube with measured faces", "Würfel mit vermessenen Flächen"),
-    "slab": Said("Level slab", "Richtplatte"),
-    "site": Said("Surveyed site: local gravity", "Vermessener Ort: örtliche Schwere"),
+    "cube": Bilingual("Cube with measured faces", "Würfel mit vermessenen Flächen"),
+    "slab": Bilingual("Level slab", "Richtplatte"),
+    "site": Bilingual("Surveyed site: local gravity", "Vermessener Ort: örtliche Schwere"),
 }
 DATES = (
-    ("source", Said("determined by", "bestimmt durch"), "fog_determinedBy"),
-    ("measured_utc", Said("determined on", "bestimmt am"), "fog_determinedOn"),
-    ("due_date", Said("last day on which it holds", "letzter Tag der Gültigkeit"), "fog_dueDate"),
+    ("source", Bilingual("determined by", "bestimmt durch"), "fog_determinedBy"),
+    ("measured_utc", Bilingual("determined on", "bestimmt am"), "fog_determinedOn"),
+    ("due_date", Bilingual("last day on which it holds", "letzter Tag der Gültigkeit"), "fog_dueDate"),
 )
 
 
@@ -168,7 +173,7 @@ def _equipment(one: Mapping[str, Any]) -> Element:
         if one.get(key)
     ]
     if "side_mm" in one:
-        side = Said("side", "Kantenlänge")
+        side = Bilingual("side", "Kantenlänge")
         details.insert(
             0, dcc("measuringEquipmentQuantity", worded("name", side), real(one["side_mm"], MILLIMETRE))
         )
@@ -188,7 +193,7 @@ def _equipment(one: Mapping[str, Any]) -> Element:
 def _certificate(one: Mapping[str, Any]) -> Element:
     return dcc(
         "certificate",
-        worded("referral", Said("record of its certificate", "Datensatz ihres Scheins")),
+        worded("referral", Bilingual("record of its certificate", "Datensatz ihres Scheins")),
         dcc("referralID", text=str(one["id"])),
         dcc("procedure", text="SHA-256"),
         dcc("value", text=str(one["certificate"])),
@@ -210,14 +215,14 @@ def used_methods(content: CertificateContent) -> Element:
     procedure = content.document["procedure"]
     name = as_written(str(procedure["name"]))
     steps = f"{len(procedure['steps'])}: {', '.join(map(str, procedure['steps']))}"
-    joint = Said(
+    joint = Bilingual(
         "Joint least-squares solution of equation (1) for both triads and the bench. N: count rate, u: specific "
         f"force or angular rate in body axes, rows of E of unit length. Steps, {steps}.",
         "Gemeinsame Ausgleichung der Gleichung (1) für beide Triaden und den Messplatz. N: Zählrate, u: "
         "spezifische "
         f"Kraft oder Drehrate in Körperachsen, Zeilen von E der Länge eins. Schritte, {steps}.",
     )
-    budget = Said(
+    budget = Bilingual(
         "Uncertainty budget by sources, combined after JCGM 100:2008; degrees of freedom after Welch and "
         "Satterthwaite; equation (3).",
         "Unsicherheitsbudget nach Quellen, kombiniert nach JCGM 100:2008; Freiheitsgrade nach Welch und "
@@ -228,19 +233,21 @@ def used_methods(content: CertificateContent) -> Element:
         _method("basic_methodMeasurementUncertainty", UNCERTAINTY, budget, ("3",), "JCGM 100:2008"),
     ]
     if content.found is not None:
-        methods.append(_method("basic_decisionRule", RULE, RULE_SAID, ("5", "6"), "JCGM 106:2012, 8.3"))
+        methods.append(_method("basic_decisionRule", RULE, RULE_TEXT, ("5", "6"), "JCGM 106:2012, 8.3"))
     return dcc("usedMethods", *methods)
 
 
-UNCERTAINTY = Said("Evaluation of the measurement uncertainty", "Ermittlung der Messunsicherheit")
-RULE = Said("Decision rule", "Entscheidungsregel")
-RULE_SAID = Said(
+UNCERTAINTY = Bilingual("Evaluation of the measurement uncertainty", "Ermittlung der Messunsicherheit")
+RULE = Bilingual("Decision rule", "Entscheidungsregel")
+RULE_TEXT = Bilingual(
     "Guarded acceptance, equation (5); the risk of a wrong decision is that of equation (6).",
     "Annahme mit Schutzabstand, Gleichung (5); das Risiko einer falschen Entscheidung ist das der Gleichung (6).",
 )
 
 
-def _method(ref_type: str, name: Said, text: Said, numbers: tuple[str, ...], norm: str | None = None) -> Element:
+def _method(
+    ref_type: str, name: Bilingual, text: Bilingual, numbers: tuple[str, ...], norm: str | None = None
+) -> Element:
     description = worded("description", text)
     for number in numbers:
         description.append(dcc("formula", dcc("latex", text=rf"{EQUATIONS[number]} \tag{{{number}}}")))
@@ -248,7 +255,7 @@ def _method(ref_type: str, name: Said, text: Said, numbers: tuple[str, ...], nor
     return dcc("usedMethod", worded("name", name), description, *norms, refType=ref_type)
 
 
-NAME = Said("Calibration of an inertial measurement unit", "Kalibrierung einer Inertialmesseinheit")
+NAME = Bilingual("Calibration of an inertial measurement unit", "Kalibrierung einer Inertialmesseinheit")
 
 
 def measurement_result(content: CertificateContent) -> Element:
@@ -273,21 +280,21 @@ def measurement_result(content: CertificateContent) -> Element:
 
 
 def _remarks(content: CertificateContent) -> list[Element]:
-    none = Said("none", "keine")
+    none = Bilingual("none", "keine")
     several = (
-        ("fog_deviations", Said("Deviations from the procedure", "Abweichungen vom Verfahren"),
+        ("fog_deviations", Bilingual("Deviations from the procedure", "Abweichungen vom Verfahren"),
          content.deviations),
-        ("fog_takenAsZero", Said(TAKEN_AS_ZERO, "In diesen Schritten nicht bestimmt und null gesetzt oder gleich "
-         "denen des mittleren Würfels"), content.taken_as_zero),
-        ("fog_stated", Said("Stated, not measured here", "Angegeben, hier nicht gemessen"),
+        ("fog_takenAsZero", Bilingual(TAKEN_AS_ZERO, "In diesen Schritten nicht bestimmt und null gesetzt oder "
+         "gleich denen des mittleren Würfels"), content.taken_as_zero),
+        ("fog_stated", Bilingual("Stated, not measured here", "Angegeben, hier nicht gemessen"),
          [f"{label}: {text}" for label, text in content.stated]),
     )  # fmt: skip
     diagnosis = joined(map(as_written, content.diagnosis), " ")  # whole sentences, the first of which is its title
     remarks = [
-        (ref_type, title + Said(": ", ": ") + (joined(map(as_written, said), "; ") if said else none))
-        for ref_type, title, said in several
+        (ref_type, title + Bilingual(": ", ": ") + (joined(map(as_written, wording), "; ") if wording else none))
+        for ref_type, title, wording in several
     ]
     return [
-        dcc("metaData", worded("declaration", said), refType=ref_type)
-        for ref_type, said in (*remarks[:1], ("fog_diagnosis", diagnosis), *remarks[1:])
+        dcc("metaData", worded("declaration", wording), refType=ref_type)
+        for ref_type, wording in (*remarks[:1], ("fog_diagnosis", diagnosis), *remarks[1:])
     ]

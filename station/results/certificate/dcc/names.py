@@ -7,7 +7,7 @@ known; names of steps and effects pass unchanged.
 import re
 
 from procedures.uncertainty import sources
-from station.results.certificate.dcc.elements import Said
+from station.results.certificate.dcc.elements import Bilingual
 from station.results.parameters_by_name import title_of
 
 PARTED = (("; ", "; "), (" with ", " mit "), (" and ", " und "))  # what joins clauses, coarsest first
@@ -119,13 +119,13 @@ def _clause(text: str) -> str | None:
 
 
 TRIAD_NAMES = {
-    "accelerometer": Said("accelerometer", "Beschleunigungsmesser"),
-    "gyroscope": Said("gyroscope", "Kreisel"),
+    "accelerometer": Bilingual("accelerometer", "Beschleunigungsmesser"),
+    "gyroscope": Bilingual("gyroscope", "Kreisel"),
 }
 PART_NAMES = {
-    "scale_factor": Said("scale factor", "Skalenfaktor"),
-    "misalignment": Said("misalignment", "Fehlausrichtung"),
-    "bias": Said("bias", "Nullpunktabweichung"),
+    "scale_factor": Bilingual("scale factor", "Skalenfaktor"),
+    "misalignment": Bilingual("misalignment", "Fehlausrichtung"),
+    "bias": Bilingual("bias", "Nullpunktabweichung"),
 }
 SOURCE_NAMES = {
     sources.COUNTING: "Zählrauschen",
@@ -153,20 +153,20 @@ SOURCE_NAMES = {
 LIMITED_NAMES = {"residual": "Residuum", "slab": "Richtplatte", "fixture": "Würfel"}
 
 
-def parameter_name(name: str) -> Said:
+def parameter_name(name: str) -> Bilingual:
     """Return a parameter in words: ``accelerometer.bias.x`` is "accelerometer bias x"."""
     owner, part, *axis = name.split(".")
     if owner not in TRIAD_NAMES or part not in PART_NAMES:
-        return Said(title_of(name), f"{LIMITED_NAMES.get(owner, owner)}: {title_of(name)}")
+        return Bilingual(title_of(name), f"{LIMITED_NAMES.get(owner, owner)}: {title_of(name)}")
     german = f"{TRIAD_NAMES[owner].de}, {PART_NAMES[part].de} {' '.join(axis)}"
-    return Said(title_of(name), german)
+    return Bilingual(title_of(name), german)
 
 
-def source_name(source: str) -> Said:
+def source_name(source: str) -> Bilingual:
     """Return a source of uncertainty in words."""
-    return Said(source, SOURCE_NAMES.get(source, source))
+    return Bilingual(source, SOURCE_NAMES.get(source, source))
 
 
-def as_written(text: str) -> Said:
+def as_written(text: str) -> Bilingual:
     """Return a sentence that is stored in English alone: in German if it is known, else marked as English."""
-    return Said(text, in_german(text) or f"(englisch) {text}")
+    return Bilingual(text, in_german(text) or f"(englisch) {text}")

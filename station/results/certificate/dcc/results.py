@@ -14,10 +14,10 @@ from station.results.certificate.conformity import COVERAGE, LimitComparison, Sh
 from station.results.certificate.content import CertificateContent
 from station.results.certificate.dcc.elements import (
     ONE,
+    Bilingual,
     DsiUnit,
     Element,
     Expanded,
-    Said,
     dcc,
     dsi_unit,
     no_quantity,
@@ -32,13 +32,13 @@ from station.results.certificate.dcc.names import PART_NAMES, TRIAD_NAMES, as_wr
 from station.results.certificate.dcc.statements import CONFORMITY
 from station.results.certificate.printed_results import MeasuredParameter
 
-DOF = Said("effective degrees of freedom", "effektive Freiheitsgrade")
-LOW, HIGH = Said("lower limit", "untere Grenze"), Said("upper limit", "obere Grenze")
-FACTOR = Said("guard band factor r", "Faktor r des Schutzabstands")
-BAND = Said("guard band w = r u", "Schutzabstand w = r u")
-RISK = Said("probability of a true value outside", "Wahrscheinlichkeit eines wahren Werts außerhalb")
-OTHERS = Said("Limited quantities that are no parameters", "Begrenzte Größen, die keine Parameter sind")
-NOT_MEASURED = Said("not measured", "nicht gemessen")
+DOF = Bilingual("effective degrees of freedom", "effektive Freiheitsgrade")
+LOW, HIGH = Bilingual("lower limit", "untere Grenze"), Bilingual("upper limit", "obere Grenze")
+FACTOR = Bilingual("guard band factor r", "Faktor r des Schutzabstands")
+BAND = Bilingual("guard band w = r u", "Schutzabstand w = r u")
+RISK = Bilingual("probability of a true value outside", "Wahrscheinlichkeit eines wahren Werts außerhalb")
+OTHERS = Bilingual("Limited quantities that are no parameters", "Begrenzte Größen, die keine Parameter sind")
+NOT_MEASURED = Bilingual("not measured", "nicht gemessen")
 
 
 def unit_of(text: str) -> DsiUnit:
@@ -56,7 +56,7 @@ def parameter_results(content: CertificateContent) -> Iterator[Element]:
         for part, word in PART_NAMES.items():
             mine = [one for name, one in content.results.items() if name.startswith(f"{triad}.{part}.")]
             if mine:
-                title = Said(f"{TRIAD_NAMES[triad].en}: {word.en}", f"{TRIAD_NAMES[triad].de}: {word.de}")
+                title = Bilingual(f"{TRIAD_NAMES[triad].en}: {word.en}", f"{TRIAD_NAMES[triad].de}: {word.de}")
                 quantities = [_parameter(one, probability, limited, content) for one in mine]
                 yield result(title, *quantities, ref_type=f"fog_{triad}.{part}")
     others = [one for name, one in limited.items() if name not in content.results]
@@ -64,7 +64,7 @@ def parameter_results(content: CertificateContent) -> Iterator[Element]:
         yield result(OTHERS, *(_other(one, content) for one in others), ref_type="fog_limitedQuantities")
 
 
-def result(name: Said, *inside: Element, ref_type: str) -> Element:
+def result(name: Bilingual, *inside: Element, ref_type: str) -> Element:
     """Return a result whose data are what is ``inside``."""
     return dcc("result", worded("name", name), dcc("data", *inside), refType=ref_type)
 
@@ -73,20 +73,20 @@ def _parameter(
     one: MeasuredParameter, probability: float, limited: Mapping[str, LimitComparison], content: CertificateContent
 ) -> Element:
     expanded = Expanded(one.expanded, one.coverage_factor, probability, one.dof)
-    beside = [] if math.isinf(one.dof) else [degrees_of_freedom(one.dof)]
+    extra = [] if math.isinf(one.dof) else [degrees_of_freedom(one.dof)]
     if (compared := limited.get(one.name)) is not None:
-        beside.append(_conformity(compared, content))
+        extra.append(_conformity(compared, content))
     return quantity(
         parameter_name(one.name),
         real(one.value, unit_of(one.unit), expanded, label=one.name),
-        dcc("measurementMetaData", *beside) if beside else None,
+        dcc("measurementMetaData", *extra) if extra else None,
         ref_type=f"basic_measuredValue fog_{one.name}",
         id=one.name,
     )
 
 
 def degrees_of_freedom(dof: float) -> Element:
-    """Return effective degrees of freedom as what a quantity says beside its number."""
+    """Return effective degrees of freedom as what a quantity states next to its number."""
     data = dcc("data", quantity(DOF, real(dof, ONE)))
     return dcc("metaData", data, refType="fog_effectiveDegreesOfFreedom")
 
@@ -103,7 +103,7 @@ def _conformity(compared: LimitComparison, content: CertificateContent) -> Eleme
     return dcc(
         "metaData",
         dcc("norm", text="JCGM 106:2012, 8.3"),
-        worded("declaration", Said(f"Conformity: {word}", f"Konformität: {word}")),
+        worded("declaration", Bilingual(f"Conformity: {word}", f"Konformität: {word}")),
         None if held is None else dcc("conformity", text=held),
         dcc("data", *(quantity(name, real(value, at), ref_type=ref)
                       for name, value, at, ref in known if value is not None)),
@@ -112,13 +112,13 @@ def _conformity(compared: LimitComparison, content: CertificateContent) -> Eleme
 
 
 def _other(one: LimitComparison, content: CertificateContent) -> Element:
-    said = worded("noQuantity", NOT_MEASURED) if one.value is None else real(one.value, unit_of(one.limit.unit))
-    beside = dcc("measurementMetaData", _conformity(one, content))
-    return quantity(parameter_name(one.limit.parameter), said, beside, ref_type=f"fog_{one.limit.parameter}")
+    stated = worded("noQuantity", NOT_MEASURED) if one.value is None else real(one.value, unit_of(one.limit.unit))
+    extra = dcc("measurementMetaData", _conformity(one, content))
+    return quantity(parameter_name(one.limit.parameter), stated, extra, ref_type=f"fog_{one.limit.parameter}")
 
 
-COVARIANCE_TITLE = Said("Covariance matrix of the fit", "Kovarianzmatrix der Ausgleichung")
-COVARIANCE_MEANING = Said(
+COVARIANCE_TITLE = Bilingual("Covariance matrix of the fit", "Kovarianzmatrix der Ausgleichung")
+COVARIANCE_MEANING = Bilingual(
     "Covariances of the parameters as the least-squares solution gives them, by blocks of the upper triangle, "
     "each by "
     "rows; a label names row and column. The combined uncertainty U / k of a parameter includes sources beyond "
@@ -174,34 +174,34 @@ def _block(
     labels = [f"{row}|{column}" for row in rows for column in columns]
     one, other = (_kind_name(kind) for kind in pair)
     return quantity(
-        one + Said(" \u00d7 ", " \u00d7 ") + other,
+        one + Bilingual(" \u00d7 ", " \u00d7 ") + other,
         numbers(values, units[0] * units[1], labels),
         ref_type="fog_covarianceBlock",
         refId=" ".join(dict.fromkeys((*rows, *columns))),
     )
 
 
-def _kind_name(kind: str) -> Said:
+def _kind_name(kind: str) -> Bilingual:
     triad, part = kind.split(".")
-    return TRIAD_NAMES[triad] + Said(" ", ", ") + PART_NAMES[part]
+    return TRIAD_NAMES[triad] + Bilingual(" ", ", ") + PART_NAMES[part]
 
 
-EFFECTS = Said(
+EFFECTS = Bilingual(
     "Error terms in the model in addition to K, E and D, standard uncertainty u",
     "Fehlerterme im Modell neben K, E und D, Standardunsicherheit u",
 )
-AS_FOUND = Said(
+AS_FOUND = Bilingual(
     "As found: errors with the previous parameters", "Eingangszustand: Abweichungen der vorigen Parameter"
 )
-APPLIED, ERROR = Said("applied before", "zuvor angewandt"), Said("error as found", "Abweichung")
-SIGMAS = Said("error over its standard uncertainty", "Abweichung durch ihre Standardunsicherheit")
-FIT = Said("Global test of the fit", "Globaltest der Ausgleichung")
+APPLIED, ERROR = Bilingual("applied before", "zuvor angewandt"), Bilingual("error as found", "Abweichung")
+SIGMAS = Bilingual("error over its standard uncertainty", "Abweichung durch ihre Standardunsicherheit")
+FIT = Bilingual("Global test of the fit", "Globaltest der Ausgleichung")
 TESTED = {
-    "chi2": Said("chi-square", "Chi-Quadrat"),
-    "dof": Said("degrees of freedom", "Freiheitsgrade"),
-    "p_value": Said("p-value", "p-Wert"),
+    "chi2": Bilingual("chi-square", "Chi-Quadrat"),
+    "dof": Bilingual("degrees of freedom", "Freiheitsgrade"),
+    "p_value": Bilingual("p-value", "p-Wert"),
 }
-HASH = Said("SHA-256 of its definition", "SHA-256 seiner Definition")
+HASH = Bilingual("SHA-256 of its definition", "SHA-256 seiner Definition")
 
 
 def effects_and_global_test(content: CertificateContent) -> Iterator[Element]:
@@ -223,26 +223,26 @@ def effects_and_global_test(content: CertificateContent) -> Iterator[Element]:
 def _effect(one: Mapping[str, Any]) -> Element:
     units = one.get("units", {})
     coefficients = [
-        _coefficient(f"{one['name']}.{name}", said, str(units.get(name, one["unit"])))
-        for name, said in one["coefficients"].items()
+        _coefficient(f"{one['name']}.{name}", stated, str(units.get(name, one["unit"])))
+        for name, stated in one["coefficients"].items()
     ]
     if "sha256" in one:
         coefficients.append(no_quantity(HASH, str(one["sha256"]), "fog_effectHash"))
     return dcc(
         "list",
         worded("name", as_written(str(one["name"]))),
-        *coefficients or [no_quantity(EFFECTS, Said("no coefficients", "keine Koeffizienten"))],
+        *coefficients or [no_quantity(EFFECTS, Bilingual("no coefficients", "keine Koeffizienten"))],
         refType=f"fog_{one['name']}",
     )
 
 
-def _coefficient(name: str, said: Mapping[str, float], text: str) -> Element:
-    std, unit = said.get("std"), dsi_unit(text)
+def _coefficient(name: str, stated: Mapping[str, float], text: str) -> Element:
+    std, unit = stated.get("std"), dsi_unit(text)
     if unit is None:  # a unit of somebody's own
-        written = f"{number(said['value'])} ({text})" + ("" if std is None else f", u = {number(std)}")
+        written = f"{number(stated['value'])} ({text})" + ("" if std is None else f", u = {number(std)}")
         return no_quantity(as_written(name), written)
     expanded = None if std is None else of_normal(std)
-    return quantity(as_written(name), real(said["value"], unit, expanded, label=name))
+    return quantity(as_written(name), real(stated["value"], unit, expanded, label=name))
 
 
 def _shift(one: Shift) -> Element:
@@ -258,11 +258,11 @@ def _shift(one: Shift) -> Element:
     )
 
 
-BUDGET_TITLE = Said(
+BUDGET_TITLE = Bilingual(
     "Uncertainty budget: contributions, standard uncertainty u",
     "Unsicherheitsbudget: Beiträge, Standardunsicherheit u",
 )
-COMBINED_U = Said("combined standard uncertainty u", "kombinierte Standardunsicherheit u")
+COMBINED_U = Bilingual("combined standard uncertainty u", "kombinierte Standardunsicherheit u")
 
 
 def budget_result(content: CertificateContent) -> Element:
@@ -281,10 +281,10 @@ def _budget_list(one: MeasuredParameter) -> Element:
 
 def _contribution(part: Mapping[str, Any], unit: DsiUnit) -> Element:
     dof = float(part.get("dof", math.inf))
-    beside = None if math.isinf(dof) else dcc("measurementMetaData", degrees_of_freedom(dof))
+    extra = None if math.isinf(dof) else dcc("measurementMetaData", degrees_of_freedom(dof))
     return quantity(
         source_name(str(part["source"])),
         real(part["std"], unit, label=str(part["source"])),
-        beside,
+        extra,
         ref_type=f"fog_contribution fog_type{part['type']}",
     )

@@ -1,30 +1,30 @@
 """The statements of a digital certificate: what it is, traceability, uncertainty, amendment, conformity."""
 
 from station.results.certificate.content import CertificateContent, greatest_risks
-from station.results.certificate.dcc.elements import Element, Said, dcc, joined, worded
+from station.results.certificate.dcc.elements import Bilingual, Element, dcc, joined, worded
 from station.results.certificate.dcc.names import as_written
 from station.text import plural
 
 
-def statement(ref_type: str, text: Said, *beside: Element | None, norm: tuple[str, ...] = ()) -> Element:
-    """Return a statement; ``beside`` stands after its text, in the order of the schema."""
+def statement(ref_type: str, text: Bilingual, *extra: Element | None, norm: tuple[str, ...] = ()) -> Element:
+    """Return a statement; ``extra`` stands after its text, in the order of the schema."""
     norms = (dcc("norm", text=one) for one in norm)
-    return dcc("statement", *norms, worded("declaration", text), *beside, refType=ref_type)
+    return dcc("statement", *norms, worded("declaration", text), *extra, refType=ref_type)
 
 
 CONFORMITY = {"PASS": "pass", "FAIL": "fail"}
-SAID_CONFORMITY = {"PASS": "erfüllt", "FAIL": "nicht erfüllt", "NOT MEASURED": "nicht gemessen"}
+CONFORMITY_TEXT = {"PASS": "erfüllt", "FAIL": "nicht erfüllt", "NOT MEASURED": "nicht gemessen"}
 
 
 def decision_statements(content: CertificateContent) -> list[Element]:
-    """Return rule and outcome; without limits that nothing is said of conformity."""
+    """Return rule and outcome; without limits that nothing is stated of conformity."""
     found = content.found
     if found is None:
         model = content.document["model"]
         return [
             statement(
                 "fog_noConformity",
-                Said(
+                Bilingual(
                     f"No statement of conformity is made: no limits were laid down for model {model}.",
                     f"Keine Konformitätsaussage: für das Modell {model} waren keine Grenzen festgelegt.",
                 ),
@@ -32,7 +32,7 @@ def decision_statements(content: CertificateContent) -> list[Element]:
         ]
     word, risks = found.word.replace("_", " "), greatest_risks(found)
     agreed = content.certificate.laboratory.decision.agreed
-    rule = Said(*(f"{agreed} " if agreed else "" for _ in range(2))) + Said(
+    rule = Bilingual(*(f"{agreed} " if agreed else "" for _ in range(2))) + Bilingual(
         "Binary statement with guard band: a value is accepted if it lies within its tolerance narrowed at both "
         "ends "
         "by w = r u, u being its combined standard uncertainty and r the factor laid down for the model. PASS: "
@@ -44,11 +44,11 @@ def decision_statements(content: CertificateContent) -> list[Element]:
         f"{risks or 'nicht angegeben'}.",
     )
     info = bool(content.certificate.reasons)
-    overall = Said(
+    overall = Bilingual(
         f"{word}: {plural(len(found.against), 'limited parameter')} of model {content.document['model']}"
         + ("; for information only, traceability is not claimed" if info else "")
         + f"; at acceptance the verdict was {found.stored.replace('_', ' ')}",
-        f"{word} ({SAID_CONFORMITY[word]}), Zahl begrenzter Parameter {len(found.against)}, Modell "
+        f"{word} ({CONFORMITY_TEXT[word]}), Zahl begrenzter Parameter {len(found.against)}, Modell "
         f"{content.document['model']}"
         + ("; nur zur Information, Rückführung wird nicht beansprucht" if info else "")
         + f"; bei der Annahme lautete das Urteil {found.stored.replace('_', ' ')}",
@@ -74,13 +74,17 @@ def statements(content: CertificateContent) -> Element:
 
 def _kind(content: CertificateContent) -> Element:
     certificate = content.certificate
-    simulated = Said(" of a simulated unit", " eines simulierten Geräts") if content.is_simulated else Said("", "")
+    simulated = (
+        Bilingual(" of a simulated unit", " eines simulierten Geräts")
+        if content.is_simulated
+        else Bilingual("", "")
+    )
     if not certificate.reasons:
-        return statement("fog_kindOfDocument", Said("Calibration certificate", "Kalibrierschein") + simulated)
+        return statement("fog_kindOfDocument", Bilingual("Calibration certificate", "Kalibrierschein") + simulated)
     why = joined(map(as_written, certificate.reasons), "; ")
     return statement(
         "fog_kindOfDocument",
-        Said(
+        Bilingual(
             f"Measurement report{simulated.en}. Measured, not calibrated: {why.en}. "
             "The values are those measured; this is no calibration certificate.",
             f"Messbericht{simulated.de}. Gemessen, nicht kalibriert: {why.de}. "
@@ -98,7 +102,7 @@ def _amendment(content: CertificateContent) -> Element | None:
     felder = "" if replaced.changed is None else f" Anders gedruckte Felder (englisch): {changed}."
     return statement(
         "fog_amendment",
-        Said(
+        Bilingual(
             f"Amendment. This document replaces No. {replaced.number} of {day}, SHA-256 {replaced.sha256}, "
             f"which is no longer valid. Reason: {reason}.{fields}",
             f"Änderung. Dieses Dokument ersetzt Nr. {replaced.number} vom {day}, SHA-256 {replaced.sha256}; jenes "
@@ -118,18 +122,18 @@ def _traceability(content: CertificateContent) -> Element:
     )
 
 
-def _traced(content: CertificateContent) -> Said:
+def _traced(content: CertificateContent) -> Bilingual:
     if content.certificate.reasons:
-        return Said(
+        return Bilingual(
             "Not all references held on the day of measurement: traceability to the SI is not claimed.",
             "Nicht alle Bezugsnormale galten am Tag der Messung: Rückführung auf das SI wird nicht beansprucht.",
         )
     if content.is_simulated:
-        return Said(
+        return Bilingual(
             "A simulated device was measured with simulated references: nothing is traceable to the SI.",
             "Ein simuliertes Gerät wurde mit simulierten Normalen gemessen: nichts ist auf das SI rückgeführt.",
         )
-    said = Said(
+    text = Bilingual(
         "The results are traceable to the International System of Units (SI) through the references named as "
         "measuring equipment, each with the certificate that held for it on the day of measurement",
         "Die Ergebnisse sind über die als Messmittel genannten Normale auf das Internationale Einheitensystem "
@@ -137,8 +141,8 @@ def _traced(content: CertificateContent) -> Said:
         "rückgeführt, jedes mit dem am Tag der Messung geltenden Schein",
     )
     if content.is_timed:
-        return said + Said(".", ".")
-    return said + Said(
+        return text + Bilingual(".", ".")
+    return text + Bilingual(
         ", with one exception: their second is that of the device\u2019s own clock, compared with no reference "
         "here.",
         ", mit einer Ausnahme: ihre Sekunde ist die der Uhr des Geräts, die hier mit keinem Normal verglichen "
@@ -150,7 +154,7 @@ def _uncertainty(content: CertificateContent) -> Element:
     percent = f"{100 * content.document['uncertainty']['coverage']:.0f}"
     return statement(
         "fog_expandedUncertainty",
-        Said(
+        Bilingual(
             "The expanded uncertainty U is the combined standard uncertainty u multiplied by the coverage "
             "factor k, "
             "which for a Student distribution with the effective degrees of freedom stated (normal where none "
@@ -172,12 +176,12 @@ def _uncertainty(content: CertificateContent) -> Element:
 
 def _previous(content: CertificateContent) -> list[Element]:
     if content.before is None:
-        first = Said(
+        first = Bilingual(
             "As found: this is the first calibration of the unit by this station.",
             "Eingangszustand: dies ist die erste Kalibrierung des Geräts an dieser Station.",
         )
         return [statement("fog_asFound", first)]
-    left = Said(
+    left = Bilingual(
         "As left: the parameters of this certificate. Nothing was adjusted on the unit itself.",
         "Ausgangszustand: die Parameter dieses Scheins. Am Gerät selbst wurde nichts justiert.",
     )
@@ -187,7 +191,7 @@ def _previous(content: CertificateContent) -> list[Element]:
 def _item_alone() -> Element:
     return statement(
         "fog_itemAlone",
-        Said(
+        Bilingual(
             "The results relate only to the item named, in the condition in which it was received and measured.",
             "Die Ergebnisse beziehen sich nur auf den genannten Gegenstand im Zustand bei Eingang und Messung.",
         ),
@@ -198,7 +202,7 @@ def _item_alone() -> Element:
 def _whole() -> Element:
     return statement(
         "fog_reproduction",
-        Said(
+        Bilingual(
             "This document shall not be reproduced except in full without written approval of the laboratory.",
             "Dieses Dokument darf ohne schriftliche Zustimmung des Labors nur vollständig weitergegeben werden.",
         ),

@@ -19,9 +19,8 @@ from pyhanko_certvalidator import CertificateValidator, ValidationContext
 from pyhanko_certvalidator.errors import PathBuildingError, PathError, ValidationError
 from pyhanko_certvalidator.path import ValidationPath
 
-from station.errors import DataRefused
+from station.errors import DataRefused, first_line
 from station.files.toml_file import read_text_file
-from station.results.certificate.signing.errors import first_line
 from station.results.certificate.signing.signing_key import may_sign
 
 PEM_MARK = b"-----BEGIN"

@@ -29,9 +29,8 @@ from pyhanko.sign.validation.generic_cms import validate_sig_integrity
 from pyhanko.sign.validation.pdf_embedded import EmbeddedPdfSignature
 from pyhanko_certvalidator.registry import SimpleCertificateStore
 
-from procedures.error_codes import ErrorCode
-from station.errors import DataRefused
-from station.results.certificate.signing.errors import NoTimeStamp, SignatureBroken, refused_as
+from procedures.errors import ErrorCode
+from station.errors import DataRefused, NoTimeStamp, SignatureBroken, refused_as
 from station.results.certificate.signing.signing_key import SigningKey
 from station.results.certificate.signing.time_stamp import ask_service, granted
 from station.results.certificate.signing.xml_signature import Signed

@@ -18,7 +18,7 @@ from pyhanko.sign.validation.generic_cms import validate_sig_integrity
 from rfc3161_client import TimestampRequestBuilder
 from rfc3161_client.base import HashAlgorithm
 
-from station.results.certificate.signing.errors import NoTimeStamp, SignatureBroken, first_line, refused_as
+from station.errors import NoTimeStamp, SignatureBroken, first_line, refused_as
 
 TIMEOUT_S = 30.0
 MOST_BYTES = 1_000_000  # of an answer: tokens with their certificates have some 5 kB
@@ -66,12 +66,12 @@ def granted(url: str, answer: bytes) -> cms.ContentInfo:
     try:
         # not by rfc3161_client, which refuses what common services send: certificates in another order than DER's
         response = _Answer.load(answer, strict=True)
-        status, said = response["status"]["status"].native, response["status"]["status_string"].native
+        status, text = response["status"]["status"].native, response["status"]["status_string"].native
         token = response["time_stamp_token"]
     except (ValueError, TypeError) as error:
         raise NoTimeStamp(url, first_line(error)) from error
     if status not in GRANTED or token is VOID:
-        raise NoTimeStamp(url, f"{status}: {' '.join(said or ['no reason given'])}")
+        raise NoTimeStamp(url, f"{status}: {' '.join(text or ['no reason given'])}")
     return token
 
 

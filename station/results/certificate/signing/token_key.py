@@ -13,9 +13,8 @@ from cryptography import x509
 from cryptography.hazmat.primitives import hashes
 from cryptography.hazmat.primitives.asymmetric import rsa, utils
 
-from procedures.error_codes import ErrorCode
-from station.errors import DataRefused
-from station.results.certificate.signing.errors import first_line
+from procedures.errors import ErrorCode
+from station.errors import DataRefused, first_line
 from station.results.certificate.signing.signing_key import SigningKey, check_signing_key
 
 SCHEME = "pkcs11:"
@@ -86,8 +85,8 @@ def open_token_key(uri: str, pin: bytes) -> SigningKey:
 
 def _parts(uri: str) -> Mapping[str, str]:
     """Return the attributes of a URI; raise `DataRefused` if one that is needed is not there."""
-    said = uri.removeprefix(SCHEME).replace("?", ";").replace("&", ";").split(";")
-    parts = {name: unquote(value) for name, _, value in (one.partition("=") for one in said)}
+    text = uri.removeprefix(SCHEME).replace("?", ";").replace("&", ";").split(";")
+    parts = {name: unquote(value) for name, _, value in (one.partition("=") for one in text)}
     lacking = {"token", "object", "module-path"} - parts.keys()
     if not uri.startswith(SCHEME) or lacking:
         example = "pkcs11:token=LAB;object=NAME?module-path=/usr/lib/MODULE.so"

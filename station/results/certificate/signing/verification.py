@@ -22,10 +22,9 @@ from fixtures_db.journal import Head, read_code
 from fixtures_db.journal_verification import missing_entry
 from fixtures_db.schema import CalibrationRow, IssuedCertificateRow, SignedFileRow
 from fixtures_db.stored_calibrations import calibration, verify_chain
-from station.errors import DataRefused
+from station.errors import DataRefused, NotVerified, SignatureBroken
 from station.files.sha256sums import sha256_of
 from station.files.xml_document import parse_xml
-from station.results.certificate.signing.errors import NotVerified, SignatureBroken
 from station.results.certificate.signing.key_certificate import Trust, standing, subject
 from station.results.certificate.signing.pdf_signature import (
     attached_files,
@@ -40,7 +39,7 @@ from station.results.certificate.signing.xml_signature import Signed, is_signed,
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One thing that was looked at, in a sentence; ``holds`` is None where nothing can be said of it."""
+    """One thing that was looked at, in a sentence; ``holds`` is None where nothing can be reported of it."""
 
     name: str
     words: str
@@ -82,8 +81,8 @@ def verify_xml(content: bytes, where: str | Path, trust: Trust) -> Verified:
     except SignatureBroken as error:
         return Verified([_broken(error), schema])
     # what is read from here on is what was signed, made again from those bytes
-    said, moment = _signature(signed, trust, "the document")
-    return Verified([*said, schema], parse_xml(signed.content, where), True, moment)
+    stated, moment = _signature(signed, trust, "the document")
+    return Verified([*stated, schema], parse_xml(signed.content, where), True, moment)
 
 
 def verify_pdf(content: bytes, where: str | Path, trust: Trust) -> Verified:
@@ -102,8 +101,8 @@ def verify_pdf(content: bytes, where: str | Path, trust: Trust) -> Verified:
         signed = verified_pdf(content, reader)
     except SignatureBroken as error:
         return Verified([_broken(error)])
-    said, moment = _signature(signed, trust, "the file")
-    return _with_attached(Verified(said, None, True, moment), reader, where, trust)
+    stated, moment = _signature(signed, trust, "the file")
+    return _with_attached(Verified(stated, None, True, moment), reader, where, trust)
 
 
 def _with_attached(found: Verified, reader: Any, where: str | Path, trust: Trust) -> Verified:
@@ -117,12 +116,12 @@ def _with_attached(found: Verified, reader: Any, where: str | Path, trust: Trust
         return Verified([*found.findings, Finding("attached XML", words, False if attached else None)], None)
     ((name, content),) = attached.items()
     inner = verify_xml(content, f"{where}: {name}", trust)
-    said = [Finding(f"{name}: {one.name}", one.words, one.holds) for one in inner.findings]
-    if not is_signed(parse_xml(content, name)):  # the file's signature covers it, or is said to be none
-        said = [one for one in said if not one.name.endswith(": signature")]
-        return replace(found, findings=[*found.findings, *said], document=inner.document)
+    stated = [Finding(f"{name}: {one.name}", one.words, one.holds) for one in inner.findings]
+    if not is_signed(parse_xml(content, name)):  # the file's signature covers it, or is reported to be none
+        stated = [one for one in stated if not one.name.endswith(": signature")]
+        return replace(found, findings=[*found.findings, *stated], document=inner.document)
     is_whole, stamped = found.is_whole and inner.is_whole, found.stamped or inner.stamped
-    return Verified([*found.findings, *said], inner.document, is_whole, stamped)
+    return Verified([*found.findings, *stated], inner.document, is_whole, stamped)
 
 
 def _broken(error: SignatureBroken) -> Finding:
@@ -138,20 +137,20 @@ def _schema(root: Any) -> Finding:
 
 
 def _signature(signed: Signed, trust: Trust, what: str) -> tuple[list[Finding], datetime | None]:
-    """Return what is said of a signature that holds, its key and stamp, and the moment that the stamp proves."""
+    """Return what is known of a signature that holds, its key and stamp, and the moment that the stamp proves."""
     stamp, moment = _time_stamp(signed, trust)
     key = standing(signed.certificate, signed.others, trust, moment or datetime.now(UTC))
     when = "" if not signed.claimed else f", by its signer's clock at {signed.claimed}"
-    said = [
+    stated = [
         Finding("signature", f"holds: {what} is as it was signed{when}", True),
         Finding("key", f"{subject(signed.certificate)}: {key.words}", key.is_trusted),
         stamp,
     ]
-    return said, moment
+    return stated, moment
 
 
 def _time_stamp(signed: Signed, trust: Trust) -> tuple[Finding, datetime | None]:
-    """Return what is said of a time stamp, and the moment that it proves; None if it proves none."""
+    """Return what is reported of a time stamp, and the moment that it proves; None if it proves none."""
     if signed.token is None:
         return Finding("time stamp", "none: the time of signing cannot be proved", None), None
     try:
@@ -219,8 +218,8 @@ def database_findings(session: Session, url: str, content: bytes, found: Verifie
     if row is None:
         words = f"{url} has no certificate No. {number}" if number else f"not the bytes of any file in {url}"
         return [Finding("database", words, None)]
-    said = [_bytes(session, row, signed, sha256), *_content(row, found.document), *_records(session, row)]
-    return [*said, *journal_finding(session, found)]
+    stated = [_bytes(session, row, signed, sha256), *_content(row, found.document), *_records(session, row)]
+    return [*stated, *journal_finding(session, found)]
 
 
 def _number(document: Any) -> str | None:

@@ -1,6 +1,6 @@
 """XAdES of a DCC: an enveloped signature over all of the document but itself, B-B or, with a time stamp, B-T.
 
-The schema of 3.1.2 has no place for a signature beside ``dcc:comment``, which takes any element that a schema
+The schema of 3.1.2 has no place for a signature next to ``dcc:comment``, which takes any element that a schema
 declares: there it stands. It is put in before the document is signed, so that an empty one is signed, too.
 
 Verification returns the bytes that were signed: what is verified is what is read. Refused before any mathematics:
@@ -20,10 +20,9 @@ from signxml import CanonicalizationMethod, DigestAlgorithm, SignatureMethod
 from signxml.exceptions import InvalidDigest, InvalidSignature
 from signxml.xades import XAdESDataObjectFormat, XAdESSignatureConfiguration, XAdESSigner, XAdESVerifier
 
-from procedures.error_codes import ErrorCode
-from station.errors import DataRefused
+from procedures.errors import ErrorCode
+from station.errors import DataRefused, SignatureBroken, refused_as
 from station.files.xml_document import parse_xml
-from station.results.certificate.signing.errors import SignatureBroken, refused_as
 from station.results.certificate.signing.signing_key import SigningKey
 from station.results.certificate.signing.time_stamp import request_time_stamp
 from station.results.certificate.signing.xml_schema import (

@@ -11,8 +11,7 @@ from procedures.effects.term.effect_of_term import TermEffect
 from procedures.effects.term.grammar import Call, Name, Node, Number, Operation, channel_as_written, parse
 from procedures.effects.term.law import Parameter
 from procedures.effects.term.units import parse_unit
-from procedures.error_codes import ErrorCode
-from procedures.errors import TermRefused
+from procedures.errors import ErrorCode, TermRefused
 from tests.refusals import refused
 
 W = {"w": Parameter("deg/h", 1.0, 10.0)}

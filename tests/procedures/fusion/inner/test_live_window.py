@@ -11,8 +11,8 @@ from procedures.fusion.feature_tracks import FeatureTracks
 from procedures.fusion.fusion_records import AlignmentState
 from procedures.fusion.gnss_velocity import LeverArm
 from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
-from procedures.fusion.inner.keyframes import FRAME_SPACING_S, MIN_FRAME_SPACING_S, Frame, filled
 from procedures.fusion.inner.visual_inertial_window import VisionSettings, VisualInertialWindow
+from procedures.fusion.inner.window_state import FRAME_SPACING_S, MIN_FRAME_SPACING_S, Frame, filled
 from procedures.fusion.vision.visual_alignment import VisualAligner, VisualStart, align_by_camera
 from tests.drivers.simulated.camera_tracks import View
 from tests.procedures.fusion.motions import CAMERA, EARTH, GRAVITY, NO_LEVER, NOISE, SITE, Eight, tracks_of

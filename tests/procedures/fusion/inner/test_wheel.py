@@ -6,7 +6,6 @@ from functools import cache
 import numpy as np
 import pytest
 
-from procedures.earth.geodesy import earth_rate_n
 from procedures.frames import rotation
 from procedures.fusion.alignment_attempts import align_when_possible
 from procedures.fusion.alignment_in_motion import MovingAligner
@@ -16,6 +15,7 @@ from procedures.fusion.inner.wheel_aid import WheelAid
 from procedures.fusion.inner.window_state import COMMON, FRAME, HEADING, WindowState
 from procedures.fusion.inner.window_terms import Site, at_end, wheel_residuals
 from procedures.fusion.preintegration import grid, preintegrate
+from procedures.geodesy import earth_rate_n
 from tests.procedures.fusion.drives import GRAVITY, LATITUDE, MEMS, MOUNT, SCALE, SLIPS, Drive
 from tests.procedures.fusion.inner.test_window_terms import two_keyframes
 from tests.procedures.fusion.motions import NOISE

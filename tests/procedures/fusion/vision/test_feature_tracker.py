@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from procedures.fusion.vision.feature_tracker import (
     AnchoredPatches,
     FeatureTracker,

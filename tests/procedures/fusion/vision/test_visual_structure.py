@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
 from procedures.fusion.inner.landmarks import Landmarks
-from procedures.fusion.vision.visual_structure import CameraStructure, structure
+from procedures.fusion.vision.two_view import CameraStructure, structure
 
 T = np.linspace(10.0, 12.5, 6)  # s
 SCALE = np.array([400.0, 380.0])  # focal length over sigma

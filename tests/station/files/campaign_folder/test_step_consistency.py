@@ -16,8 +16,7 @@ from procedures.counts.sample_records import RateSeries
 from procedures.counts.sample_times import SampleTimes
 from procedures.frames import ATTITUDES
 from station.cli import app
-from station.errors import DataRefused
-from station.exit_codes import explain
+from station.errors import DataRefused, explain
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.campaign_schema import StepTable
 from station.files.campaign_folder.loaded_campaign import LoadedStep

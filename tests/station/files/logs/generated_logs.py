@@ -38,7 +38,18 @@ MAG_NAMES = (
     "m{a}", "mag{A}", "mag_{a}", "Mag_{a} [uT]", "mag_{a}_uT", "compass_{a}", "b{a} [nT]", "Mag{A} [G]",
     "magnetic_field_{a}", "H{a} (mG)", "magnetometer_{a}",
 )  # fmt: skip
-BESIDE = ("temp_c", "Temperature", "pressure", "roll", "pitch [deg]", "seq", "counter", "status", "q0", "altitude")
+OTHER_COLUMNS = (
+    "temp_c",
+    "Temperature",
+    "pressure",
+    "roll",
+    "pitch [deg]",
+    "seq",
+    "counter",
+    "status",
+    "q0",
+    "altitude",
+)
 
 UNITS = {  # outputs in 1 deg/s or 1 g
     "gyro": {"deg/s": 1.0, "mdps": 1e3, "rad/s": np.pi / 180, "deg/h": 3600.0},
@@ -199,6 +210,6 @@ def _beside(rows: int, rng: np.random.Generator) -> dict[str, FloatArray]:
         name = str(rng.choice(MAG_NAMES))
         for a in AXES:
             found[name.format(a=a, A=a.upper())] = np.round(rng.uniform(-50, 50) + rng.standard_normal(rows), 3)
-    for name in rng.choice(BESIDE, int(rng.choice([0, 0, 1, 2])), replace=False):
+    for name in rng.choice(OTHER_COLUMNS, int(rng.choice([0, 0, 1, 2])), replace=False):
         found[str(name)] = np.round(25 + 0.1 * rng.standard_normal(rows), 3)
     return found

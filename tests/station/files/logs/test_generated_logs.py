@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.cli import run
 from station.errors import DataRefused, TimeUnitAsked
 from station.files.logs.log_campaign import LogOptions, readings

@@ -4,11 +4,12 @@ import pytest
 
 from station.files.logs.header_guesses import (
     degrees_per_angle,
+    guessed_single_gyro,
     guessed_temperature,
     guessed_time,
+    guessed_triad,
     time_unit_in_name,
 )
-from station.files.logs.triad_guesses import guessed_single_gyro, guessed_triad
 
 HEADERS = [
     ("timestamp_us,acc_x,acc_y,acc_z,temp_degC", "timestamp_us", "", "acc_x acc_y acc_z", "temp_degC"),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import DataRefused, TimeUnitAsked
 from station.files.campaign_folder.campaign_reading import read_campaign, read_for_solve
 from station.files.logs.log_campaign import LogOptions, campaign_of_logs, write_campaign

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.applying.log_source import LogSource
-from station.errors import ClocksContradict
-from station.exit_codes import exit_code
+from station.errors import ClocksContradict, exit_code
 from station.files.logs.log_columns import ColumnOptions, LogColumns, choose_columns
 from station.files.tables.reader import read_table
 from tests.refusals import refused

@@ -6,11 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from procedures.error_codes import ErrorCode
-from procedures.recordings.time_unit import TimeUnit
+from procedures.counts.time_unit import TimeUnit
+from procedures.errors import ErrorCode
 from station.applying.log_source import LogSource
-from station.errors import DataRefused, TimeUnitAsked
-from station.exit_codes import exit_code
+from station.errors import DataRefused, TimeUnitAsked, exit_code
 from station.files.campaign_folder.campaign_schema import CampaignImuTable
 from station.files.campaign_folder.sample_series import step_data
 from station.files.logs.log_columns import ColumnOptions, choose_columns

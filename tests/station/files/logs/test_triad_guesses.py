@@ -2,8 +2,7 @@
 
 import pytest
 
-from station.files.logs.header_guesses import split_unit
-from station.files.logs.triad_guesses import guessed_triad, sensor_of_unit
+from station.files.logs.header_guesses import guessed_triad, sensor_of_unit, split_unit
 from station.files.output_units import unit_named
 
 HEADERS = [  # names, gyroscopes, accelerometers

@@ -10,7 +10,7 @@ from google.protobuf.message import DecodeError
 from hypothesis import given
 from hypothesis import strategies as st
 
-from procedures.earth.gnss_records import FixType, GnssFix
+from procedures.gnss_records import FixType, GnssFix
 from station.files.mcap_files import StepWriter, read_step
 from station.files.mcap_files.gnss_file import FixWriter, read_fixes
 from station.files.mcap_files.messages import columns

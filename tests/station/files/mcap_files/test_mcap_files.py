@@ -18,7 +18,7 @@ from mcap.writer import Writer
 from mcap_protobuf.decoder import DecoderFactory
 
 from procedures.counts.sample_records import CountBlock
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import CannotWrite, DataRefused
 from station.files.mcap_files import COUNTS, StepContents, StepWriter, read_step, read_table
 from station.files.mcap_files.schemas import COUNTS_TOPIC, SCHEMA

@@ -9,7 +9,7 @@ from scipy.io import savemat
 
 from procedures.arrays import FloatArray
 from station.errors import DataRefused
-from station.files.tables.array_table import open_arrays
+from station.files.tables.binary_tables import open_arrays
 from station.files.tables.reader import read_table
 from tests.refusals import refused
 

@@ -9,7 +9,7 @@ import pytest
 from pyarrow import feather, parquet
 
 from station.errors import DataRefused
-from station.files.tables import array_table, arrow_table, text_table
+from station.files.tables import binary_tables, text_table
 from station.files.tables.reader import open_table, read_table
 from station.files.tables.table import TableReader
 from tests.refusals import refused
@@ -79,7 +79,7 @@ def test_arrays_are_read_some_rows_at_a_time(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, write: Callable[[Path], TableReader], names: list[str]
 ) -> None:
     for name, size in {"BLOCK_ROWS": 8, "HEAD_ROWS": 5, "READ_BYTES": 50}.items():
-        monkeypatch.setattr(array_table, name, size)
+        monkeypatch.setattr(binary_tables, name, size)
     found = write(tmp_path / "log.npz")
     assert list(found.head.columns) == names
     assert np.array_equal(np.column_stack(list(found.head.columns.values())), ROWS[:5])
@@ -90,8 +90,8 @@ def test_arrays_are_read_some_rows_at_a_time(
 def test_tables_of_arrow_are_read_some_rows_at_a_time(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suffix: str
 ) -> None:
-    monkeypatch.setattr(arrow_table, "BLOCK_ROWS", 8)
-    monkeypatch.setattr(arrow_table, "HEAD_ROWS", 5)
+    monkeypatch.setattr(binary_tables, "BLOCK_ROWS", 8)
+    monkeypatch.setattr(binary_tables, "HEAD_ROWS", 5)
     table = pyarrow.table({"t": ROWS[:, 0], "who": ["me"] * 30, "n": ROWS[:, 1].astype(int), "ax": ROWS[:, 2]})
     file = tmp_path / f"log.{suffix}"
     if suffix == "parquet":

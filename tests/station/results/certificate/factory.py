@@ -6,10 +6,9 @@ from typing import Any
 import numpy as np
 from sqlalchemy.orm import Session
 
-from fixtures_db.calibration import CalibrationFacts
-from fixtures_db.model_limits import Limit, set_limits
+from fixtures_db.imu_models import Limit, set_limits
 from fixtures_db.schema import CalibrationRow
-from fixtures_db.stored_calibrations import accept_calibration
+from fixtures_db.stored_calibrations import CalibrationFacts, accept_calibration
 from procedures.calibration.solution_values import Solution
 from station.results.certificate.content import Certificate, content_of
 from station.results.certificate.laboratory import Laboratory, read_laboratory
@@ -76,7 +75,7 @@ def budget(document: dict[str, Any]) -> dict[str, Any]:
 
 def accepted(session: Session, solution: Solution | None = None, **changes: Any) -> CalibrationRow:
     """Store a calibration that nothing is missing from, but for the ``changes``."""
-    from fixtures_db.calibration import calibration_document
+    from fixtures_db.stored_calibrations import calibration_document
 
     solution = factory.solution() if solution is None else solution
     facts: dict[str, Any] = {

@@ -12,8 +12,8 @@ from typing import Any
 
 import pytest
 
-from fixtures_db.calibration import utc_text
 from fixtures_db.database import Database
+from fixtures_db.hash_chain import utc_text
 from station.results.certificate.content import Certificate
 from station.results.certificate.issuing import issue
 from station.results.certificate.missing_statements import (

@@ -7,12 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fixtures_db.campaign_references import references
-from fixtures_db.campaigns import accept_step, campaign
+from fixtures_db.campaigns import accept_step, campaign, references
 from fixtures_db.database import Database, open_db
 from fixtures_db.fixture_measurements import add_level, certify_faces
 from fixtures_db.fixtures import add_fixture
-from fixtures_db.model_limits import set_limits
+from fixtures_db.imu_models import set_limits
 from fixtures_db.schema import CubeRow, SiteRow, SlabRow
 from fixtures_db.stored_calibrations import calibration
 from procedures.campaign.campaign import FaceCertificate

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from fixtures_db.database import open_db
-from fixtures_db.model_limits import Limit
+from fixtures_db.imu_models import Limit
 from procedures.inference.result import Verdict
 from procedures.twelve_positions.bench_parameters import SLAB_TILT_RANGE_RAD
 from procedures.uncertainty.sources import SOURCES
@@ -25,8 +25,8 @@ from station.results.certificate.missing_statements import (
 )
 from station.results.certificate.model_statement import (
     SLAB_RANGE_DEG,
-    diagnosis_said,
-    residual_said,
+    diagnosis_in_words,
+    residual_in_words,
     stated,
     taken_as_zero,
 )
@@ -92,12 +92,16 @@ def budget(source: str) -> dict[str, Any]:
 
 
 def test_what_a_campaign_cannot_tell_apart_is_said() -> None:
-    said = diagnosis_said({"diagnosis": {"verdict": "ambiguous", "findings": [QUADRATIC]}})
+    said = diagnosis_in_words({"diagnosis": {"verdict": "ambiguous", "findings": [QUADRATIC]}})
     expected = "Not separated by this campaign: quadratic term of the accelerometers (K2) or cube parallelism."
     assert said == ["Diagnosis of the residual: ambiguous.", expected]
-    assert "consistent with noise" in diagnosis_said({"diagnosis": {"verdict": "consistent", "findings": []}})[1]
-    assert "no known error term" in diagnosis_said({"diagnosis": {"verdict": "unexplained", "findings": []}})[1]
-    assert diagnosis_said({}) == ["No diagnosis of the residual is stored with this calibration."]
+    assert (
+        "consistent with noise" in diagnosis_in_words({"diagnosis": {"verdict": "consistent", "findings": []}})[1]
+    )
+    assert (
+        "no known error term" in diagnosis_in_words({"diagnosis": {"verdict": "unexplained", "findings": []}})[1]
+    )
+    assert diagnosis_in_words({}) == ["No diagnosis of the residual is stored with this calibration."]
 
 
 def test_what_is_taken_as_zero_is_said_once_and_not_if_carried() -> None:
@@ -110,11 +114,13 @@ def test_what_is_taken_as_zero_is_said_once_and_not_if_carried() -> None:
 
 @pytest.mark.parametrize("source", ["unexplained", "cube"])
 def test_a_warning_to_the_operator_is_not_printed_to_the_customer(source: str) -> None:
-    said = residual_said({"uncertainty": budget(source)}, WARNING)
+    said = residual_in_words({"uncertainty": budget(source)}, WARNING)
     assert said.startswith("the residual is larger (chi-square 90 at 30)")
     assert "station diagnose" not in said
     assert said.endswith("is included in U") == (source == "unexplained")
-    assert residual_said({}, "gyroscope not solved: no turn about x") == "gyroscope not solved: no turn about x"
+    assert (
+        residual_in_words({}, "gyroscope not solved: no turn about x") == "gyroscope not solved: no turn about x"
+    )
 
 
 def test_what_is_stated_has_its_value() -> None:

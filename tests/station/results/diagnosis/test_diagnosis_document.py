@@ -17,8 +17,7 @@ from station.files.effect_file import effect_in
 from station.results.diagnosis import uncalibrated
 from station.results.diagnosis.diagnosis_text import not_looked_at
 from station.results.diagnosis.diagnosis_wording import p_text, verdict_sentence
-from station.results.diagnosis.finding_figure import ResidualPanel, caption, draw_panel
-from station.results.diagnosis.plot_coordinates import Coordinate
+from station.results.diagnosis.finding_figure import Coordinate, ResidualPanel, caption, draw_panel
 from station.results.diagnosis.uncalibrated import channels_of, in_specified_unit, turns, turns_lines
 from tests.procedures.diagnosis.test_turns_seen import SCALE, recorded
 

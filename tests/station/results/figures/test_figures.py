@@ -15,11 +15,10 @@ from pytest_regressions.file_regression import FileRegressionFixture
 from procedures.calibration.solution_values import StepResidual
 from procedures.statistics.allan_deviation import AllanDeviation
 from procedures.tolerance.drawing_items import ITEMS
-from station.results.fixtures.tolerance_figure import tolerance_svg
+from station.results.fixtures.tolerance_text import tolerance_svg
 from station.results.history.history_page import population_svgs
-from station.results.report.noise_figure import DwellNoise, TriadNoise, allan_svg
 from station.results.report.noise_page import noise_svg
-from station.results.report.report_figures import residual_svg
+from station.results.report.report_figures import DwellNoise, TriadNoise, allan_svg, residual_svg
 
 NUMBER = re.compile(r"-?\d+\.\d+(?:e-?\d+)?|-?\d+")
 

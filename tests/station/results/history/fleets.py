@@ -4,9 +4,8 @@ from datetime import UTC, datetime, timedelta
 
 import numpy as np
 
-from fixtures_db.calibration import CalibrationFacts, calibration_document
 from fixtures_db.hash_chain import GENESIS
-from fixtures_db.stored_calibrations import Run
+from fixtures_db.stored_calibrations import CalibrationFacts, Run, calibration_document
 from procedures.arrays import FloatArray
 from procedures.calibration.solution_values import Estimate, FitQuality, Solution, TriadCalibration
 

@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from fixtures_db.model_limits import Limit, each_axis
+from fixtures_db.imu_models import Limit, each_axis
 from station.results.history.history_page import history_page
 from station.results.history.population import ALPHA, population_document, population_text
 from station.results.history.unit_history import analysis, entries

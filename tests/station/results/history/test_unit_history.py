@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fixtures_db.calibration import utc_text
-from fixtures_db.model_limits import Limit, each_axis
+from fixtures_db.hash_chain import utc_text
+from fixtures_db.imu_models import Limit, each_axis
 from fixtures_db.stored_calibrations import Run
 from station.results.history.unit_history import analysis, entries
 from station.results.history.unit_history_text import history_text

@@ -11,7 +11,7 @@ from drivers.simulated.truth import Truth
 from procedures.samples.channel_noise import channel_noise
 from procedures.statistics.spectrum import Line
 from procedures.units import DEG_H_PER_DEG_S
-from station.results.report.noise_json import averaged, channel_document, units_of
+from station.results.report.noise_document import averaged, channel_document, units_of
 
 
 def test_a_line_is_in_micro_g_and_its_chance_a_power_of_ten() -> None:

@@ -12,11 +12,10 @@ import pytest
 
 from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
-from fixtures_db.calibration import CalibrationFacts
 from fixtures_db.campaigns import accept_step, set_state, start_campaign
 from fixtures_db.database import open_db
-from fixtures_db.model_limits import Limit, set_limits
-from fixtures_db.stored_calibrations import accept_calibration
+from fixtures_db.imu_models import Limit, set_limits
+from fixtures_db.stored_calibrations import CalibrationFacts, accept_calibration
 from fixtures_db.verification import take_anchor
 from procedures.calibration.joint_calibration import solve
 from station import cli

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 from station.results.resolve.comparison import compare_diagnoses, diagnosis_remarks
-from station.results.resolve.resolve_text import exit_code, resolve_text, shift_of
+from station.results.resolve.fleet import exit_code, resolve_text, shift_of
 
 BIAS = "accelerometer.bias.z"
 

@@ -11,7 +11,7 @@ from drivers.camera import CameraImage
 from drivers.simulated.companions.camera_server import SimulatedCamera
 from drivers.simulated.companions.truths import CameraTruth, camera_toml
 from drivers.simulated.truth import Truth
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import DataRefused
 from station.files.fusion_folder.fusion_tables import camera_of, lens_of
 from station.stream.auxiliary import RecordedCompanion

@@ -20,8 +20,8 @@ from station import cli
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_setup import Setup
 from station.files.mcap_files import read_step
-from station.guide.campaign import gnss_receiver
-from station.guide.campaign.gnss_receiver import NoFix, reopen_receiver, setup_with_site, utc_now
+from station.guide.campaign import port_check
+from station.guide.campaign.port_check import NoFix, reopen_receiver, setup_with_site, utc_now
 from station.stream.gnss_feed import open_gnss
 from tests.patience import paced
 from tests.station.commands.program import Program
@@ -33,7 +33,7 @@ SPEED = 60.0
 def bench(speed: float) -> Iterator[tuple[SimulatedDevice, SimulatedGnss]]:
     truth = replace(Truth.example(5), height_m=77.0, latitude_deg=31.17)
     with SimulatedDevice(truth, 5, speed=paced(speed)) as device:
-        with SimulatedGnss(device.truth, beside=device) as gnss:
+        with SimulatedGnss(device.truth, imu=device) as gnss:
             yield device, gnss
 
 
@@ -99,8 +99,8 @@ def test_what_is_stated_stands_and_is_compared_and_the_rest_is_taken(tmp_path: P
 def test_without_a_fix_a_site_that_nobody_states_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(gnss_receiver, "MAX_SITE_WAIT_S", 0.8)
-    monkeypatch.setattr(gnss_receiver, "SHORT_WAIT_S", 0.2)
+    monkeypatch.setattr(port_check, "MAX_SITE_WAIT_S", 0.8)
+    monkeypatch.setattr(port_check, "SHORT_WAIT_S", 0.2)
     with SimulatedGnss(TRUTH) as gnss, open_gnss(gnss.url, tmp_path) as feed:
         gnss.plant("no_fix", 1e6)
         stated = Setup(gnss=gnss.url, latitude_deg=48.1)

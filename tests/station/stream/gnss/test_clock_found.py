@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from drivers.address_parsing import parse_device_url
-from drivers.simulated.companions.autopilot import Autopilot
-from drivers.simulated.companions.gnss_server import SimulatedGnss
+from drivers.simulated.companions.gnss_server import Autopilot, SimulatedGnss
 from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.device import ByteDevice
 from drivers.simulated.faults import Fault
@@ -20,11 +19,11 @@ from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from fixtures_db.database import open_db
 from procedures.campaign.plan_steps import Dwell
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station import cli
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_campaign
-from station.guide.campaign.gnss_receiver import SampleRateWatch
+from station.guide.campaign.port_check import SampleRateWatch
 from station.stream.gnss_feed import GnssFeed
 from station.stream.live.live_feed import open_feed
 from station.stream.reader import Chunk, StreamGap
@@ -157,7 +156,7 @@ def test_without_a_receiver_the_machines_clock_tells_a_thousandth_and_leaves_ano
 @pytest.mark.proof
 def test_the_program_ends_with_3_when_gnss_time_says_that_the_rate_is_wrong(tmp_path: Path) -> None:
     truth = replace(Truth.example(5), effects={"clock.rate": {"value": SYNC_LINE}})
-    with SimulatedDevice(truth, 5, speed=paced(60.0)) as device, SimulatedGnss(truth, beside=device) as gnss:
+    with SimulatedDevice(truth, 5, speed=paced(60.0)) as device, SimulatedGnss(truth, imu=device) as gnss:
         devices = ("--device", device.url, "--hands", device.control, "--gnss", gnss.url, "--move-s", "5")
         where = ("--out", str(tmp_path / "c"), "--db", str(tmp_path / "s.db"))
         with Program("calibrate", "--headless", *devices, *where) as program:

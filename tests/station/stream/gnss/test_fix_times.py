@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from procedures.earth.gnss_records import FixType, GnssFix, TimeMark
+from procedures.gnss_records import FixType, GnssFix, TimeMark
 from station.stream.gnss_times import FixTimes, UtcLine
 
 EPOCH = 1_780_000_000 * 10**9

@@ -13,13 +13,12 @@ from mcap.reader import make_reader
 
 from drivers.address_parsing import parse_device_url
 from drivers.errors import BadDeviceUrl
-from drivers.simulated.companions.autopilot import Autopilot
-from drivers.simulated.companions.gnss_server import SimulatedGnss
+from drivers.simulated.companions.gnss_server import Autopilot, SimulatedGnss
 from drivers.simulated.companions.truths import EPOCH_UTC, AutopilotTruth
 from drivers.simulated.faults import TimedFault
 from drivers.simulated.truth import Truth
-from procedures.earth.gnss_records import GnssFix
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
+from procedures.gnss_records import GnssFix
 from station.files.mcap_files.gnss_file import FIX_MESSAGES, FixWriter
 from station.stream.gnss_feed import GnssFeed, open_gnss
 from station.stream.reader import Chunk, StreamGap

@@ -5,11 +5,11 @@ from pymavlink.dialects.v20 import all as dialect
 
 from drivers.address_parsing import parse_device_url
 from drivers.mavlink.decoder import MavlinkDecoder
-from drivers.mavlink.signing import SignatureCheck
-from drivers.simulated.companions.autopilot import Autopilot
+from drivers.mavlink.frames import SignatureCheck
+from drivers.simulated.companions.gnss_server import Autopilot
 from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.truth import Truth
-from procedures.earth.gnss_records import FixType, GnssFix
+from procedures.gnss_records import FixType, GnssFix
 from station.files.mcap_files.gnss_file import FixWriter
 from station.stream.gnss_feed import GnssFeed, GnssTrouble
 from station.stream.reader import Chunk, StreamGap

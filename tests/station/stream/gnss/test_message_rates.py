@@ -6,7 +6,7 @@ import pytest
 
 from drivers.address_parsing import parse_device_url
 from drivers.mavlink.session import MavlinkSession
-from drivers.simulated.companions.autopilot import Autopilot
+from drivers.simulated.companions.gnss_server import Autopilot
 from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.faults import TimedFault
 from drivers.simulated.truth import Truth

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from procedures.counts.reference_time import ClockRate
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import DataRefused
 from station.stream.sample_rate import SampleRate, host_sample_rate
 from tests.refusals import refused

@@ -13,7 +13,7 @@ from drivers.ports import open_port
 from drivers.simulated.companions.gnss_server import SimulatedGnss
 from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.truth import Truth
-from procedures.earth.gnss_records import GnssFix
+from procedures.gnss_records import GnssFix
 from station import cli
 from station.files.mcap_files import read_step
 from tests.paths import ROOT

@@ -10,7 +10,7 @@ from drivers.errors import BadDeviceUrl, LinkLost, LinkSilent, ReplayEnded, Wron
 from drivers.simulated.faults import Fault
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import DataRefused
 from station.stream.live.live_feed import LiveFeed, open_feed
 from station.stream.live.stillness import TICKS_PER_BLOCK, Block

@@ -8,7 +8,7 @@ import pytest
 from drivers.simulated.imu import SimulatedImu
 from drivers.simulated.truth import Truth
 from drivers.wire import ALL_CHANNELS, FORMATS
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import DataRefused
 from station.stream.live.stream_trouble import SilentChannels, refuse_partial
 from tests.refusals import refused

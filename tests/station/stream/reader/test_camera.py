@@ -11,7 +11,7 @@ from drivers.camera import CameraDecoder, CameraImage
 from drivers.errors import PortNotFound
 from drivers.simulated.companions.camera_server import SimulatedCamera
 from drivers.simulated.truth import Truth
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC
 from station.stream.reader import Chunk, Reader, StreamGap
 from station.stream.reader.reader import RestartingReader

@@ -9,7 +9,7 @@ from threading import Event
 import pytest
 from mcap.reader import make_reader
 
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import CannotWrite, DiskFull
 from station.files.mcap_files import read_step
 from station.files.mcap_files.schemas import MESSAGES, RAW, RAW_TOPIC

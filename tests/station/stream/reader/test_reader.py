@@ -19,7 +19,7 @@ from drivers.simulated.faults import Fault
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station.errors import CannotWrite
 from station.files.mcap_files import read_step
 from station.stream.reader import Chunk, Reader, StreamGap

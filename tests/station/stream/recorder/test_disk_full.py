@@ -16,7 +16,7 @@ from fixtures_db.campaigns import campaign
 from fixtures_db.database import Database, open_db
 from fixtures_db.errors import NotWritten
 from procedures.campaign.plan_steps import Dwell
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station import cli
 from station.errors import CannotWrite, DiskFull
 from station.files.atomic_file import replace_file

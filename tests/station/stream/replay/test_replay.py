@@ -9,8 +9,8 @@ import pytest
 from drivers.errors import PortNotFound, ReplayEnded
 from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.truth import Truth
-from procedures.earth.gnss_records import AirData, FixType, GnssFix, TimeMark
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
+from procedures.gnss_records import AirData, FixType, GnssFix, TimeMark
 from station import cli
 from station.errors import DataRefused
 from station.files.mcap_files import StepWriter

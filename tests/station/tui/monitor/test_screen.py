@@ -102,7 +102,7 @@ SAID = [
 async def test_it_says_what_matters(kind: str) -> None:
     async with shown(VIEWS["waiting"]) as seen:
         for name, said in SAID:
-            if kind != ("located" if VIEWS[name].location else "laws" if VIEWS[name].laws else "plain"):
+            if kind != ("located" if VIEWS[name].location else "laws" if VIEWS[name].filters else "plain"):
                 continue  # a run has one kind of view
             await seen.show(VIEWS[name])
             await seen.pilot.pause()

@@ -12,7 +12,7 @@ from procedures.campaign.plan_steps import Dwell
 from station.files.campaign_folder.plan_file import keep_plan
 from station.guide.client import EngineConnection
 from station.guide.view import CalibrationView, CommandVerb, OperatorCommand
-from station.tui.common_app import STATION
+from station.tui.app import STATION
 from tests.patience import HANG_S, paced
 from tests.station.commands.program import Program
 from tests.station.guide.stored import recorded

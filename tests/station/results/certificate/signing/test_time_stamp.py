@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from asn1crypto import core, tsp
 
-from procedures.error_codes import ErrorCode
-from station.results.certificate.signing.errors import NoTimeStamp, SignatureBroken
+from procedures.errors import ErrorCode
+from station.errors import NoTimeStamp, SignatureBroken
 from station.results.certificate.signing.signing_key import SigningKey
 from station.results.certificate.signing.time_stamp import read_time_stamp, request_time_stamp
 from station.results.certificate.signing.verification import verify_xml

@@ -8,7 +8,7 @@ from station import cli
 from tests.station.results.certificate.signing.authorities import laboratory, revocations, root
 from tests.station.results.certificate.signing.small_dcc import small_dcc
 
-Said = tuple[int, str, str]
+Bilingual = tuple[int, str, str]
 
 
 @pytest.fixture
@@ -21,7 +21,7 @@ def folder(tmp_path: Path, files: tuple[bytes, bytes], monkeypatch: pytest.Monke
     return tmp_path
 
 
-def verify(capsys: pytest.CaptureFixture[str], *arguments: str) -> Said:
+def verify(capsys: pytest.CaptureFixture[str], *arguments: str) -> Bilingual:
     code = cli.run(["verify", *arguments])
     captured = capsys.readouterr()
     assert captured.err.count("\n") <= 1

@@ -8,7 +8,7 @@ from lxml import etree
 from signxml import CanonicalizationMethod, DigestAlgorithm, SignatureMethod
 from signxml.xades import XAdESSigner
 
-from station.results.certificate.signing.errors import SignatureBroken
+from station.errors import SignatureBroken
 from station.results.certificate.signing.xml_schema import EXCLUSIVE, NAMESPACES, dcc, ds
 from station.results.certificate.signing.xml_signature import sign_xml, signature_value, verified_xml
 from tests.refusals import refused

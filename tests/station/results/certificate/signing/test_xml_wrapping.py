@@ -9,7 +9,7 @@ from lxml import etree
 from signxml import CanonicalizationMethod, SignatureReference
 from signxml.xades import XAdESSigner
 
-from station.results.certificate.signing.errors import SignatureBroken
+from station.errors import SignatureBroken
 from station.results.certificate.signing.verification import verify_xml
 from station.results.certificate.signing.xml_schema import ENVELOPED, NAMESPACES, dcc, ds
 from station.results.certificate.signing.xml_signature import verified_xml

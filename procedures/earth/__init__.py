@@ -1,1 +1,0 @@
-"""The Earth: `geodesy` (gravity, rate, coordinates), `gyrocompass` (heading), `gnss_records` (fixes)."""
