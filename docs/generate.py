@@ -28,7 +28,7 @@ from drivers.simulated.truth import Truth
 from drivers.wire import FORMATS, MODULES
 from procedures.effects import EFFECTS
 from procedures.effects.effect import INSTRUMENT, Effect
-from procedures.error_codes import ErrorCode
+from procedures.errors import ErrorCode
 from station import cli
 from station.errors import EXIT_CODES, MEANINGS
 from station.files.campaign_folder.campaign_schema import CampaignTable
