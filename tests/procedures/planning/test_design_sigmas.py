@@ -82,11 +82,11 @@ def told(design) -> dict[str, IdentifiableEffect]:
 def test_twelve_placings_and_turns_tell_what_is_known_that_they_do() -> None:
     """K2 is one with the parallelism of an uncertified cube, K3 with the scale factor (effects.md)."""
     usual = told(usual_design(moves=False))
-    assert not usual["accelerometer.quadratic"].is_told
-    assert not usual["accelerometer.cubic"].is_told
-    assert usual["accelerometer.bias_drift"].is_told
+    assert not usual["accelerometer.quadratic"].is_identified
+    assert not usual["accelerometer.cubic"].is_identified
+    assert usual["accelerometer.bias_drift"].is_identified
     assert usual["gyroscope.g_sensitivity"] == IdentifiableEffect("gyroscope.g_sensitivity", True)
-    assert usual["gyroscope.scale_asymmetry"].is_told
+    assert usual["gyroscope.scale_asymmetry"].is_identified
     assert "gyroscope.bias_temperature" not in usual  # nobody plans temperatures
 
 
@@ -95,13 +95,13 @@ def test_turns_one_way_alone_do_not_tell_an_asymmetry_and_no_turn_tells_nothing_
     one_way = replace(
         usual, placements=tuple(at for at in usual.placements if at.turn is None or at.turn % 2 == 0)
     )
-    assert not told(one_way)["gyroscope.scale_asymmetry"].is_told
-    assert not told(replace(order(list(POSITIONS)), moves=False))["gyroscope.scale_asymmetry"].is_told
+    assert not told(one_way)["gyroscope.scale_asymmetry"].is_identified
+    assert not told(replace(order(list(POSITIONS)), moves=False))["gyroscope.scale_asymmetry"].is_identified
 
 
 def test_moves_tell_an_asymmetry_and_the_second_order_that_placings_alone_do_not() -> None:
     halves = told(order(HALVES))
-    assert halves["gyroscope.scale_asymmetry"].is_told
+    assert halves["gyroscope.scale_asymmetry"].is_identified
     quadratic = halves["accelerometer.quadratic"]
-    assert quadratic.is_told
+    assert quadratic.is_identified
     assert quadratic.not_apart == ("accelerometer.scale_asymmetry",)
