@@ -11,11 +11,12 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.effects.effect import Effect
-from procedures.effects.excitation import Columns, Excitation, ExcitationStep, per_axis
+from procedures.effects.excitation import Columns, Excitation, ExcitationStep, per_axis, rotation_columns
 from procedures.frames import AXES
 from procedures.units import DEG_H_PER_DEG_S, PPM_PER_ONE
 
 SCALE_PPM = 100.0  # plausible
+SLIP = 5e-4  # rad, plausible: 0.05 mm on 100 mm
 RESTING = ("dwell", "rest", "soak")
 MAX_PLACES = 200  # that are tried: of more, as in many soaks together, evenly spread ones
 MIN_STEPS = 2  # on either side: one step by itself is no jump
@@ -266,37 +267,49 @@ GYROSCOPE_TURN_ON = replace(
 
 
 def tilt_columns(excitation: Excitation) -> Jumps:
-    """Return a rotation (x, y, z) [g per rad] of the specific force at every place of a soak where it is known."""
-    if not np.isfinite(excitation.f).all() or not any(step.kind == "soak" for step in excitation.steps):
+    """Return a rotation (x, y, z) of all that is seen, at every place of a soak and between dwells [.. per rad].
+
+    In a soak it is of the specific force alone: of the Earth's rate it leaves nothing to be seen.
+    """
+    if not np.isfinite(excitation.f).all():
         return Jumps([])
     turned = np.stack([np.cross(excitation.f, axis) for axis in np.eye(3)], axis=2)
 
     def tilted(where: dict[str, object], later: FloatArray) -> Columns:
         return Columns(AXES, where=where, accel=later[:, None, None] * turned)
 
+    def slipped(where: dict[str, object], later: FloatArray) -> Columns:
+        rotation = later[:, None, None] * np.eye(3)
+        accel, gyro = rotation_columns(excitation, rotation)
+        return Columns(AXES, accel=accel, gyro=gyro, rotation=rotation, where=where, plausible=(SLIP,) * 3)
+
     blocks = block_times(excitation)
-    found = [(place_after(excitation, s, blocks), later) for s, later in places(excitation) if s.kind == "soak"]
+    between = [(step, place_after(excitation, step, blocks), later) for step, later in places(excitation)]
+    found = [(where, later) for step, where, later in between if step.kind == "soak"]
+    slips = [partial(slipped, where, later) for step, where, later in between if step.kind == "dwell"]
     found += [
         (place_within(excitation, s, seconds, blocks), later)
         for s, seconds, later in places_within(excitation)
         if s.kind == "soak"
     ]
-    return Jumps([partial(tilted, where, later) for where, later in found])
+    return Jumps([*(partial(tilted, where, later) for where, later in found), *slips])
 
 
 UNIT_TILT = Effect(
     name="placement.tilt",
-    meaning="The unit was tilted in the midst of a rest, and stays so",
+    meaning="The unit was tilted, or slipped in its fixture, and stays so",
     about=(
-        "A nudge, a stand that gives way. The specific force turns by a small rotation about the level axes from "
-        "some moment on; what is along it stays. A jump of the accelerometers' biases across gravity looks the "
-        "same. Plausible: 0.01 rad, or as far as a rest wanders."
+        "A nudge, a stand that gives way, a screw that is loose. All that is seen turns by a small rotation from "
+        "some moment on. In one rest what is along gravity stays, and a jump of the accelerometers' biases across "
+        "it looks the same; between the dwells of a campaign it goes with the attitude. Plausible: 0.01 rad, or "
+        "as far as a rest wanders; between dwells 5e-4 rad, as of a seating."
     ),
     unit="rad",
-    physics="rotation(x, y, z) of the specific force, from a moment on",
+    physics="rotation(x, y, z) of all that is seen, from a moment on",
     source="IEEE Std 1293, stability of the test pier",
     plausible=0.01,
     columns=tilt_columns,
+    is_turn=True,
     separate_by="the rest again, with nobody near the stand; at another attitude a bias is along gravity",
     may_hang_on_a_step=True,
     driver="time",

@@ -333,7 +333,7 @@ _KINDS = (
          "Both triads turn alike in the cube within a dwell: no placement, which is still, and no bias, which "
          "does not follow the attitude."),
     Kind("unit slips in the fixture", "1293 11, mounting; TW, ch. 8", "plain", (50.0, 300.0), "urad", unit_slips,
-         (), ("placement.tilt",),
+         ("placement.tilt",), (),
          "A turn of the unit from a moment on is what that name says; a jump of accelerometers is wrong, because "
          "what is seen goes with the attitude."),
 )  # fmt: skip

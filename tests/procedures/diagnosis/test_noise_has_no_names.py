@@ -13,8 +13,8 @@ from procedures.anomalies.wrong_positions import find_wrong_labels, label_findin
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord, Site, SoakRecord, TurnRecord
 from procedures.counts.sample_records import CountSeries, RateSeries
-from procedures.geodesy import earth_rate_n
 from procedures.frames import nominal_C_lb
+from procedures.geodesy import earth_rate_n
 from procedures.inference.odds import gain, gain_of_squares
 from procedures.inference.priors import LIKELY
 from procedures.inference.result import Finding
