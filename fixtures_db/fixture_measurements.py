@@ -34,7 +34,7 @@ from fixtures_db.schema import (
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import FaceCertificate, Fixture, MeasuredCube
 from procedures.campaign.measured_cube import NAMES, CubeMeasurement, UnitShare
-from procedures.frames import FACES
+from procedures.positions import FACES
 from procedures.tolerance.drawing_items import DRAWING_ITEMS
 
 MAX_TILT_RAD = 0.1  # beyond it a tilt is a slip of the pen

@@ -1,8 +1,6 @@
-"""The twelve positions and the rotations between slab, cube and IMU, in one place.
+"""Rotations between slab, cube and IMU.
 
-Positions are Yao, Hu, He 2018, table 1: each letter says where the cube's x, y, z point
-(Up, Down, East, West, North, South); 13..24 are the other attitudes of a cube. Frames: ``n`` East-North-Up;
-``l`` the slab's own marks (East, North, normal); ``b`` the cube.
+Frames: ``n`` East-North-Up; ``l`` the slab's own marks (East, North, normal); ``b`` the cube.
 """
 
 import math
@@ -11,52 +9,10 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 
-POSITIONS = ("UEN", "UWS", "DNE", "DSW", "SUW", "NUE", "WDS", "EDN", "NWU", "SEU", "ESD", "WND")
-OTHER_ATTITUDES = ("UNW", "USE", "DES", "DWN", "EUS", "WUN", "NDW", "SDE", "ENU", "WSU", "NED", "SWD")
-ATTITUDES = POSITIONS + OTHER_ATTITUDES  # all in which a cube can stand along the slab's marks; numbered from 1
-FACES = ("x_up", "x_down", "y_up", "y_down", "z_up", "z_down")
 AXES = ("x", "y", "z")
 TRIADS = ("accelerometer", "gyroscope")
-TURN_START = {"x": 1, "y": 5, "z": 9}
 TILT_TURN = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])  # takes a tilt to its rotation vector
 NO_ANGLE = 1e-150  # rad, in the place of zero where an angle divides
-
-_DIRECTION = {
-    "E": (1.0, 0.0, 0.0), "W": (-1.0, 0.0, 0.0),
-    "N": (0.0, 1.0, 0.0), "S": (0.0, -1.0, 0.0),
-    "U": (0.0, 0.0, 1.0), "D": (0.0, 0.0, -1.0),
-}  # fmt: skip
-
-
-def nominal_C_lb(position: int) -> FloatArray:
-    """Return the rotation (3, 3) from the cube's axes to the slab's marks of position 1..24."""
-    return np.array([_DIRECTION[letter] for letter in ATTITUDES[position - 1]]).T
-
-
-def position_name(position: int) -> str:
-    """Return what people call position 1..24: the number of the twelve, where x, y, z point of the others."""
-    return str(position) if position <= len(POSITIONS) else ATTITUDES[position - 1]
-
-
-def face_of(position: int) -> str:
-    """Return the resting face of position 1..24, named by the cube axis that points up: ``x_up`` ..."""
-    letters = ATTITUDES[position - 1]
-    axis = next(i for i, letter in enumerate(letters) if letter in "UD")
-    return f"{AXES[axis]}_{'up' if letters[axis] == 'U' else 'down'}"
-
-
-def face_normal(face: str) -> FloatArray:
-    """Return the nominal up vector (3,), a unit vector, in the cube's axes of a face such as ``x_down``."""
-    axis, direction = face.split("_")
-    normal = np.zeros(3)
-    normal[AXES.index(axis)] = 1.0 if direction == "up" else -1.0
-    return normal
-
-
-def cross_axes(face: str) -> tuple[int, int]:
-    """Return the indices of the two other cube axes of a face, in x, y, z order."""
-    first, second = (i for i in range(3) if AXES[i] != face[0])
-    return first, second
 
 
 def rotation(vector: FloatArray) -> FloatArray:
@@ -134,27 +90,6 @@ def slab_C_ln(tilt: FloatArray) -> FloatArray:
     return rotation(tilt @ TILT_TURN)
 
 
-def face_rotation(face: str, up_tilt: FloatArray) -> FloatArray:
-    """Return the small rotation (3, 3) that a face's tilt adds between the nominal cube and the cube.
-
-    ``up_tilt`` (2,) [rad] holds the components of the slab normal along the two other cube axes
-    when the cube rests with ``face`` up; the face adds no twist about the vertical.
-    """
-    tilt = np.zeros(3)
-    tilt[list(cross_axes(face))] = up_tilt
-    return rotation(np.cross(face_normal(face), tilt))
-
-
 def vertical_rotation(angle: float) -> FloatArray:
     """Return the rotation (3, 3) of vectors by ``angle`` [rad], counter-clockwise seen from above."""
     return rotation(np.array([0.0, 0.0, angle]))
-
-
-def C_bn(position: int, slab_tilt: FloatArray, up_tilt: FloatArray, heading: float = 0.0) -> FloatArray:
-    """Return the rotation (3, 3) from East-North-Up to the cube as it stands.
-
-    ``slab_tilt`` (2,) and ``up_tilt`` (2,) as in `slab_C_ln` and `face_rotation`; ``heading`` [rad] is how far
-    the cube is turned counter-clockwise about the slab's normal from the position's nominal heading.
-    """
-    nominal = nominal_C_lb(position).T @ vertical_rotation(-heading)
-    return face_rotation(face_of(position), up_tilt) @ nominal @ slab_C_ln(slab_tilt)

@@ -30,8 +30,9 @@ import numpy as np
 from scipy.special import chdtri
 
 from procedures.arrays import FloatArray
-from procedures.frames import ATTITUDES, face_normal, face_of, nominal_C_lb, vertical_rotation
+from procedures.frames import vertical_rotation
 from procedures.geodesy import EARTH_RATE, earth_rate_n
+from procedures.positions import ATTITUDES, face_normal, face_of, nominal_C_lb
 from procedures.units import RAD_S_PER_DEG_H
 
 BIAS_STD_RAD_S = RAD_S_PER_DEG_H  # rad/s

@@ -14,7 +14,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from station.commands import COMMANDS, Command
+from station.commands.command_table import COMMANDS, Command
 from station.errors import CANCELLED, error_code, explain, one_line
 
 

@@ -131,7 +131,7 @@ def recognise_bytes(port: SurveyedPort, data: bytes, seconds: float) -> Surveyed
 
 
 def _mavlink(port: SurveyedPort, data: bytes, seconds: float) -> SurveyedPort | None:
-    from drivers.mavlink.decoder import MavlinkDecoder  # pymavlink: only where a port needs it
+    from drivers.mavlink.gnss_fixes import MavlinkDecoder  # pymavlink: only where a port needs it
     from station.stream.gnss_feed import site_in_words
 
     decoder = MavlinkDecoder()

@@ -72,7 +72,7 @@ def test_every_format_that_we_support(simulated_imu, name):
 @pytest.mark.simulated_imu(truth={"latitude_deg": 48.1}, speed=20)
 @pytest.mark.simulated_gnss(autopilot={"system": 5}, transport="tcp")
 def test_a_receiver_beside_the_imu(simulated_imu, simulated_gnss):
-    from drivers.mavlink.decoder import MavlinkDecoder  # or your own
+    from drivers.mavlink.gnss_fixes import MavlinkDecoder  # or your own
 
     imu, decoder, fixes = Reader(simulated_imu.url), MavlinkDecoder(), []
     with closing(open_port(simulated_gnss.url)) as link:

@@ -21,8 +21,8 @@ from pymavlink.dialects.v20 import all as dialect
 from drivers.addresses import MavlinkAddress, SerialAddress, TcpAddress, UdpAddress
 from drivers.errors import LinkLost
 from drivers.mavlink import frames as mavlink
-from drivers.mavlink.decoder import CommandAnswer, MavlinkDecoder
 from drivers.mavlink.frames import NAMES, SignatureCheck, read_key, signing_time
+from drivers.mavlink.gnss_fixes import CommandAnswer, MavlinkDecoder
 from drivers.network_ports import open_tcp, open_udp
 from drivers.port_interface import Port
 from drivers.serial_port import open_serial

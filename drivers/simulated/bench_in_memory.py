@@ -28,8 +28,9 @@ from procedures.campaign.campaign import (
 )
 from procedures.campaign.plan_steps import Dwell, Monitor, Soak, Step, Turn, turn_steps
 from procedures.counts.sample_records import CountSeries
-from procedures.frames import AXES, FACES, face_of, rotation
+from procedures.frames import AXES, rotation
 from procedures.free_positions.free_attitudes import UP_DIRECTIONS, C_bn_of_up, up_vector
+from procedures.positions import FACES, face_of
 
 SETTLING_S = 5.0  # of every move, the last seconds are a wait for the cube to settle
 MAX_REVOLUTIONS = 100

@@ -17,8 +17,9 @@ from drivers.simulated.vehicle_track import VehicleTrack, drive
 from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.plan_steps import Turn
 from procedures.counts.sample_records import CountBlock, RateBlock
-from procedures.frames import ATTITUDES, rotation
+from procedures.frames import rotation
 from procedures.free_positions.free_attitudes import C_bn_of_up
+from procedures.positions import ATTITUDES
 
 Z_UP_POSITION = 9  # the position with z up, as which it is carried
 TILT_STD_DEG = 3.0  # how far off a free attitude is set by hand

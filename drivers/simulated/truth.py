@@ -2,7 +2,7 @@
 
 Field names are the keys of the TOML file and carry their units. Triads follow ``N = k (E u + D)`` of
 Yao, Hu, He 2018, eq. (1), (2): u in g and deg/s, IMU axes; E rows = sensor. Faces and slab as in
-`procedures.frames`: faces by `procedures.frames.FACES`, slab tilt as East and North components of the up
+`procedures.frames`: faces by `procedures.positions.FACES`, slab tilt as East and North components of the up
 vector seen from the slab.
 
 `World` is the bench built from a `Truth`: bench and procedure effects replace its fields. What a campaign *states*
@@ -18,8 +18,9 @@ import numpy as np
 
 from drivers.errors import TruthRefused
 from procedures.arrays import FloatArray
-from procedures.frames import FACES, TRIADS, C_bn, face_normal, face_of, rotation, vertical_rotation
+from procedures.frames import TRIADS, rotation, vertical_rotation
 from procedures.geodesy import earth_rate_n, normal_gravity
+from procedures.positions import FACES, C_bn, face_normal, face_of
 from procedures.units import DEG_H_PER_DEG_S, STANDARD_GRAVITY
 
 Sizes = Mapping[str, float]
@@ -270,7 +271,7 @@ def _size(name: str, key: str, size: Any) -> float:
 class World:
     """Site, slab, cube and seats; SI and radians.
 
-    ``faces`` (6, 2) [rad] by `procedures.frames.FACES`; ``C_sb`` (3, 3) cube axes to IMU axes; ``seatings``
+    ``faces`` (6, 2) [rad] by `procedures.positions.FACES`; ``C_sb`` (3, 3) cube axes to IMU axes; ``seatings``
     rotation vectors (3,) [rad] in cube axes by position; ``labels`` the position where the cube truly is, by
     the one recorded; ``clock_ppm`` how fast the device's clock runs. ``heading_std``, ``closure_std`` and
     ``seat_std`` [rad] are 1 sigma by which headings, closures and seats scatter beyond what is stated.

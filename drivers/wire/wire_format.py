@@ -12,6 +12,7 @@ from typing import Any, Literal, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from drivers.wire.frame_counters import FrameCounters
 from procedures.arrays import FloatArray, IntArray
 from procedures.counts.sample_records import SampleBlock
 
@@ -98,33 +99,6 @@ class FrameKind:
         """The channels that are not measured though others of their triad are: they stand as 0."""
         measured = {channel[0] for channel in self.channels}
         return tuple(each for each in sorted(ALL_CHANNELS - self.channels) if each[0] in measured)
-
-
-@dataclass(slots=True)
-class FrameCounters:
-    """What a decoder met since it was made.
-
-    ``frames`` IMU frames accepted, ``identities`` frames of identity alone, ``skipped_bytes`` in no accepted
-    frame, ``bad_crc`` frames whose check failed, ``bad_length`` known kinds with another length or number of
-    fields than their own, ``counter_jumps`` breaks of the sample sequence (see `drivers.counter_and_time_wrap`),
-    ``bad_status`` accepted frames that the format reads as unhealthy or that step by more than it can. Where a
-    sample takes several frames, ``frames`` are samples, ``incomplete`` those given up, ``late`` frames repeated or
-    come after their sample, ``contradicted`` those that say something else than its own, ``foreign`` those of
-    somebody else, ``bus_errors`` what the bus reported of itself.
-    """
-
-    frames: int = 0
-    identities: int = 0
-    skipped_bytes: int = 0
-    bad_crc: int = 0
-    bad_length: int = 0
-    counter_jumps: int = 0
-    bad_status: int = 0
-    incomplete: int = 0
-    late: int = 0
-    contradicted: int = 0
-    foreign: int = 0
-    bus_errors: int = 0
 
 
 class Joiner(Protocol):

@@ -23,9 +23,10 @@ from procedures.arrays import BoolArray, FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord
 from procedures.campaign.observations import channel
 from procedures.counts.sample_records import CountSeries, Series, series_rows
-from procedures.frames import TRIADS, face_normal, face_of
+from procedures.frames import TRIADS
 from procedures.inference import odds
 from procedures.inference.result import EffectTest, Finding
+from procedures.positions import face_normal, face_of
 from procedures.units import DEG_H_PER_DEG_S
 
 EFFECT = "disturbance.dwell"

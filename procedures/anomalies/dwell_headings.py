@@ -21,10 +21,10 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.observations import channel
 from procedures.counts.sample_records import CountSeries
-from procedures.frames import ATTITUDES, face_normal, face_of, nominal_C_lb
 from procedures.geodesy import earth_rate_n
 from procedures.inference import priors
 from procedures.inference.marginal import log_mean
+from procedures.positions import ATTITUDES, face_normal, face_of, nominal_C_lb
 from procedures.units import DEG_H_PER_DEG_S, S_PER_H
 
 MIN_DWELLS = 5  # dwells

@@ -19,11 +19,12 @@ from procedures.campaign.campaign import Campaign, DwellRecord, TurnRecord
 from procedures.campaign.observations import channel
 from procedures.counts.dwell_means import estimate_rates
 from procedures.counts.sample_records import CountSeries
-from procedures.frames import AXES, FACES, POSITIONS, face_normal, face_of
+from procedures.frames import AXES
 from procedures.gyrocompass import first_position
 from procedures.inference import odds
 from procedures.inference.priors import ESTABLISHED, NEGLIGIBLE, PRESENT
 from procedures.inference.result import CERTAIN, EffectTest, Finding
+from procedures.positions import FACES, POSITIONS, face_normal, face_of
 
 EFFECT, JUMP = "placement.label", "gyroscope.jump"
 SEED, DRAWS = 20181218, 400  # of the sample consensus: always the same

@@ -16,7 +16,7 @@ from procedures.attitude.complementary_filter import STEEP_PITCH, ComplementaryF
 from procedures.attitude.complementary_velocity_aids import Observability, observability
 from procedures.attitude.filter_choice import PAPER_GAINS, Gains
 from procedures.attitude.kalman.kalman_filter import AID_CODE, AttitudeKalmanFilter
-from procedures.attitude.kalman.kalman_state import AIDED_SETTINGS, UNAIDED_SETTINGS, KalmanSettings
+from procedures.attitude.kalman.kalman_settings import AIDED_SETTINGS, UNAIDED_SETTINGS, KalmanSettings
 from procedures.attitude.kalman.unaided_motion import heading_at_rest, run_unaided
 from procedures.attitude.sensor_noise import (
     at_rest,

@@ -14,7 +14,7 @@ from procedures.arrays import BoolArray, FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.complementary_filter import RATE_GATE
 from procedures.attitude.complementary_velocity_aids import SMOOTH_S
-from procedures.attitude.kalman.kalman_state import KalmanSettings
+from procedures.attitude.kalman.kalman_settings import KalmanSettings
 from procedures.attitude.kalman.strapdown_integration import GAP_RATE
 from procedures.statistics.white_noise import white_noise
 from procedures.units import STANDARD_GRAVITY

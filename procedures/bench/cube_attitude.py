@@ -18,8 +18,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.frames import face_normal, face_of, nominal_C_lb, rotation, vertical_rotation
+from procedures.frames import rotation, vertical_rotation
 from procedures.free_positions.free_attitudes import C_bn_of_up
+from procedures.positions import face_normal, face_of, nominal_C_lb
 
 GYRO_MISALIGNMENT_RAD = 0.01  # rad: gyros are 0.1 deg to 1 deg off square
 HAND_RATE_RAD_S = np.pi / 2  # rad/s: as fast as hands turn a cube that nobody watches

@@ -24,9 +24,10 @@ from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.observations import TriadDwells
 from procedures.errors import FitsNoFace, WrongFace, WrongMounting
-from procedures.frames import AXES, FACES, face_normal, face_of, nominal_C_lb
+from procedures.frames import AXES
 from procedures.geodesy import earth_rate_n
 from procedures.gyrocompass import CertainDwell
+from procedures.positions import FACES, face_normal, face_of, nominal_C_lb
 from procedures.statistics.least_squares import Fit, minimise_if_determined
 from procedures.twelve_positions.accelerometer_fit import TriadFit
 from procedures.units import RAD_S_PER_DEG_H

@@ -33,7 +33,8 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, Fixture, ProcedureSigma, Site
-from procedures.frames import AXES, cross_axes, face_normal, face_of
+from procedures.frames import AXES
+from procedures.positions import cross_axes, face_normal, face_of
 from procedures.statistics.least_squares import Fit, joined_rows, minimise_if_determined
 from procedures.twelve_positions.accelerometer_fit import TURN_ON_STEP_STD_G, specific_force
 from procedures.twelve_positions.bench_parameters import BenchParameters, Placement

@@ -21,8 +21,9 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.observations import TriadDwells
-from procedures.frames import AXES, nominal_C_lb
+from procedures.frames import AXES
 from procedures.geodesy import earth_rate_n
+from procedures.positions import nominal_C_lb
 from procedures.twelve_positions.accelerometer_fit import TriadFit
 from procedures.twelve_positions.gyroscope_fit import GyroscopeFit
 

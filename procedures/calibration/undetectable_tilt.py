@@ -17,7 +17,8 @@ from scipy.linalg import qr
 
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import DwellRecord
-from procedures.frames import AXES, position_name
+from procedures.frames import AXES
+from procedures.positions import position_name
 from procedures.twelve_positions.accelerometer_fit import TriadFit, specific_force
 from procedures.twelve_positions.gyroscope_fit import GyroscopeFit
 from procedures.twelve_positions.placement_transfers import seating_rotations

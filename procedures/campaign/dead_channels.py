@@ -37,8 +37,9 @@ from procedures.campaign.campaign import (
 )
 from procedures.campaign.observations import channel
 from procedures.counts.sample_records import CountSeries, Series
-from procedures.frames import AXES, TRIADS, face_normal, face_of, nominal_C_lb
+from procedures.frames import AXES, TRIADS
 from procedures.geodesy import earth_rate_n
+from procedures.positions import face_normal, face_of, nominal_C_lb
 
 MIN_MISSED_COUNTS = 10.0  # counts, beyond six sigmas of what the other rests scatter
 MIN_EXPECTED_CHANGES = 30.0  # changes, where none came

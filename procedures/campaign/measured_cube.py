@@ -12,7 +12,8 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import FaceCertificate, MeasuredCube
-from procedures.frames import AXES, cross_axes
+from procedures.frames import AXES
+from procedures.positions import cross_axes
 
 PAIRS = (("x", "y"), ("x", "z"), ("y", "z"))
 PARALLELISM = tuple(f"parallelism.{a}.{AXES[c]}" for a in AXES for c in cross_axes(f"{a}_up"))

@@ -4,7 +4,8 @@ from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-from procedures.frames import AXES, TURN_START, face_of, position_name
+from procedures.frames import AXES
+from procedures.positions import TURN_START, face_of, position_name
 
 
 @dataclass(frozen=True, slots=True)

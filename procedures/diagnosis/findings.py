@@ -9,12 +9,12 @@ from procedures.effects.effect import Effect
 from procedures.evidence.candidates import Candidate
 from procedures.evidence.linear_model import fit_linear, predict_left_out
 from procedures.evidence.refit import Refit
-from procedures.frames import FACES
 from procedures.inference import priors
 from procedures.inference.held_out_errors import errors_of_fits, left_out_groups
 from procedures.inference.infer import Inferred
 from procedures.inference.posterior import Cause, Coefficients
 from procedures.inference.result import Finding, ResidualRms, Unnamed
+from procedures.positions import FACES
 
 
 def findings_of(found: Inferred) -> tuple[tuple[Finding, ...], tuple[Unnamed, ...]]:

@@ -17,8 +17,9 @@ from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, TurnRecord
 from procedures.campaign.observations import channel
 from procedures.counts.sample_records import CountSeries, Series
-from procedures.frames import AXES, face_normal, face_of, rotation_vector
+from procedures.frames import AXES, rotation_vector
 from procedures.free_positions.gyroscopes_from_moves import SegmentedSequence, segment
+from procedures.positions import face_normal, face_of
 from procedures.twelve_positions.manual_rotations import END_REST_S
 from procedures.twelve_positions.transfer_rotation import move_rotations, padded_moves
 from procedures.units import STANDARD_GRAVITY

@@ -18,7 +18,8 @@ from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord, Soak
 from procedures.campaign.dead_channels import constant_end, stopped_in_turn
 from procedures.campaign.observations import channel, turn_totals
 from procedures.counts.sample_records import CountSeries, Series
-from procedures.frames import AXES, TRIADS, face_normal, face_of
+from procedures.frames import AXES, TRIADS
+from procedures.positions import face_normal, face_of
 from procedures.samples.channel_noise import noise_of
 from procedures.samples.held_samples import held_channels
 from procedures.statistics.allan_deviation import NoiseTerm

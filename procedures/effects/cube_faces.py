@@ -5,7 +5,8 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.effects.effect import Effect
 from procedures.effects.excitation import Columns, Excitation, rotation_columns
-from procedures.frames import AXES, FACES, cross_axes, face_normal
+from procedures.frames import AXES
+from procedures.positions import FACES, cross_axes, face_normal
 
 FACE_KEYS = tuple(f"{face}.{AXES[k]}" for face in FACES for k in cross_axes(face))
 

@@ -4,7 +4,8 @@ import numpy as np
 
 from procedures.effects.effect import Effect
 from procedures.effects.excitation import Columns, Excitation, rotation_columns
-from procedures.frames import AXES, cross_axes
+from procedures.frames import AXES
+from procedures.positions import cross_axes
 
 
 def dwell_columns(excitation: Excitation) -> list[Columns]:

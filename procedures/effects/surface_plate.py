@@ -5,7 +5,8 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.effects.effect import Effect
 from procedures.effects.excitation import Columns, Excitation
-from procedures.frames import nominal_C_lb, rotation
+from procedures.frames import rotation
+from procedures.positions import nominal_C_lb
 
 
 def slab_C_il(excitation: Excitation, *, at_ends: bool = False) -> FloatArray:

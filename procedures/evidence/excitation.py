@@ -17,8 +17,9 @@ from procedures.campaign.campaign import Campaign
 from procedures.campaign.observations import TurnTotal, channel
 from procedures.counts.sample_records import CountSeries, Series
 from procedures.effects.excitation import Excitation, ExcitationStep
-from procedures.frames import TRIADS, face_normal, nominal_C_lb, rotation, rotation_vector
+from procedures.frames import TRIADS, rotation, rotation_vector
 from procedures.geodesy import earth_rate_n
+from procedures.positions import face_normal, nominal_C_lb
 from procedures.twelve_positions.accelerometer_fit import TriadFit
 from procedures.twelve_positions.manual_rotations import heading_history
 from procedures.units import STANDARD_GRAVITY

@@ -32,7 +32,8 @@ from procedures.evidence.excitation import (
 )
 from procedures.evidence.row_sums import MoveWeights, NodeWeights, curvature_weights, move_parts, row_sums
 from procedures.evidence.thermal_soaks import SoakBlock, SoakLevel, levels, soaks_seen
-from procedures.frames import TRIADS, face_of
+from procedures.frames import TRIADS
+from procedures.positions import face_of
 from procedures.twelve_positions.accelerometer_fit import RestFit, TriadFit
 from procedures.twelve_positions.gyroscope_fit import GyroscopeFit
 from procedures.twelve_positions.gyroscope_model import MovesSeen

@@ -21,7 +21,7 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord
 from procedures.campaign.observations import TriadDwells, TriadRests
-from procedures.frames import AXES, cross_axes, face_normal
+from procedures.frames import AXES
 from procedures.free_positions.norm_fit import (
     MAX_RELATIVE_SCALE_STD,
     Lack,
@@ -36,6 +36,7 @@ from procedures.free_positions.norm_fit import (
     with_second_order,
 )
 from procedures.gyrocompass import first_position
+from procedures.positions import cross_axes, face_normal
 from procedures.statistics.least_squares import Fit, minimise_if_determined
 from procedures.twelve_positions.accelerometer_fit import (
     MIN_RESPONSE_SIGMAS,

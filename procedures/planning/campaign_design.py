@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from procedures.campaign.plan_steps import Dwell, Step, turn_steps
-from procedures.frames import POSITIONS
+from procedures.positions import POSITIONS
 from procedures.units import S_PER_MIN
 
 USUAL_DWELL_S = 100.0

@@ -19,12 +19,13 @@ from procedures.campaign.campaign import Campaign
 from procedures.effects import EFFECTS
 from procedures.effects.excitation import Columns, Excitation, ExcitationStep
 from procedures.evidence.candidates import NAVIGATION_GRADE_STD
-from procedures.frames import AXES, face_normal, face_of, nominal_C_lb
+from procedures.frames import AXES
 from procedures.geodesy import earth_rate_n
 from procedures.planning.campaign_design import TURNS, CampaignDesign, HandTimes, Placement
 from procedures.planning.design_sigmas import RIDGE, DesignSigmas
 from procedures.planning.placement_rows import OWN, SEAT, SHARED
 from procedures.planning.step_information import NO_CLOSURE_STD_RAD
+from procedures.positions import face_normal, face_of, nominal_C_lb
 from procedures.units import STANDARD_GRAVITY
 
 DWELL_NODES, MOVE_NODES, TURN_NODES = 16, 60, 72

@@ -11,10 +11,10 @@ from functools import cached_property
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
-from procedures.frames import ATTITUDES, nominal_C_lb
 from procedures.planning.campaign_design import CampaignDesign, Placement
 from procedures.planning.design_sigmas import DesignSigmas, WantedSigmas, joined, without_first
 from procedures.planning.placement_rows import OWN
+from procedures.positions import ATTITUDES, nominal_C_lb
 
 PLACEMENTS_OF_STARTS = 150  # in all walks together: short orders have more beginnings
 MAX_SWEEPS = 20

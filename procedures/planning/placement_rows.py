@@ -17,9 +17,10 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.campaign import Campaign, DwellRecord, TurnRecord
 from procedures.campaign.observations import TriadDwells, TurnTotal
 from procedures.counts.sample_records import CountSeries
-from procedures.frames import ATTITUDES, rotation_vector
+from procedures.frames import rotation_vector
 from procedures.geodesy import earth_rate_n
 from procedures.planning.campaign_design import TURNS, HandTimes
+from procedures.positions import ATTITUDES
 from procedures.twelve_positions.accelerometer_fit import gravity_n
 from procedures.twelve_positions.bench_parameters import BenchParameters
 from procedures.twelve_positions.gyroscope_model import GyroscopeModel

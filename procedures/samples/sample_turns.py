@@ -21,9 +21,10 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, TurnRecord
-from procedures.frames import AXES, face_normal, face_of
+from procedures.frames import AXES
 from procedures.inference import odds
 from procedures.inference.result import Finding, ResidualRms
+from procedures.positions import face_normal, face_of
 from procedures.samples.held_samples import HeldChannel, Scales, held_channels
 from procedures.samples.sample_blocks import AUXILIARY, LEFT_OUT, Fitted, Scores
 from procedures.samples.sample_phases import NATURAL, NEAR_NATURAL, ORDERS, WRAP_SHARE, likeliest

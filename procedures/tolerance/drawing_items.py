@@ -31,7 +31,7 @@ ITEMS: Mapping[str, str] = MappingProxyType(
         for item, (kind, face, against) in DRAWING_ITEMS.items()
     }
 )
-# Yao 2018 table 3, by `procedures.frames.FACES`; row 4 of the print has wrong indices, it is row 3's face.
+# Yao 2018 table 3, by `procedures.positions.FACES`; row 4 of the print has wrong indices, it is row 3's face.
 _WAYS = (
     ("t3",),
     ("t7", "t3", "t10"),
@@ -41,7 +41,7 @@ _WAYS = (
     ("t6", "t9", "t2", "t4-2", "t3"),
 )
 STACK: FloatArray = np.array([[float(item in way) for item in ITEMS] for way in _WAYS])
-"""(6, 11): takes the items' angles to the faces' tilts; rows as `procedures.frames.FACES`, columns as `ITEMS`."""
+"""(6, 11): takes the items' angles to the faces' tilts; rows as `positions.FACES`, columns as `ITEMS`."""
 P1_DIRECTION: FloatArray = np.array([[1, 0], [0, 1], [0, 1], [1, 0], [0, 1], [1, 0.0]])
 """(6, 2): the direction in which table 3 lets each face tilt, along the two other cube axes."""
 

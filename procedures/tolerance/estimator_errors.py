@@ -39,7 +39,8 @@ from typing import Literal
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.frames import AXES, FACES, cross_axes
+from procedures.frames import AXES
+from procedures.positions import FACES, cross_axes
 from procedures.tolerance.drawing_items import P1_DIRECTION, STACK
 from procedures.twelve_positions.bench_parameters import MACHINING_ITEMS_DOWN, MACHINING_ITEMS_UP
 

@@ -22,7 +22,8 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.campaign.campaign import Campaign, MeasuredCube, Site
 from procedures.campaign.measured_cube import NAMES, SKEW, from_tilts
-from procedures.frames import AXES, cross_axes, face_normal, face_of, nominal_C_lb, rotation, slab_C_ln
+from procedures.frames import AXES, rotation, slab_C_ln
+from procedures.positions import cross_axes, face_normal, face_of, nominal_C_lb
 from procedures.units import STANDARD_GRAVITY
 
 FACE_TILT_RANGE_RAD = 1e-3  # rad, 1 sigma: a cube 0.4 mm off in 400 mm is not a fixture

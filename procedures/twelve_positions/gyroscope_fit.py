@@ -34,8 +34,8 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.observations import TriadDwells, TurnTotal
-from procedures.frames import face_normal, face_of
 from procedures.geodesy import EARTH_RATE, earth_rate_n
+from procedures.positions import face_normal, face_of
 from procedures.twelve_positions.accelerometer_fit import MIN_RESPONSE_SIGMAS, TriadFit, dwell_bench
 from procedures.twelve_positions.gyroscope_model import GyroscopeModel, MovesSeen, gyroscope_bench
 from procedures.twelve_positions.manual_rotations import (

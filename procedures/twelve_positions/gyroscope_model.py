@@ -8,8 +8,9 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord
 from procedures.campaign.observations import TriadDwells, TurnTotal
-from procedures.frames import cross_axes, face_of, rotation
+from procedures.frames import rotation
 from procedures.geodesy import earth_rate_n
+from procedures.positions import cross_axes, face_of
 from procedures.statistics.least_squares import Fit, joined_rows
 from procedures.twelve_positions.accelerometer_fit import TriadFit, TurnOnFit, fit_with_turn_ons
 from procedures.twelve_positions.bench_parameters import BenchParameters, BenchPrior, Placement, cube_numbers

@@ -19,7 +19,8 @@ from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.observations import TurnTotal, channel
 from procedures.errors import TurnsDisagree
-from procedures.frames import AXES, face_normal, face_of
+from procedures.frames import AXES
+from procedures.positions import face_normal, face_of
 
 MAX_SCALE_DISAGREEMENT = 0.1  # of the scale factor: far above any bias, far below a missing revolution
 END_REST_S = 2.0  # of rest wanted at each end

@@ -28,7 +28,8 @@ from procedures.campaign.campaign import Campaign, MoveRecord
 from procedures.campaign.observations import TriadDwells, channel
 from procedures.counts.sample_records import Series
 from procedures.errors import MoveContradicts
-from procedures.frames import cross_axes, face_normal, face_of, rotation, rotation_vector
+from procedures.frames import rotation, rotation_vector
+from procedures.positions import cross_axes, face_normal, face_of
 from procedures.statistics.least_squares import Fit, joined_rows
 from procedures.twelve_positions.accelerometer_fit import (
     TURN_ON_STEP_STD_G,

@@ -24,7 +24,8 @@ from procedures.campaign.campaign import Campaign, RestRecord, TurnRecord
 from procedures.campaign.observations import TriadDwells, TriadRests, TurnTotal, channel, rest_rates
 from procedures.counts.count_rate import MIN_DWELL_SAMPLES
 from procedures.counts.sample_records import series_rows
-from procedures.frames import AXES, cross_axes, face_of
+from procedures.frames import AXES
+from procedures.positions import cross_axes, face_of
 from procedures.twelve_positions.accelerometer_fit import TURN_ON_STEP_STD_G, TriadFit, specific_force
 from procedures.twelve_positions.bench_parameters import BenchParameters, Placement, cube_numbers
 from procedures.units import RAD_PER_ARCSEC, STANDARD_GRAVITY

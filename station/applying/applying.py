@@ -26,9 +26,9 @@ from station.calibrated.remaining_uncertainty import lacking
 from station.calibration import Calibrated, Calibration, calibration_of
 from station.errors import DataRefused
 from station.files.atomic_file import refuse_own, write_file_pair, write_json
+from station.files.calibrated_sample_writers import SampleColumns, writer_for
 from station.files.calibration_document import doubts
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS
-from station.files.sample_files import SampleColumns, writer_for
 from station.results.solution_json import software_version
 from station.text import plural
 

@@ -14,7 +14,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog, inclination, roll_pitch_of
 from procedures.attitude.kalman.kalman_filter import AttitudeKalmanFilter
-from procedures.attitude.kalman.kalman_state import KalmanSettings
+from procedures.attitude.kalman.kalman_settings import KalmanSettings
 from procedures.attitude.kalman.unaided_motion import MIN_MOTION_S, VEHICLE_RUNS, settings_in_vehicle
 from procedures.units import DEG_H_PER_RAD_S
 from station.attitude.live_readings import AttitudeReading

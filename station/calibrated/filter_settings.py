@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from procedures.attitude.attitude_log import AttitudeLog, earth_rate_ned
-from procedures.attitude.kalman.kalman_state import AIDED_SETTINGS, UNAIDED_SETTINGS, KalmanSettings
+from procedures.attitude.kalman.kalman_settings import AIDED_SETTINGS, UNAIDED_SETTINGS, KalmanSettings
 from procedures.attitude.kalman.unaided_motion import vehicle_settings
 from procedures.attitude.sensor_noise import gyro_noise
 from procedures.geodesy import EARTH_RATE

@@ -195,7 +195,7 @@ def _say(
 
 def _wanted(document: dict[str, Any], loaded: Sequence["LoadedCampaign"]) -> "Sequence[Measurement]":
     """Return what to measure next: what separates proposals, then findings, then what this bench cannot show."""
-    from procedures.frames import FACES
+    from procedures.positions import FACES
     from station.results.diagnosis.diagnosis_wording import known_findings
     from station.results.diagnosis.next_measurements import next_measurements
 

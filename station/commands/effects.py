@@ -5,8 +5,9 @@ from typing import Annotated
 
 import typer
 
-from station.commands import Command, Database
+from station.commands import Database
 from station.commands._options import OfModel, OfSerial, argument, option
+from station.commands.command_table import Command
 
 COMMANDS = (
     Command("list", "List the user-defined error terms in force.", __name__),

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from station.commands import Command, Database
+from station.commands import Database
 from station.commands._options import argument, day_option, option
+from station.commands.command_table import Command
 
 if TYPE_CHECKING:
     from fixtures_db.database import Database as OpenDatabase

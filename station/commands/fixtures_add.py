@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from procedures.units import RAD_PER_ARCSEC
-from station.commands import Command, Database
+from station.commands import Database
 from station.commands._options import argument, day_option, option
+from station.commands.command_table import Command
 
 if TYPE_CHECKING:
     from sqlalchemy.orm import Session

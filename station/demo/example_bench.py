@@ -17,7 +17,7 @@ from fixtures_db.fixtures import add_fixture
 from fixtures_db.imu_models import limits_of, set_limits
 from fixtures_db.schema import CubeRow, SiteRow, SlabLevelRow, SlabRow
 from procedures.campaign.campaign import FaceCertificate
-from procedures.frames import FACES
+from procedures.positions import FACES
 from station.errors import DataRefused
 from station.files.limits_file import example_limits, limits_in
 

@@ -19,7 +19,7 @@ from drivers.simulated.bench_control import BenchControl
 from drivers.wire import FORMATS
 from fixtures_db.database import Database, open_db
 from procedures.campaign.plan_steps import Dwell
-from procedures.frames import ATTITUDES
+from procedures.positions import ATTITUDES
 from station.demo.comparison import truth_values
 from station.demo.device import demo_truth
 from station.demo.example_bench import GRAVITY_STD, ExampleBench, add_example

@@ -8,8 +8,8 @@ import numpy as np
 
 from drivers.errors import ControlUnreachable, DriverError, SimulatorError
 from drivers.simulated.bench_control import BenchControl
-from procedures.frames import ATTITUDES, face_of
 from procedures.free_positions.free_attitudes import UP_DIRECTIONS, UpDirection
+from procedures.positions import ATTITUDES, face_of
 from station.guide.view import CalibrationView, StepView
 
 TREMOR_DEG_S = (20.0, 60.0)  # deg/s, the least and the greatest amplitude of a real hand that holds a weight

@@ -71,7 +71,7 @@ def gap_in_words(warning: str, left_out: Mapping[str, Sequence[float]]) -> str:
 def _words(found: re.Match[str]) -> str:
     if found["kind"]:
         again = f" repeated{f' ({nth})' if (nth := found['nth']) else ''}" if found["again"] else ""
-        from procedures.frames import ATTITUDES, position_name  # numerics: the form before a campaign has none
+        from procedures.positions import ATTITUDES, position_name
 
         number = int(found["number"])
         name = position_name(number) if found["kind"] == "dwell" and number <= len(ATTITUDES) else str(number)

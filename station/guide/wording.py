@@ -3,8 +3,8 @@
 from math import floor, log10
 
 from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak, Step, Turn
-from procedures.frames import ATTITUDES, face_of, position_name
 from procedures.free_positions.free_attitudes import UpDirection
+from procedures.positions import ATTITUDES, face_of, position_name
 from station.guide.view import MonitoredView, SoakView
 
 _WORDS = {"U": "up", "D": "down", "E": "east", "W": "west", "N": "north", "S": "south"}

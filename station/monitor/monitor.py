@@ -14,7 +14,7 @@ from drivers.errors import DriverError, LinkLost, ReplayEnded
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.filter_choice import JOINT, Gains
-from procedures.attitude.kalman.kalman_state import KalmanSettings
+from procedures.attitude.kalman.kalman_settings import KalmanSettings
 from procedures.attitude.kalman.unaided_motion import heading_at_rest
 from procedures.units import STANDARD_GRAVITY
 from station.attitude.error_at_rest import ErrorAtRest
@@ -28,9 +28,10 @@ from station.calibrated.rates_and_forces import CalibratedTick, Sensors
 from station.files.mcap_files.gnss_file import Record
 from station.locate.location import Location
 from station.locate.monitor_interface import LocatorTick, in_imu_axes, location_event
+from station.monitor.alarms import Alarm, AlarmWatch
 from station.monitor.auxiliary_inputs import AidSilence, AuxiliaryReaders, StreamHealth, aiding_of
 from station.monitor.recording import MonitorRecording
-from station.monitor.view import Alarm, AlarmWatch, ChartPoint, MonitorVerb, MonitorView
+from station.monitor.view import ChartPoint, MonitorVerb, MonitorView
 from station.stream.auxiliary import Companion
 from station.stream.live.live_feed import LiveFeed
 from station.stream.live.stream_trouble import without_numbers

@@ -13,7 +13,7 @@ from fixtures_db.imu_models import limits_of
 from fixtures_db.journal import journal_head
 from fixtures_db.stored_calibrations import CalibrationFacts, accept_calibration, calibration
 from procedures.calibration.solution_values import Solution
-from procedures.frames import FACES
+from procedures.positions import FACES
 from station.errors import Altered
 from station.files.atomic_file import replace_file
 from station.files.campaign_folder.campaign_reading import read_for_solve

@@ -15,7 +15,7 @@ from fixtures_db.campaigns import campaign, last_accepted, references
 from fixtures_db.hash_chain import utc_text
 from fixtures_db.schema import CampaignRow, SiteRow
 from procedures.campaign.campaign import Campaign, clock_rate
-from procedures.frames import ATTITUDES, POSITIONS
+from procedures.positions import ATTITUDES, POSITIONS
 from procedures.units import UG_PER_G
 from station.files.campaign_folder.campaign_schema import CampaignTable
 from station.files.campaign_folder.plan_file import UnitRecord, read_note

@@ -12,12 +12,13 @@ import numpy as np
 from fixtures_db.imu_models import UNITS
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord
-from procedures.frames import ATTITUDES, AXES, face_of
+from procedures.frames import AXES
 from procedures.planning.campaign_design import TURNS, CampaignDesign, Placement, usual_design
 from procedures.planning.design_sigmas import IN_PLACE, NAMES, TIMES_USUAL, DesignSigmas, WantedSigmas
 from procedures.planning.identifiability import identifiable_effects
 from procedures.planning.least_time import NextPlacement, PlannedCampaign
 from procedures.planning.step_information import UnitNoise
+from procedures.positions import ATTITUDES, face_of
 from procedures.units import ARCSEC_PER_RAD, PPM_PER_ONE, S_PER_H, S_PER_MIN, UG_PER_G
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.results.parameters_by_name import title_of

@@ -13,8 +13,8 @@ import numpy as np
 
 from drivers.addresses import MavlinkAddress
 from drivers.errors import BadDeviceUrl
-from drivers.mavlink.decoder import MavlinkDecoder
 from drivers.mavlink.frames import SignatureCheck, read_key
+from drivers.mavlink.gnss_fixes import MavlinkDecoder
 from procedures.gnss_records import AveragedSite, FixType, GnssFix, TimeMark, averaged_site
 from station.files.atomic_file import journal_path
 from station.files.mcap_files.gnss_file import FixWriter, Record

@@ -16,7 +16,7 @@ from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Dwell, Step
-from procedures.frames import face_normal, face_of
+from procedures.positions import face_normal, face_of
 from station.guide.campaign.checklist import Checklist
 from station.guide.checks.face_and_stillness import LIMIT_DEG
 from station.guide.stages.guide import Guide

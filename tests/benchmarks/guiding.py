@@ -14,9 +14,10 @@ from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Dwell
 from procedures.counts.count_rate import estimate_counts
 from procedures.counts.sample_records import CountSeries
-from procedures.frames import cross_axes, face_normal, face_of, nominal_C_lb, vertical_rotation
+from procedures.frames import vertical_rotation
 from procedures.geodesy import earth_rate_n
 from procedures.gyrocompass import CertainDwell, QuarterHeading, find_heading
+from procedures.positions import cross_axes, face_normal, face_of, nominal_C_lb
 from procedures.units import RAD_PER_ARCSEC, RAD_S_PER_DEG_H
 from tests.proof.evidence import Figure, spread, zero
 

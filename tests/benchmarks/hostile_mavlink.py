@@ -13,7 +13,7 @@ from typing import Any
 from pymavlink.dialects.v20 import all as dialect
 
 from drivers.mavlink import frames as mavlink_frames
-from drivers.mavlink.decoder import MavlinkDecoder
+from drivers.mavlink.gnss_fixes import MavlinkDecoder
 from tests.benchmarks.damage import CONTROL_BITS, DAMAGES, Outcome, Shape, counted, cuts, damaged
 from tests.proof.evidence import Figure
 

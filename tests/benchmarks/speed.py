@@ -21,7 +21,7 @@ from drivers.mavlink.frames import MavlinkFramer, fields
 from drivers.wire import FORMATS, WireFormat
 from procedures.attitude.complementary_filter import ComplementaryFilter
 from procedures.attitude.kalman.kalman_filter import AttitudeKalmanFilter
-from procedures.attitude.kalman.kalman_state import UNAIDED_SETTINGS
+from procedures.attitude.kalman.kalman_settings import UNAIDED_SETTINGS
 from tests.benchmarks.hostile_mavlink import a_sender, some_frames
 from tests.benchmarks.hostile_slcan import block_of
 from tests.drivers.simulated.flight import paper_flight

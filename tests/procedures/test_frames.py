@@ -4,7 +4,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from procedures.frames import (
+from procedures.frames import rotation, slab_C_ln, vertical_rotation
+from procedures.positions import (
     FACES,
     TURN_START,
     C_bn,
@@ -13,9 +14,6 @@ from procedures.frames import (
     face_of,
     face_rotation,
     nominal_C_lb,
-    rotation,
-    slab_C_ln,
-    vertical_rotation,
 )
 from tests.procedures.independent import TABLE_1, body_from_level
 

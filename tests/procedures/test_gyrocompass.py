@@ -9,7 +9,7 @@ from drivers.simulated.bench_in_memory import SimulatedBench
 from drivers.simulated.truth import Truth, imu_from_cube
 from procedures.arrays import FloatArray
 from procedures.campaign.plan_steps import Dwell
-from procedures.frames import FACES, TURN_START, face_of, rotation
+from procedures.frames import rotation
 from procedures.geodesy import EARTH_RATE
 from procedures.gyrocompass import (
     CertainDwell,
@@ -17,6 +17,7 @@ from procedures.gyrocompass import (
     first_position,
     heading_change,
 )
+from procedures.positions import FACES, TURN_START, face_of
 from procedures.units import RAD_S_PER_DEG_H
 from tests.procedures.independent import body_from_level
 

@@ -12,7 +12,7 @@ from drivers.simulated.truth import paper_truth
 from procedures.arrays import FloatArray
 from procedures.calibration.triad_calibration import triad_vector
 from procedures.campaign.plan_steps import Dwell
-from procedures.frames import C_bn
+from procedures.positions import C_bn
 from procedures.tolerance.drawing_items import ITEMS, angles, p1_tilts
 from procedures.tolerance.estimator_errors import ToleranceUnit, estimator_errors
 from procedures.twelve_positions.accelerometer_fit import closed_form, solve_accelerometer

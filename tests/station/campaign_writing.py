@@ -7,7 +7,8 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, Fixture, RestRecord
 from procedures.counts.sample_records import RateSeries, Series
-from procedures.frames import ATTITUDES, AXES, POSITIONS
+from procedures.frames import AXES
+from procedures.positions import ATTITUDES, POSITIONS
 from procedures.units import RAD_PER_ARCSEC, RAD_S_PER_DEG_H, STANDARD_GRAVITY
 from station.files.atomic_file import replace_file
 from station.files.campaign_folder.campaign_schema import CampaignTable, measured_table

@@ -6,7 +6,7 @@ import sys
 import pytest
 
 from station import cli
-from station.commands import COMMANDS
+from station.commands.command_table import COMMANDS
 
 
 def test_help_lists_all_commands_at_once_and_imports_none() -> None:

@@ -3,7 +3,7 @@
 import subprocess
 import sys
 
-from station.commands import COMMANDS
+from station.commands.command_table import COMMANDS
 
 NUMERICS = ("numpy", "scipy", "numba", "matplotlib", "procedures.campaign.plan_steps")
 HEAVY = (*NUMERICS, "mcap", "google.protobuf", "alembic", "jinja2")

@@ -12,8 +12,9 @@ from procedures.campaign.campaign import Campaign, RateTable, RestRecord, SoakRe
 from procedures.campaign.plan_steps import Dwell, Turn
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
-from procedures.frames import TURN_START, rotation
+from procedures.frames import rotation
 from procedures.inference.result import Diagnosis
+from procedures.positions import TURN_START
 from procedures.uncertainty.budget import ParameterBudget
 from tests.procedures.diagnosis.planted import wandering, with_reference_time
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from drivers.can.can_format import can_format
 from drivers.framing import Decoder
-from drivers.mavlink.decoder import MavlinkDecoder
+from drivers.mavlink.gnss_fixes import MavlinkDecoder
 from drivers.mavlink.session import MavlinkSession
 from drivers.simulated.companions.gnss_server import Autopilot
 from drivers.simulated.companions.truths import AutopilotTruth

@@ -17,7 +17,7 @@ from fixtures_db.database import open_db
 from fixtures_db.stored_calibrations import history
 from fixtures_db.verification import alterations
 from procedures.arrays import IntArray
-from procedures.frames import face_normal, face_of
+from procedures.positions import face_normal, face_of
 from procedures.uncertainty.sources import UNEXPLAINED
 from procedures.units import PPM_PER_ONE, UG_PER_G
 from station.commands.verify import verify

@@ -3,7 +3,8 @@
 import numpy as np
 
 from procedures.campaign.plan_steps import Dwell, Step, Turn
-from procedures.frames import AXES, TURN_START
+from procedures.frames import AXES
+from procedures.positions import TURN_START
 
 WHOLE_SHARE = 1 / 8  # of campaigns: the usual plan takes three times the time of a short one
 TURNED_SHARE = 1 / 4  # of short plans: about one axis, there and back

@@ -13,7 +13,7 @@ import numpy as np
 from drivers.simulated.effects.planted_effect import AXES, VECTOR_KEYS, PlantedEffect, Stimulus, TriadInput, vector
 from drivers.simulated.truth import Sizes, World
 from procedures.arrays import FloatArray
-from procedures.frames import FACES, cross_axes
+from procedures.positions import FACES, cross_axes
 from procedures.units import DEG_H_PER_DEG_S
 
 _SLAB_KEYS = ("east", "north")

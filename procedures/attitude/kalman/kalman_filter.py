@@ -20,14 +20,8 @@ from procedures.attitude.kalman.kalman_measurements import (
     measure_rest,
     remember_update,
 )
-from procedures.attitude.kalman.kalman_state import (
-    AIDED_SETTINGS,
-    SINCE_UPDATE,
-    KalmanSettings,
-    KalmanState,
-    new_state,
-    propagate,
-)
+from procedures.attitude.kalman.kalman_settings import AIDED_SETTINGS, KalmanSettings
+from procedures.attitude.kalman.kalman_state import SINCE_UPDATE, KalmanState, new_state, propagate
 from procedures.attitude.kalman.strapdown_integration import (
     LOST_ANGLE,
     align,

@@ -6,7 +6,8 @@ A GNSS velocity is measured at its own moment, which may be some tenths of a sec
 import math
 
 from procedures.arrays import FloatArray
-from procedures.attitude.kalman.kalman_state import KalmanSettings, KalmanState, measure
+from procedures.attitude.kalman.kalman_settings import KalmanSettings
+from procedures.attitude.kalman.kalman_state import KalmanState, measure
 from procedures.attitude.kernel_options import inlined
 
 REST_MEAN_S = 0.5  # over which rest's means are taken

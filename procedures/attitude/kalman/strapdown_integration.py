@@ -4,7 +4,8 @@ import math
 
 from procedures.arrays import FloatArray
 from procedures.attitude.complementary_kernels import sine_and_cosine, turn_vector
-from procedures.attitude.kalman.kalman_state import KalmanSettings, KalmanState
+from procedures.attitude.kalman.kalman_settings import KalmanSettings
+from procedures.attitude.kalman.kalman_state import KalmanState
 from procedures.attitude.kernel_options import inlined
 from procedures.counts.sample_times import GAP_PERIODS
 

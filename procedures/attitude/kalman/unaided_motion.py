@@ -18,7 +18,7 @@ from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.complementary_filter import start_down
 from procedures.attitude.kalman.kalman_filter import AttitudeKalmanFilter
-from procedures.attitude.kalman.kalman_state import KalmanSettings
+from procedures.attitude.kalman.kalman_settings import KalmanSettings
 from procedures.attitude.sensor_noise import gyro_noise
 from procedures.free_positions.rest_detection import second_means
 from procedures.geodesy import EARTH_RATE

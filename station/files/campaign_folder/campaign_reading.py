@@ -23,8 +23,8 @@ from procedures.campaign.campaign import (
     TurnRecord,
 )
 from procedures.errors import ErrorCode
-from procedures.frames import TURN_START
 from procedures.geodesy import normal_gravity
+from procedures.positions import TURN_START
 from procedures.units import RAD_PER_ARCSEC, RAD_S_PER_DEG_H, STANDARD_GRAVITY
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import (

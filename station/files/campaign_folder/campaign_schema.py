@@ -11,7 +11,8 @@ from procedures.arrays import FloatArray
 from procedures.attitude.filter_choice import LIVE_FILTERS, MAX_LIVE_FILTERS
 from procedures.campaign.campaign import MeasuredCube
 from procedures.campaign.measured_cube import NAMES
-from procedures.frames import ATTITUDES, AXES, POSITIONS, face_of
+from procedures.frames import AXES
+from procedures.positions import ATTITUDES, POSITIONS, face_of
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, outputs_per_unit
 from station.files.toml_file import Key, Name, PlaceTable, Sha256, Text, TomlTable, matching, read_folder_toml
 

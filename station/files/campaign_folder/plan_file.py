@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from procedures.attitude.filter_choice import parse_filters, refuse_without_velocity
 from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak, Step, Turn, as_repeats
-from procedures.frames import ATTITUDES, TURN_START, face_of
+from procedures.positions import ATTITUDES, TURN_START, face_of
 from station.errors import DataRefused
 from station.files.atomic_file import replace_file
 from station.files.campaign_folder.campaign_schema import (

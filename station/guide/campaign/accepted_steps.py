@@ -13,8 +13,9 @@ from procedures.campaign.observations import turn_totals
 from procedures.campaign.plan_steps import Dwell, FreePosition, Soak, Turn
 from procedures.counts.count_rate import RateEstimate, estimate_channels
 from procedures.counts.sample_records import CountSeries
-from procedures.frames import AXES, face_of
+from procedures.frames import AXES
 from procedures.planning.campaign_design import Placement
+from procedures.positions import face_of
 from procedures.twelve_positions.rotation_tilt import turn_rests
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.campaign_schema import StepTable

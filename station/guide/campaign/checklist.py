@@ -4,7 +4,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak, Step, Turn
-from procedures.frames import AXES, POSITIONS, face_of, position_name
+from procedures.frames import AXES
+from procedures.positions import POSITIONS, face_of, position_name
 from station.guide import view
 from station.guide.view import StepView
 

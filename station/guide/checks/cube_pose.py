@@ -4,8 +4,8 @@ import numpy as np
 
 from procedures.bench.cube_attitude import CubeAttitude, heading_to_position
 from procedures.campaign.plan_steps import Dwell, Monitor, Soak, Step, Turn
-from procedures.frames import face_normal, face_of, position_name
 from procedures.gyrocompass import turned_position
+from procedures.positions import face_normal, face_of, position_name
 from station.guide.checks.cube_tracking import CubeTracker
 from station.guide.checks.face_and_stillness import BlockLook
 from station.guide.stages.stage_context import StageContext

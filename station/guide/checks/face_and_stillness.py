@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.frames import FACES, face_normal
+from procedures.positions import FACES, face_normal
 from station.stream.live.stillness import MIN_VARIANCE, TICKS_PER_BLOCK, Block, Stillness
 
 LIMIT_DEG = 3.0

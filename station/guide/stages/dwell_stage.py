@@ -15,9 +15,9 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.bench.dwell_length import SHORTEST_S
 from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak
-from procedures.frames import face_normal, position_name
 from procedures.free_positions.free_attitudes import MIN_APART_DEG, nearest_deg
 from procedures.gyrocompass import quarters_to, turned_position
+from procedures.positions import face_normal, position_name
 from station.guide.checks.dwell_attempt import TOUCHED, DwellAttempt, crept
 from station.guide.checks.face_and_stillness import BlockLook
 from station.guide.checks.seating import SeatCheck, recheck_seats, reject_tilted_turns, repeat_marked

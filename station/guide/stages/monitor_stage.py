@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 
 from procedures.attitude.attitude_log import ENU_NED, AttitudeLog, inclination
-from procedures.attitude.kalman.kalman_state import KalmanSettings
+from procedures.attitude.kalman.kalman_settings import KalmanSettings
 from procedures.campaign.plan_steps import Monitor
 from procedures.errors import ProcedureError
-from procedures.frames import nominal_C_lb
+from procedures.positions import nominal_C_lb
 from station.attitude.error_at_rest import ErrorAtRest
 from station.attitude.live_filters import LiveFilters, joint_filter_reading
 from station.attitude.live_kalman_filter import AttitudeEstimator

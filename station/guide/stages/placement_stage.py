@@ -10,8 +10,8 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.campaign.plan_steps import Dwell, Monitor, Soak, Turn
-from procedures.frames import face_of
 from procedures.free_positions.free_attitudes import MIN_APART_DEG, next_direction
+from procedures.positions import face_of
 from station.guide.campaign.checklist import is_free
 from station.guide.checks.face_and_stillness import BlockLook
 from station.guide.stages.dwell_stage import DwellStage, FreeAttitudeStage, free_look

@@ -11,7 +11,7 @@ from typing import Any, Protocol
 
 from procedures.bench.position_checks import HeadingError, heading_error_text
 from procedures.campaign.plan_steps import Dwell, Turn
-from procedures.frames import POSITIONS, face_of, position_name
+from procedures.positions import POSITIONS, face_of, position_name
 from station.guide.checks.face_and_stillness import BlockLook
 from station.guide.setup_view import Choice
 from station.guide.stages.stage_context import StageContext

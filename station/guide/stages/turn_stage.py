@@ -6,8 +6,9 @@ import numpy as np
 
 from procedures.bench.seating_check import TurnCounts
 from procedures.campaign.plan_steps import Turn
-from procedures.frames import AXES, face_of
+from procedures.frames import AXES
 from procedures.gyrocompass import CertainDwell, rough_scale_factor
+from procedures.positions import face_of
 from station.guide.checks.face_and_stillness import BlockLook
 from station.guide.checks.seating import SeatCheck, remember_rests, rest_rates, tilt_change
 from station.guide.checks.turn_closure import (

@@ -10,7 +10,8 @@ from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
-from procedures.frames import AXES, POSITIONS, face_of
+from procedures.frames import AXES
+from procedures.positions import POSITIONS, face_of
 from station.files.atomic_file import replace_file
 from station.files.campaign_folder.plan_file import FORMAT
 from station.files.toml_file import toml_text

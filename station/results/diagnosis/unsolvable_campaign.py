@@ -17,7 +17,8 @@ from procedures.diagnosis.single_channels import MIN_RECORDING_SAMPLES
 from procedures.errors import NotObservable
 from procedures.evidence.rate_points import LEAST_POINTS, LEAST_SPAN
 from procedures.evidence.thermal_soaks import BLOCK_S, MIN_BLOCKS, SAMPLES_PER_BLOCK
-from procedures.frames import AXES, cross_axes, face_normal, face_of
+from procedures.frames import AXES
+from procedures.positions import cross_axes, face_normal, face_of
 from procedures.samples.held_samples import constant_channels, records_at_rest
 from procedures.statistics.spectrum import MIN_SAMPLES
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign

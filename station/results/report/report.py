@@ -14,7 +14,8 @@ from procedures.arrays import FloatArray
 from procedures.calibration.solution_values import FitQuality, Solution, TriadCalibration
 from procedures.calibration.undetectable_tilt import ANY_TILT_RAD, UndetectableTilt
 from procedures.campaign.campaign import Campaign, Fixture
-from procedures.frames import AXES, FACES, TRIADS
+from procedures.frames import AXES, TRIADS
+from procedures.positions import FACES
 from procedures.uncertainty.budget import ParameterBudget
 from procedures.units import ARCSEC_PER_RAD, RAD_PER_ARCSEC, UG_PER_G
 from station.files.atomic_file import replace_file

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.calibration.solution_values import Estimate, Solution, StepResidual, TriadCalibration
-from procedures.frames import ATTITUDES
+from procedures.positions import ATTITUDES
 from procedures.units import ARCSEC_PER_DEG, UG_PER_G
 from station.results.parameters_by_name import Parameter, parameters, printed_scale
 from station.results.solution_json import estimate_document

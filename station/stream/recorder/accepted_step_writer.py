@@ -23,7 +23,7 @@ from fixtures_db.fixtures import fixture_rows, is_surveyed_at
 from fixtures_db.folder_on_disk import sync_folder
 from fixtures_db.schema import SiteRow
 from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak, Step, Turn
-from procedures.frames import TURN_START
+from procedures.positions import TURN_START
 from station.errors import cannot_write
 from station.files.atomic_file import free_path
 from station.files.campaign_folder.campaign_schema import (

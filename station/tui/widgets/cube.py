@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from textual.content import Content
 
-from procedures.frames import ATTITUDES, POSITIONS, TURN_START, face_of, position_name
+from procedures.positions import ATTITUDES, POSITIONS, TURN_START, face_of, position_name
 from station.guide.view import PoseView, StepView
 from station.tui.widgets.common import Canvas, ValueWidget
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from textual.content import Content
 
-from procedures.frames import POSITIONS, position_name
+from procedures.positions import POSITIONS, position_name
 from station.guide.view import StepState, StepView
 from station.tui.widgets.common import ValueWidget
 from station.tui.widgets.cube import faces, is_counter_clockwise, start_of

@@ -4,7 +4,7 @@ from textwrap import fill
 
 from textual.content import Content
 
-from procedures.frames import position_name
+from procedures.positions import position_name
 from procedures.units import S_PER_MIN
 from station.guide.view import GatesView, LimitView, MonitoredView, SoakView, StepView, TurnView, WarmUpView
 from station.guide.wording import rounded

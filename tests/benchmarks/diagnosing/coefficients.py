@@ -7,7 +7,8 @@ import numpy as np
 
 from drivers.simulated.bench_in_memory import SETTLING_S
 from drivers.simulated.truth import Truth
-from procedures.frames import AXES, FACES, cross_axes
+from procedures.frames import AXES
+from procedures.positions import FACES, cross_axes
 from tests.benchmarks.diagnosing.plants import Sizes
 from tests.benchmarks.diagnosing.sigmas import catalogued
 

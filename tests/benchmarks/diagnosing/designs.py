@@ -11,7 +11,8 @@ from drivers.simulated.effects.bench import auxiliary
 from drivers.simulated.truth import Truth
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.plan_steps import Turn, turn_steps
-from procedures.frames import TURN_START, rotation
+from procedures.frames import rotation
+from procedures.positions import TURN_START
 from tests.procedures.diagnosis.planted import with_reference_time
 
 MOVED_PERIOD = 0.02  # s

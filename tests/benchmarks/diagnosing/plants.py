@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivers.simulated.bench_in_memory import SETTLING_S
-from procedures.frames import cross_axes, face_of
+from procedures.positions import cross_axes, face_of
 from tests.benchmarks.diagnosing.sigmas import Sigmas
 
 LEAST, MOST = 6.0, 12.0  # sigmas

@@ -21,7 +21,7 @@ from procedures.campaign.campaign import (
 )
 from procedures.campaign.plan_steps import Dwell, FreePosition, Soak, Step, Turn
 from procedures.counts.sample_records import CountSeries
-from procedures.frames import FACES, TURN_START
+from procedures.positions import FACES, TURN_START
 from tests.benchmarks.diagnosing.designs import unit
 
 DWELL_S, SOAK_S, FREE = 100.0, 2400.0, 16

@@ -7,7 +7,7 @@ import numpy as np
 
 from drivers.simulated.truth import Truth
 from procedures.campaign.campaign import Campaign
-from procedures.frames import FACES, cross_axes, face_of
+from procedures.positions import FACES, cross_axes, face_of
 from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, truth_of
 
 Changed = Callable[[Truth, np.random.Generator], Truth]

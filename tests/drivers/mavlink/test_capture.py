@@ -6,8 +6,8 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from drivers.mavlink.decoder import MavlinkDecoder
 from drivers.mavlink.frames import GPS_RAW_INT, NAMES, MavlinkFramer, fields
+from drivers.mavlink.gnss_fixes import MavlinkDecoder
 from procedures.gnss_records import FixType, GnssFix, averaged_site
 from tests.paths import DATA
 

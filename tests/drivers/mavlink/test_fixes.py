@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 import pytest
 from pymavlink.dialects.v20 import all as dialect
 
-from drivers.mavlink.decoder import MavlinkDecoder, SenderClock
+from drivers.mavlink.gnss_fixes import MavlinkDecoder, SenderClock
 from procedures.gnss_records import FixType, GnssFix
 
 

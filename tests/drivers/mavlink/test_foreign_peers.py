@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivers.mavlink.decoder import MavlinkDecoder
+from drivers.mavlink.gnss_fixes import MavlinkDecoder
 from drivers.port_interface import Port
 from drivers.ports import open_port
 from procedures.gnss_records import FixType, GnssFix, TimeMark

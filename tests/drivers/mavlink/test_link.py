@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from drivers.address_parsing import parse_device_url
-from drivers.mavlink.decoder import MavlinkDecoder, Record
 from drivers.mavlink.frames import GLOBAL_POSITION_INT, GPS2_RAW, SignatureCheck, read_key
+from drivers.mavlink.gnss_fixes import MavlinkDecoder, Record
 from drivers.mavlink.session import MavlinkPort
 from drivers.ports import open_port
 from drivers.simulated.companions.gnss_server import SimulatedGnss

@@ -9,7 +9,8 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog, roll_pitch_of
-from procedures.frames import nominal_C_lb, rotation
+from procedures.frames import rotation
+from procedures.positions import nominal_C_lb
 from procedures.units import RAD_S_PER_DEG_H, STANDARD_GRAVITY
 
 PERIOD_S = 0.01

@@ -8,7 +8,7 @@ from drivers.simulated.cube_motion import rest
 from drivers.simulated.truth import Truth, paper_truth
 from procedures.arrays import FloatArray
 from procedures.campaign.plan_steps import Dwell, Turn, turn_steps
-from procedures.frames import face_of
+from procedures.positions import face_of
 from procedures.units import STANDARD_GRAVITY
 
 QUIET = {"accel_noise_g": 0.0, "gyro_arw_deg_rt_s": 0.0, "gyro_instability_dph": 0.0}

@@ -10,7 +10,7 @@ from drivers.simulated.truth import truth_from
 from procedures.arrays import FloatArray
 from procedures.campaign.plan_steps import Dwell
 from procedures.effects import EFFECTS as DIAGNOSED
-from procedures.frames import POSITIONS
+from procedures.positions import POSITIONS
 from procedures.units import STANDARD_GRAVITY
 
 UNIT = {

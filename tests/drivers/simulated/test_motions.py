@@ -11,7 +11,8 @@ from drivers.simulated.imu import SimulatedImu
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import MIN_SPEED_M_S, VehicleTrack
 from procedures.arrays import FloatArray
-from procedures.frames import C_bn, nominal_C_lb, rotation
+from procedures.frames import rotation
+from procedures.positions import C_bn, nominal_C_lb
 from procedures.units import STANDARD_GRAVITY
 from tests.drivers.simulated.drives import bends
 from tests.drivers.simulated.flight import LEVEL_S, PERIOD_S, paper_flight, sensor_errors

@@ -10,7 +10,7 @@ from procedures.attitude.complementary_filter import ComplementaryFilter
 from procedures.attitude.filter_choice import PAPER_GAINS, Gains
 from procedures.attitude.gain_tuning import FOLDS, grid_of_taus, tune
 from procedures.errors import ErrorCode, NotObservable
-from procedures.frames import nominal_C_lb
+from procedures.positions import nominal_C_lb
 from tests.drivers.simulated.flight import paper_bench
 from tests.refusals import refused
 

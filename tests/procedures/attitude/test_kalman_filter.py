@@ -6,7 +6,8 @@ import pytest
 from procedures.attitude.attitude_estimate import AttitudeEstimate, estimate, estimate_both_directions
 from procedures.attitude.attitude_log import AttitudeLog, earth_rate_ned, inclination
 from procedures.attitude.kalman.kalman_filter import AttitudeKalmanFilter
-from procedures.attitude.kalman.kalman_state import AIDED_SETTINGS, UNAIDED_SETTINGS, propagate
+from procedures.attitude.kalman.kalman_settings import AIDED_SETTINGS, UNAIDED_SETTINGS
+from procedures.attitude.kalman.kalman_state import propagate
 from procedures.attitude.kalman.strapdown_integration import align, integrate_sample
 from procedures.frames import rotation
 from procedures.geodesy import EARTH_RATE

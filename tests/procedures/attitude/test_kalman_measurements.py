@@ -8,7 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
 from procedures.attitude.kalman import kalman_measurements as kalman
-from procedures.attitude.kalman.kalman_state import KalmanSettings, KalmanState, new_state
+from procedures.attitude.kalman.kalman_settings import KalmanSettings
+from procedures.attitude.kalman.kalman_state import KalmanState, new_state
 from tests.procedures.attitude.uncompiled import uncompiled
 
 Says = Callable[[FloatArray], float]  # what the state says, of the errors (n,) it has

@@ -7,7 +7,8 @@ from scipy.spatial.transform import Rotation
 from procedures.arrays import FloatArray
 from procedures.attitude.kalman import kalman_filter, kalman_state
 from procedures.attitude.kalman import kalman_measurements as gnss
-from procedures.attitude.kalman.kalman_state import KalmanSettings, KalmanState, new_state
+from procedures.attitude.kalman.kalman_settings import KalmanSettings
+from procedures.attitude.kalman.kalman_state import KalmanState, new_state
 from tests.procedures.attitude.uncompiled import uncompiled
 
 C = KalmanSettings(

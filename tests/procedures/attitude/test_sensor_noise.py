@@ -3,7 +3,7 @@ import pytest
 
 from procedures.attitude.attitude_estimate import estimate
 from procedures.attitude.attitude_log import AttitudeLog, down_of
-from procedures.attitude.kalman.kalman_state import KalmanSettings
+from procedures.attitude.kalman.kalman_settings import KalmanSettings
 from procedures.attitude.sensor_noise import at_rest, frozen_stretches, gyro_noise, range_limit
 
 

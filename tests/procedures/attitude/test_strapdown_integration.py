@@ -7,7 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
-from procedures.attitude.kalman.kalman_state import AIDED_SETTINGS, KalmanState, new_state
+from procedures.attitude.kalman.kalman_settings import AIDED_SETTINGS
+from procedures.attitude.kalman.kalman_state import KalmanState, new_state
 from procedures.attitude.kalman.strapdown_integration import integrate_sample
 
 G = 9.80665

@@ -8,7 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from procedures.attitude import complementary_kernels
 from procedures.attitude.kalman import strapdown_integration as strapdown
-from procedures.attitude.kalman.kalman_state import KalmanSettings, KalmanState, new_state
+from procedures.attitude.kalman.kalman_settings import KalmanSettings
+from procedures.attitude.kalman.kalman_state import KalmanState, new_state
 from tests.procedures.attitude.uncompiled import uncompiled
 
 C = KalmanSettings(

@@ -5,7 +5,7 @@ import pytest
 
 from procedures.attitude.attitude_estimate import estimate
 from procedures.attitude.attitude_log import AttitudeLog, earth_rate_ned, inclination, roll_pitch_of
-from procedures.attitude.kalman.kalman_state import KalmanSettings
+from procedures.attitude.kalman.kalman_settings import KalmanSettings
 from procedures.attitude.kalman.unaided_motion import heading_at_rest
 from procedures.frames import rotation
 from procedures.geodesy import EARTH_RATE

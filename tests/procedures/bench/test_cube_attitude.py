@@ -12,9 +12,10 @@ from procedures.bench.cube_attitude import (
     propagated,
     tilt_corrected,
 )
-from procedures.frames import face_normal, face_of, rotation, vertical_rotation
+from procedures.frames import rotation, vertical_rotation
 from procedures.geodesy import EARTH_RATE
 from procedures.gyrocompass import CertainDwell, earth_heading
+from procedures.positions import face_normal, face_of
 from procedures.units import RAD_S_PER_DEG_H
 from tests.procedures.independent import body_from_level
 

@@ -13,9 +13,9 @@ from procedures.bench.position_checks import heading_errors, refuse_wrong_faces
 from procedures.calibration.joint_calibration import solve
 from procedures.campaign.campaign import Fixture
 from procedures.errors import WrongFace, WrongMounting
-from procedures.frames import POSITIONS, face_of
 from procedures.geodesy import EARTH_RATE
 from procedures.gyrocompass import CertainDwell
+from procedures.positions import POSITIONS, face_of
 from procedures.units import RAD_S_PER_DEG_H
 from tests.procedures.calibration.simulated_campaigns import fine, scores, simulated, usual
 from tests.procedures.independent import body_from_level, dwells

@@ -13,7 +13,7 @@ from procedures.campaign.campaign import FaceCertificate, Fixture
 from procedures.campaign.plan_steps import Dwell
 from procedures.counts.count_rate import estimate_counts
 from procedures.counts.sample_records import CountSeries
-from procedures.frames import FACES, cross_axes, face_normal, face_of
+from procedures.positions import FACES, cross_axes, face_normal, face_of
 from procedures.units import RAD_PER_ARCSEC
 from tests.procedures.independent import specific_force
 

@@ -20,7 +20,7 @@ from procedures.calibration.solution_values import Solution, TriadCalibration
 from procedures.campaign.campaign import Campaign, FaceCertificate, Fixture
 from procedures.counts.sample_records import CountSeries, RateSeries, Series
 from procedures.errors import ErrorCode, FitsNoFace, NotObservable
-from procedures.frames import FACES
+from procedures.positions import FACES
 from station.files.campaign_folder.campaign_reading import read_campaign
 from tests.paths import DATA
 from tests.procedures.calibration.simulated_campaigns import OFF, fine, scores, simulated, usual, z

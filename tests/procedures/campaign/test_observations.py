@@ -9,7 +9,7 @@ from procedures.campaign.campaign import Campaign, DwellRecord, Fixture, Procedu
 from procedures.campaign.observations import dwell_rates
 from procedures.campaign.plan_steps import Dwell, Turn, dwell_steps, turn_steps
 from procedures.counts.sample_records import CountSeries, RateSeries
-from procedures.frames import TURN_START
+from procedures.positions import TURN_START
 from tests.procedures.independent import campaign
 
 PERIOD, TRUE = 0.01, np.array([1010.3, -987.6, 12.4])

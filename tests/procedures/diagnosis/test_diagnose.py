@@ -15,6 +15,7 @@ from procedures.inference.result import Diagnosis, Finding
 from station.files.campaign_folder.campaign_reading import read_campaign
 from tests.benchmarks.diagnosing.designs import WARM, certified, plain, repeated, two_sites, two_speeds, unit
 from tests.benchmarks.diagnosing.outside import outside
+from tests.benchmarks.undeclared_kinds.literature import LITERATURE
 from tests.paths import DATA
 
 LEANING = {"gyroscope.g_sensitivity": {"xy": 0.3, "zx": -0.3}}
@@ -166,6 +167,17 @@ def test_a_gravity_error_has_the_sign_of_the_campaign_that_is_named(seed: int) -
     expected = size if gravity.where["campaign"] == 2 else -size
     assert abs(gravity.value[0] - expected) < 4 * gravity.std[0]
     assert abs(gravity.value[0]) > 5 * gravity.std[0]
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_unit_that_slips_in_its_fixture_is_a_tilt_and_no_scatter(seed: int) -> None:
+    found = diagnose(LITERATURE["unit slips in the fixture"].campaigns(seed))
+    (tilt,) = found.findings
+    assert tilt.effect == "placement.tilt"
+    assert tilt.probability > 0.99
+    assert "after" in tilt.where
+    assert 1e-5 < np.linalg.norm(tilt.value) < 5e-4
+    assert np.linalg.norm(tilt.value) > 10 * np.max(tilt.std)
 
 
 def test_certified_quadratic_is_not_its_faces_though_they_look_alike() -> None:

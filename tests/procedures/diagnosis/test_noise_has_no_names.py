@@ -13,11 +13,11 @@ from procedures.anomalies.wrong_positions import find_wrong_labels, label_findin
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord, Site, SoakRecord, TurnRecord
 from procedures.counts.sample_records import CountSeries, RateSeries
-from procedures.frames import nominal_C_lb
 from procedures.geodesy import earth_rate_n
 from procedures.inference.odds import gain, gain_of_squares
 from procedures.inference.priors import LIKELY
 from procedures.inference.result import Finding
+from procedures.positions import nominal_C_lb
 from procedures.samples.sample_effects import sample_effects
 from procedures.samples.sample_turns import periodic_in_turns
 from tests.procedures.diagnosis.planted import planted, with_reference_time

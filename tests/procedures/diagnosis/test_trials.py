@@ -7,7 +7,8 @@ from procedures.calibration.joint_calibration import solve
 from procedures.campaign.campaign import Campaign, DwellRecord, ProcedureSigma, Site
 from procedures.counts.sample_records import RateSeries
 from procedures.diagnosis.diagnose import diagnose
-from procedures.frames import face_normal, face_of, rotation
+from procedures.frames import rotation
+from procedures.positions import face_normal, face_of
 
 OFFSET = np.array([0.5, -0.6, 0.4])  # m/s2
 

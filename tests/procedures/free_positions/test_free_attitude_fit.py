@@ -9,8 +9,8 @@ from procedures.calibration.triad_calibration import triad_vector
 from procedures.campaign.campaign import Campaign, Fixture, RestRecord, Site
 from procedures.campaign.observations import TriadRests
 from procedures.counts.sample_records import RateSeries
-from procedures.frames import FACES, face_normal
 from procedures.free_positions.free_attitude_fit import solve_with_rests
+from procedures.positions import FACES, face_normal
 from procedures.twelve_positions.accelerometer_fit import TriadFit
 from tests.procedures.free_units import NO_SERIES, Unit, at_rest, unit, ups
 from tests.procedures.independent import campaign, dwells, specific_force

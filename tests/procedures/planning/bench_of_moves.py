@@ -3,10 +3,11 @@
 import numpy as np
 
 from procedures.campaign.campaign import Campaign, Fixture, ProcedureSigma, Site
-from procedures.frames import ATTITUDES, AXES
+from procedures.frames import AXES
 from procedures.planning.campaign_design import CampaignDesign, of_positions
 from procedures.planning.design_sigmas import DesignSigmas, WantedSigmas, wanted
 from procedures.planning.step_information import StepInformation, UnitNoise
+from procedures.positions import ATTITUDES
 from tests.procedures.twelve_positions.carried_cube import ARW, HEADING, LATITUDE, SEAT, WANDER_DEG_S
 
 ARCSEC = np.pi / 180 / 3600

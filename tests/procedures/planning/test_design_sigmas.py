@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from procedures.calibration.triad_calibration import triad_vector
-from procedures.frames import POSITIONS
 from procedures.planning.campaign_design import HandTimes, usual_design
 from procedures.planning.design_sigmas import OF_TRIAD
 from procedures.planning.identifiability import IdentifiableEffect, identifiable_effects
+from procedures.positions import POSITIONS
 from procedures.twelve_positions.accelerometer_fit import solve_accelerometer
 from procedures.twelve_positions.gyroscope_fit import solve_gyroscope
 from tests.procedures.planning.bench_of_moves import ARCSEC, HALVES, OFF_DIAGONAL, D, E, K, bench, order, rms, unit

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from procedures.frames import POSITIONS
 from procedures.planning.campaign_design import ROTATION_PLACEMENTS, CampaignDesign, Placement, of_positions
 from procedures.planning.design_sigmas import WantedSigmas
 from procedures.planning.order_search import OrderSearch, flips
+from procedures.positions import POSITIONS
 from tests.procedures.planning.bench_of_moves import ARCSEC, accelerometer_bias, bench, gyroscopes, unit
 
 

@@ -24,7 +24,7 @@ from procedures.campaign.campaign import (
 )
 from procedures.campaign.observations import TriadDwells
 from procedures.counts.sample_records import CountSeries
-from procedures.frames import ATTITUDES
+from procedures.positions import ATTITUDES
 from tests.procedures.independent import COMPASS, NO_SERIES, dwells
 
 LATITUDE, ARW, DWELL_S = 0.55, 1e-4, 100.0  # rad, deg/sqrt(s), s

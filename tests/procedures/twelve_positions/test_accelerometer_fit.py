@@ -4,7 +4,7 @@ import pytest
 from procedures.arrays import FloatArray
 from procedures.calibration.triad_calibration import scale_misalignment_bias, triad_vector
 from procedures.campaign.campaign import FaceCertificate, Fixture
-from procedures.frames import FACES
+from procedures.positions import FACES
 from procedures.twelve_positions.accelerometer_fit import (
     closed_form,
     missing_positions,

@@ -8,7 +8,8 @@ from scipy.optimize import least_squares
 
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import FaceCertificate, Fixture
-from procedures.frames import AXES, FACES, C_bn, face_of
+from procedures.frames import AXES
+from procedures.positions import FACES, C_bn, face_of
 from procedures.twelve_positions.bench_parameters import (
     FACE_TILT_RANGE_RAD,
     SLAB_TILT_RANGE_RAD,

@@ -11,7 +11,8 @@ from procedures.calibration.triad_calibration import TriadVector, triad_vector
 from procedures.campaign.campaign import Campaign
 from procedures.counts.sample_records import CountSeries, RateSeries
 from procedures.errors import MoveContradicts
-from procedures.frames import ATTITUDES, POSITIONS, face_of, nominal_C_lb, rotation_vector
+from procedures.frames import rotation_vector
+from procedures.positions import ATTITUDES, POSITIONS, face_of, nominal_C_lb
 from procedures.twelve_positions.accelerometer_fit import solve_accelerometer
 from procedures.twelve_positions.gyroscope_fit import GyroscopeFit, solve_gyroscope
 from procedures.twelve_positions.transfer_rotation import (

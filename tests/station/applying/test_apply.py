@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from station.files.sample_files import WRITERS
+from station.files.calibrated_sample_writers import WRITERS
 from station.sending.to_foxglove import CalibratedSample
 from tests.station.applying.independent import drawn_std, evaluated
 from tests.station.applying.inputs import (

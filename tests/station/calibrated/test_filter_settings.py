@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.kalman.kalman_state import AIDED_SETTINGS, UNAIDED_SETTINGS
+from procedures.attitude.kalman.kalman_settings import AIDED_SETTINGS, UNAIDED_SETTINGS
 from station.calibrated.filter_settings import filter_settings, force_bias_std, gyro_bias_std
 
 EARTH = 7.292115e-5  # rad/s

@@ -11,7 +11,7 @@ from fixtures_db.fixture_measurements import cube
 from fixtures_db.fixtures import fixture_row
 from fixtures_db.imu_models import limits_of
 from fixtures_db.schema import SiteRow
-from procedures.frames import FACES
+from procedures.positions import FACES
 from station import cli
 
 TRUTH = """serial = "U-21"

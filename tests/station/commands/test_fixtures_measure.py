@@ -15,7 +15,7 @@ from fixtures_db.fixture_measurements import measurement, measurements
 from fixtures_db.fixtures import fixture_row
 from fixtures_db.schema import CubeRow
 from procedures.campaign.campaign import Fixture
-from procedures.frames import face_of
+from procedures.positions import face_of
 from station import cli
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.guide.campaign.campaign_tables import cube_fixture

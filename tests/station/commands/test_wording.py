@@ -13,7 +13,8 @@ import pytest
 from syrupy.assertion import SnapshotAssertion
 
 from station import cli
-from station.commands import COMMANDS, Command, Database
+from station.commands import Database
+from station.commands.command_table import COMMANDS, Command
 from station.results.certificate.laboratory import read_laboratory
 from tests.station.commands.refusal_lines import LINES
 from tests.station.commands.transcripts import TextFile, transcript

@@ -16,8 +16,8 @@ from fixtures_db.stored_calibrations import calibration_document
 from procedures.arrays import FloatArray
 from procedures.calibration.solution_values import Estimate, FitQuality, Solution, TriadCalibration
 from procedures.campaign.plan_steps import Dwell
-from procedures.frames import face_normal, face_of, nominal_C_lb
 from procedures.geodesy import earth_rate_n
+from procedures.positions import face_normal, face_of, nominal_C_lb
 from procedures.units import STANDARD_GRAVITY
 from station import cli
 from station.exports import EXPORTS, Export, Request

@@ -17,8 +17,8 @@ from fixtures_db.folder_on_disk import make_folder
 from procedures.errors import ErrorCode
 from station.errors import CannotWrite, DiskFails, exit_code
 from station.files.atomic_file import FlushInterval, replace_file, write_file_pair
+from station.files.calibrated_sample_writers import Ros2Samples, SampleColumns
 from station.files.mcap_files import StepWriter
-from station.files.sample_files import Ros2Samples, SampleColumns
 from tests.benchmarks.power_cuts.trial import tried
 from tests.paths import ROOT
 from tests.refusals import refused

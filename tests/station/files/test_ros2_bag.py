@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from station.errors import DataRefused
-from station.files.sample_files import Ros2Samples, SampleColumns
+from station.files.calibrated_sample_writers import Ros2Samples, SampleColumns
 from tests.refusals import refused
 
 pytest.importorskip("rosbags")

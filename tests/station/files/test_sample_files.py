@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from station.errors import DataRefused
-from station.files.sample_files import WRITERS, MatSamples, SampleColumns, writer_for
+from station.files.calibrated_sample_writers import WRITERS, MatSamples, SampleColumns, writer_for
 from tests.refusals import refused
 
 NAMES = (

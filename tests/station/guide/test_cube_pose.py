@@ -9,7 +9,7 @@ import pytest
 
 from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import Dwell, Turn
-from procedures.frames import nominal_C_lb
+from procedures.positions import nominal_C_lb
 from station.guide.view import PoseView
 from tests.station.guide.rig import GuideRig, dwells
 

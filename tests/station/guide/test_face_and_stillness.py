@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from procedures.frames import FACES, face_normal, rotation
+from procedures.frames import rotation
+from procedures.positions import FACES, face_normal
 from station.guide.checks.dwell_attempt import CHANGED_BLOCKS, POSITION_CHANGED, DwellAttempt
 from station.guide.checks.face_and_stillness import BlockLook, FaceAndStillnessGate, opposite_faces
 from station.stream.live.stillness import Block

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from procedures.campaign.plan_steps import Dwell, Soak, as_repeats
-from procedures.frames import ATTITUDES, FACES, face_of, nominal_C_lb, vertical_rotation
+from procedures.frames import vertical_rotation
 from procedures.gyrocompass import quarters_to, turned_position
+from procedures.positions import ATTITUDES, FACES, face_of, nominal_C_lb
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.plan_file import read_plan, write_plan

@@ -10,7 +10,7 @@ import pytest
 from fixtures_db.hash_chain import GENESIS
 from fixtures_db.imu_models import Limit, each_axis
 from fixtures_db.stored_calibrations import calibration_document
-from procedures.frames import FACES, face_normal, face_of
+from procedures.positions import FACES, face_normal, face_of
 from procedures.twelve_positions.accelerometer_fit import is_determined
 from procedures.uncertainty.budget import combined_budget
 from procedures.uncertainty.sources import HEADING, SourceCell

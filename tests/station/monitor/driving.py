@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from drivers.mavlink.decoder import MavlinkDecoder
+from drivers.mavlink.gnss_fixes import MavlinkDecoder
 from drivers.simulated.companions.gnss_server import Autopilot
 from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.faults import TimedFault

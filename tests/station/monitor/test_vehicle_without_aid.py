@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from procedures.attitude.attitude_log import AttitudeLog, down_of, inclination
-from procedures.attitude.kalman.kalman_state import KalmanSettings
+from procedures.attitude.kalman.kalman_settings import KalmanSettings
 from procedures.units import STANDARD_GRAVITY
 from station.attitude.live_kalman_filter import AttitudeEstimator
 from station.calibrated.filter_settings import filter_settings, in_a_vehicle

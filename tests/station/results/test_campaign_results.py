@@ -20,7 +20,7 @@ from fixtures_db.schema import CubeRow, SlabRow
 from fixtures_db.stored_calibrations import history, verify_chain
 from procedures.campaign.campaign import FaceCertificate
 from procedures.errors import ErrorCode
-from procedures.frames import FACES
+from procedures.positions import FACES
 from station.errors import Altered, CannotWrite
 from station.files.atomic_file import replace_file
 from station.files.campaign_folder.campaign_reading import read_campaign

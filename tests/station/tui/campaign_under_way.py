@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from procedures.frames import TURN_START, nominal_C_lb, rotation, vertical_rotation
+from procedures.frames import rotation, vertical_rotation
+from procedures.positions import TURN_START, nominal_C_lb
 from station.guide.view import CalibrationView, LinkView, PoseView, StageName, StepState, StepView
 from station.stream.stream_events import Event
 from tests.station.tui.start_views import FOLDER

@@ -1,6 +1,6 @@
 """A campaign of flips among all 24 positions of a cube, made by hand as `tests.station.tui.views`."""
 
-from procedures.frames import ATTITUDES
+from procedures.positions import ATTITUDES
 from station.guide.view import GatesView, StepView
 from station.stream.stream_events import Event
 from tests.station.tui.views import pose, running

@@ -7,7 +7,8 @@ import pytest
 from textual.content import Content
 
 from procedures.arrays import FloatArray
-from procedures.frames import nominal_C_lb, vertical_rotation
+from procedures.frames import vertical_rotation
+from procedures.positions import nominal_C_lb
 from station.guide.view import StepView
 from station.tui.widgets.common import Canvas
 from station.tui.widgets.cube import (

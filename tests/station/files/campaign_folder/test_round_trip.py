@@ -21,7 +21,7 @@ from procedures.campaign.campaign import (
 )
 from procedures.campaign.measured_cube import NAMES
 from procedures.counts.sample_records import CountSeries, RateSeries, Series
-from procedures.frames import FACES, TURN_START
+from procedures.positions import FACES, TURN_START
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.files.toml_file import toml_text

@@ -14,7 +14,7 @@ from drivers.simulated.bench_in_memory import simulate_campaign
 from drivers.simulated.truth import Truth
 from procedures.counts.sample_records import RateSeries
 from procedures.counts.sample_times import SampleTimes
-from procedures.frames import ATTITUDES
+from procedures.positions import ATTITUDES
 from station.cli import app
 from station.errors import DataRefused, explain
 from station.files.campaign_folder.campaign_reading import read_campaign

@@ -15,7 +15,7 @@ from fixtures_db.imu_models import set_limits
 from fixtures_db.schema import CubeRow, SiteRow, SlabRow
 from fixtures_db.stored_calibrations import calibration
 from procedures.campaign.campaign import FaceCertificate
-from procedures.frames import FACES
+from procedures.positions import FACES
 from station.files.campaign_folder.campaign_schema import SiteTable
 from station.files.campaign_folder.plan_file import UnitRecord, write_note
 from station.files.campaign_setup import Setup

@@ -7,7 +7,8 @@ import numpy as np
 from procedures.calibration.solution_values import Estimate, FitQuality, Solution, StepResidual, TriadCalibration
 from procedures.campaign.campaign import Campaign, DwellRecord, FaceCertificate, Fixture, Site, TurnRecord
 from procedures.counts.sample_records import CountSeries
-from procedures.frames import AXES, POSITIONS
+from procedures.frames import AXES
+from procedures.positions import POSITIONS
 from procedures.uncertainty.budget import ParameterBudget, combined_budget
 from procedures.uncertainty.sources import SourceCell
 from station.results.report.report import ReportContext

@@ -4,8 +4,8 @@ import pytest
 from pymavlink.dialects.v20 import all as dialect
 
 from drivers.address_parsing import parse_device_url
-from drivers.mavlink.decoder import MavlinkDecoder
 from drivers.mavlink.frames import SignatureCheck
+from drivers.mavlink.gnss_fixes import MavlinkDecoder
 from drivers.simulated.companions.gnss_server import Autopilot
 from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.truth import Truth

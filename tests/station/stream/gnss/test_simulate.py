@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from drivers.address_parsing import LINKS
-from drivers.mavlink.decoder import MavlinkDecoder
 from drivers.mavlink.frames import GPS2_RAW
+from drivers.mavlink.gnss_fixes import MavlinkDecoder
 from drivers.ports import open_port
 from drivers.simulated.companions.gnss_server import SimulatedGnss
 from drivers.simulated.companions.truths import AutopilotTruth

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak, Step, Turn
-from procedures.frames import TURN_START
+from procedures.positions import TURN_START
 from station.files.campaign_folder.campaign_schema import DwellTable, MonitorTable, SoakTable
 from station.stream.recorder import accepted_step_writer
 from station.stream.recorder.accepted_step_writer import step_of
