@@ -16,7 +16,7 @@ from procedures.frames import AXES
 from procedures.units import DEG_H_PER_DEG_S, PPM_PER_ONE
 
 SCALE_PPM = 100.0  # plausible
-SLIP = 5e-4  # rad, plausible: 0.05 mm on 100 mm
+SLIP = 1e-4  # rad, plausible: 0.01 mm on 100 mm; beyond ten times that something else is wrong
 RESTING = ("dwell", "rest", "soak")
 MAX_PLACES = 200  # that are tried: of more, as in many soaks together, evenly spread ones
 MIN_STEPS = 2  # on either side: one step by itself is no jump
@@ -302,7 +302,7 @@ UNIT_TILT = Effect(
         "A nudge, a stand that gives way, a screw that is loose. All that is seen turns by a small rotation from "
         "some moment on. In one rest what is along gravity stays, and a jump of the accelerometers' biases across "
         "it looks the same; between the dwells of a campaign it goes with the attitude. Plausible: 0.01 rad, or "
-        "as far as a rest wanders; between dwells 5e-4 rad, as of a seating."
+        "as far as a rest wanders; between dwells 1e-4 rad, 0.01 mm on 100 mm."
     ),
     unit="rad",
     physics="rotation(x, y, z) of all that is seen, from a moment on",
