@@ -108,7 +108,7 @@ ACCELEROMETER_BIAS_LAG, GYROSCOPE_BIAS_LAG = twins(
     unit=("g/K", "deg/h/K"),
     plausible=(1e-4, 0.3),
     starts=_lags,
-    meaning="Bias that goes with a temperature that nobody records",
+    meaning="Bias that follows the temperature with a lag",
     about="The sensor follows the thermometer by tau dT_s/dt = T - T_s, or a part of it does: beside a "
     "temperature coefficient it is what the coil, the proof mass or a gradient lags behind. One time constant "
     "for the triad, fitted. A short one is a temperature coefficient with one of the rate, T_s = T - tau dT/dt. "
@@ -127,7 +127,7 @@ ACCELEROMETER_SCALE_LAG, GYROSCOPE_SCALE_LAG = twins(
     unit="ppm/K",
     plausible=100.0,
     starts=_lags,
-    meaning="Scale factor that goes with a temperature that nobody records",
+    meaning="Scale factor that follows the temperature with a lag",
     about="tau dT_s/dt = T - T_s: a servo's magnet and a coil follow the thermometer, or a part of them does, by "
     "heat conduction. One time constant for the triad, fitted. It shows where an input stands while temperature "
     "moves: faces up and down, turns, or a rate table whose points have a time. Plausible: as a scale factor's "

@@ -275,6 +275,9 @@ def notes(finding: Mapping[str, Any]) -> list[str]:
         found.append(
             f"at the one attitude recorded it is indistinguishable from {both(same)}: record a second attitude"
         )
+    if finding.get("unit") == "position":
+        actual = both([str(round(one["value"])) for one in finding["coefficients"].values()])
+        found.append(f"the cube stood in position {actual}: record it so")
     if finding.get("unit") == "direction":
         found.append(
             "these rotations are labelled with the wrong direction: with these labels the gyroscopes would count "

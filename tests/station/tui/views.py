@@ -271,7 +271,7 @@ NOT_MEASURED = PASSED.model_copy(
         "verdict": PASSED.verdict.model_copy(
             update={
                 "word": "NOT_MEASURED",
-                "said": "NO LIMITS",
+                "in_words": "NO LIMITS",
                 "sentence": "NO LIMITS: no limits are stored for SIM-FOG3.",
                 "change": "",
             }
