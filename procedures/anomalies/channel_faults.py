@@ -175,15 +175,15 @@ MAX_SHARE = 0.6  # of a recording that stands still; more of it is a channel tha
 def frozen_stretches(campaigns: Sequence[Campaign]) -> Iterator[Disturbance]:
     """Yield the longest stretch at one value of each channel at rest, to be cut, with its finding.
 
-    To the end of a recording it is a dead channel, which is left out (`dead_channels`): said, and not cut.
+    To the end of a recording it is a dead channel, which is left out (`dead_channels`): reported, and not cut.
     """
     taken = dict[tuple[int, int], list[tuple[int, int]]]()  # of each recording: channels freeze together
     for one in resting_channels(campaigns):
         first, end = _longest_run(one.samples)
-        told = taken.setdefault((one.campaign, one.step), [])
-        if end - first < MIN_RUN or any(first < other and begin < end for begin, other in told):
+        runs = taken.setdefault((one.campaign, one.step), [])
+        if end - first < MIN_RUN or any(first < other and begin < end for begin, other in runs):
             continue
-        told.append((first, end))
+        runs.append((first, end))
         cut = end if end < len(one.samples) else first
         yield Disturbance(one.campaign, one.step, first, cut, np.inf, _frozen_finding(one, first, end))
 

@@ -250,5 +250,5 @@ def rough_scale(campaign: Campaign, triad: str) -> FloatArray:
         y.append(total if triad == "accelerometer" else total * len(series) * series.period / size)
     largest = np.max(np.abs(np.array(y) * (np.array(u) > 0.5)), axis=0, initial=0.0) if u else np.zeros(3)
     known = largest[largest > 0]
-    told = known.mean() if len(known) else campaign.nominal_scale.get(triad, 1.0)
-    return np.where(largest > 0, largest, told) / (1.0 if triad == "accelerometer" else DEG_H_PER_DEG_S)
+    stated = known.mean() if len(known) else campaign.nominal_scale.get(triad, 1.0)
+    return np.where(largest > 0, largest, stated) / (1.0 if triad == "accelerometer" else DEG_H_PER_DEG_S)

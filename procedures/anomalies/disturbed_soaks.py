@@ -1,6 +1,6 @@
 """Knocks and wrong rows within soaks: short stretches that are livelier than the soak's own quiet.
 
-They are looked for as in dwells (`procedures.anomalies.disturbances`), cut out and said. What lasts longer, or
+They are looked for as in dwells (`procedures.anomalies.disturbances`), cut out and reported. What lasts longer, or
 comes so often that little would be left, is a state of the soak and stays in: effects may go with it.
 """
 
@@ -90,14 +90,14 @@ def deviations_in(series: Series, found: Disturbance) -> list[Deviation]:
     apart = (found.end - found.first) // APART  # the disturbance may go on a little beyond what was found of it
     before = slice(max(found.first - apart - length, 0), max(found.first - apart, 0))
     after = slice(found.end + apart, found.end + apart + length)
-    told = list[Deviation]()
+    reported = list[Deviation]()
     for triad in TRIADS:
         if (samples := channel(series, triad)) is None:
             continue
         for axis, name in enumerate(CHANNEL_LABELS[triad]):
             x = np.asarray(samples[:, axis], dtype=np.float64)
-            told.append(_deviation(name, x[before], x[found.first : found.end], x[after], apart))
-    return told
+            reported.append(_deviation(name, x[before], x[found.first : found.end], x[after], apart))
+    return reported
 
 
 def _deviation(name: str, before: FloatArray, inside: FloatArray, after: FloatArray, apart: int) -> Deviation:
@@ -150,9 +150,9 @@ def without_knocks(campaigns: Sequence[Campaign]) -> QuietSoaks:
     kept = list(_short(alive, found))
     quiet = without_disturbances(alive, kept)
     put_back = tuple(_put_back(one, other) for one, other in zip(campaigns, quiet, strict=True))
-    told = [*(each.finding for each in frozen), *_named(alive, kept)]
+    reported = [*(each.finding for each in frozen), *_named(alive, kept)]
     lasting = [*clipped_channels(quiet), *(list(_states(alive, found)) or changed_noise(quiet))]
-    return QuietSoaks(put_back, (*told, *lasting), tests)
+    return QuietSoaks(put_back, (*reported, *lasting), tests)
 
 
 def _of_soaks(campaign: Campaign) -> Campaign:

@@ -48,8 +48,8 @@ class _Dwells:
 class Mislabelled:
     """A dwell (by number) that truly stood in ``position``, and ln of the odds that its label is wrong.
 
-    ``is_heading_known`` says whether the position is told from its face's other one, ``jump`` how probable it is
-    that the label is right and a bias jumped.
+    ``is_heading_known`` says whether the data separate the position from its face's other one, ``jump`` how
+    probable it is that the label is right and a bias jumped.
     """
 
     campaign: int
@@ -163,7 +163,7 @@ def _faces(campaign: Campaign, dwells: _Dwells) -> tuple[list[str], FloatArray] 
 def _consensus(design: FloatArray, rate: FloatArray) -> BoolArray | None:
     """Mark the dwells of the largest set that one affine map takes to their outputs; None if it is no majority.
 
-    Of two stories told by as many, the one without a sensor that counts backwards is taken.
+    Of two explanations that as many support, the one without a sensor that counts backwards is taken.
     """
     rng, n = np.random.default_rng(SEED), len(design)
     best, most = np.zeros(n, dtype=bool), 0.0

@@ -1,7 +1,7 @@
 """Effects that somebody declared: they are in the model from the start, beside scale factor, E and bias.
 
-Their coefficients are held to nought by their plausible range, and what else is found is found beside them: to the
-loop they are parameters of the model. What a campaign cannot tell is left out, and said.
+Their coefficients are held to zero by their plausible range, and what else is found is found in addition to them:
+they are parameters of the model. What a campaign cannot determine is not in the model, and reported.
 """
 
 from collections.abc import Sequence
@@ -58,9 +58,9 @@ class DeclaredModel:
         at_reference = any("T" in term.inputs for term in self.terms)
         reference = REFERENCE_C if at_reference else solution.reference_temperature
         ends = (
-            f"{each.effect.name}: {said}"
+            f"{each.effect.name}: {text}"
             for term, each in zip(self.terms, found.declared, strict=True)
-            for said in term.at_ends(each.columns.nonlinear)
+            for text in term.at_ends(each.columns.nonlinear)
         )
         warnings = (*solution.warnings, *self.left_out, *ends)
         return replace(solution, reference_temperature=reference, warnings=warnings)
@@ -96,7 +96,7 @@ def _with_parameters(evidence: Evidence, declared: Sequence[Candidate]) -> Evide
 
 
 def declare(bench: BenchModel, terms: Sequence[TermEffect]) -> DeclaredModel:
-    """Return the model with effects in it, in their order; those that cannot be told are left out."""
+    """Return the model with effects in it, in their order; those that cannot be determined are not in it."""
     kept, left_out, now = list[TermEffect](), list[str](), bench.refit(())
     for term in terms:
         found = _declared(bench, now, term)
@@ -119,9 +119,9 @@ def _declared(bench: BenchModel, now: Refit, term: TermEffect) -> Refit | str:
         return "nothing in this campaign excites it enough"
     if (one := next((each for each in now.added if are_one(evidence, ways[0], each)), None)) is not None:
         return f"in this campaign it is indistinguishable from {one.effect.name}"
-    if not (told := [found for way in ways if (found := _gain(evidence, way, now)) is not None]):
+    if not (determined := [found for way in ways if (found := _gain(evidence, way, now)) is not None]):
         return "the model's own parameters absorb it in this campaign"
-    way = max(told, key=lambda each: each[0])[1]
+    way = max(determined, key=lambda each: each[0])[1]
     try:
         return bench.refit([*now.added, way])
     except DoesNotFit as error:

@@ -163,7 +163,7 @@ def put_right(campaigns: Sequence[Campaign]) -> tuple[CheckedCampaigns, BenchMod
 
 
 def _bench_model(steps: ReducedSteps) -> BenchModel:
-    """Return the base model, without moves, which is said, where one contradicts its placings."""
+    """Return the base model, without moves, which is reported, where one contradicts its placings."""
     try:
         return BenchModel(steps, fit_reduced(steps))
     except MoveContradicts as error:
@@ -211,8 +211,8 @@ def _not_separable(found: Inferred) -> dict[str, str]:
 
 def _measure_next(findings: Sequence[Finding], *, is_left: bool) -> str:
     """Return what separates the findings' names, or whether what is left comes back; nothing if all is named."""
-    told = "; ".join(dict.fromkeys(each.separate_by for each in findings if each.confidence == "possible"))
-    return REPEAT_CAMPAIGN if is_left and not told else told
+    measurements = "; ".join(dict.fromkeys(each.separate_by for each in findings if each.confidence == "possible"))
+    return REPEAT_CAMPAIGN if is_left and not measurements else measurements
 
 
 def _bench_alone(found: Inferred, findings: Sequence[Finding], *, is_left: bool) -> BenchAlone | None:

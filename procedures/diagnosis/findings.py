@@ -44,7 +44,7 @@ def _finding(found: Inferred, cause: Cause, of: Coefficients, left_out: Sequence
 
 
 def _sizes(now: Refit, of: Coefficients) -> tuple[tuple[str, ...], FloatArray, FloatArray]:
-    """Return names, values and 1 sigma of the coefficients that act, last what is not linear.
+    """Return names, values and 1 sigma of the coefficients that act likelier than not, last what is not linear.
 
     Between the points of a grid a time constant is known as well as the fit where the model stands with it says.
     """
@@ -55,9 +55,7 @@ def _sizes(now: Refit, of: Coefficients) -> tuple[tuple[str, ...], FloatArray, F
     own = [i for i, each in enumerate(now.added) if _is_same(each, of.candidate)]
     if not of.candidate.effect.is_scatter:
         seen &= np.any(of.candidate.term.H[:, : len(std)], axis=0)
-    expected = of.candidate.effect.plausible_of(of.candidate.columns)[: len(std)]
-    known = np.divide(std, expected, out=np.zeros_like(std), where=expected > 0)
-    acts = seen & (known > priors.NEGLIGIBLE * np.max(known[seen], initial=0.0))
+    acts = seen & (of.acts >= min(priors.PRESENT, float(np.max(of.acts[seen], initial=0.0))))
     if bent.size and len(own) == 1:
         k, fitted = len(std), np.sqrt(np.diag(now.linear.coefficients(own[0])[1]))
         std, spread = np.maximum(std, fitted[:k]), np.hypot(spread, fitted[k:])

@@ -27,7 +27,7 @@ from procedures.units import STANDARD_GRAVITY
 AT_REST = 0.001  # of the fastest rate: faster moves
 NOISE_SIGMAS = 6.0  # sigmas of a sample, by which one that moves stands off at the least
 QUIET_SHARE = 0.7  # of the time before it is seen to move: a hand begins slowly
-AS_TOLD = 0.1  # of the angle told: by the unit told farther from it, it was another
+AS_STATED = 0.1  # of the angle stated: by the unit stated farther from it, it was another
 FAR_MORE = 3.0  # times: another gyroscope whose output changes so much more stands nearer to the axis turned
 
 
@@ -37,7 +37,7 @@ class TurnSeen:
 
     ``revolutions`` is signed by direction; ``at_rest`` [output/s, or output of rates] and ``scale`` [output/deg,
     or output/(deg/s)] are None where it does not rest at both ends, or samples are missing. ``turned_deg`` is by
-    the unit told, None where none is; ``is_as_told``: that is about the angle that was told.
+    the unit stated, None where none is; ``is_as_stated``: that is about the angle that was stated.
     ``is_reversed``: about as many, the other way; ``other`` is the gyroscope that changed far more, if any did.
     """
 
@@ -50,7 +50,7 @@ class TurnSeen:
     at_rest: tuple[float, float] | None
     scale: tuple[float, float] | None
     turned_deg: tuple[float, float] | None
-    is_as_told: bool
+    is_as_stated: bool
     is_reversed: bool = False
     other: int | None = None
 
@@ -73,7 +73,7 @@ def _seen(campaign: Campaign, turn: TurnRecord) -> Iterator[TurnSeen]:
     ends, missing = _rests(rate, period), len(turn.series.starts) > 1
     found = None if missing or ends is None else _integrated(rate, period, ends)
     other = _moved_far_more(np.asarray(turn.series.gyro, dtype=np.float64), sensor)
-    scale, turned, is_as_told, is_reversed = None, None, True, False
+    scale, turned, is_as_stated, is_reversed = None, None, True, False
     nominal = campaign.nominal_scale.get("gyroscope")
     if found is not None:
         _, total, total_std = found
@@ -82,16 +82,16 @@ def _seen(campaign: Campaign, turn: TurnRecord) -> Iterator[TurnSeen]:
         if nominal:
             turned = total / nominal, total_std / abs(nominal)
             share = turned[0] / (360.0 * revolutions)
-            is_as_told, is_reversed = abs(share - 1) < AS_TOLD, abs(share + 1) < AS_TOLD
+            is_as_stated, is_reversed = abs(share - 1) < AS_STATED, abs(share + 1) < AS_STATED
     yield TurnSeen(
         turn.name, f"{turn.direction}{turn.axis}", sensor, revolutions, len(rate) * period, counts,
-        None if found is None else found[0], scale if is_as_told and other is None else None, turned, is_as_told,
-        is_reversed, other,
+        None if found is None else found[0], scale if is_as_stated and other is None else None, turned,
+        is_as_stated, is_reversed, other,
     )  # fmt: skip
 
 
 def _moved_far_more(rates: FloatArray, sensor: int) -> int | None:
-    """Return the gyroscope whose output changes far more than that of the axis told, None where none does."""
+    """Return the gyroscope whose output changes far more than that of the axis stated, None where none does."""
     ranges = np.nan_to_num(np.ptp(rates, axis=0))
     most = int(np.argmax(ranges))
     return most if ranges[most] > FAR_MORE * ranges[sensor] else None
@@ -132,27 +132,27 @@ def left_open(turns: Sequence[TurnSeen]) -> list[str]:
     }
     one_way = [AXES[sensor] for sensor, ways in several.items() if len(ways) == 1]
     right = [seen for seen in turns if seen.other is None]
-    said = sorted({_turned_otherwise(seen) for seen in turns if seen.other is not None or seen.is_reversed})
-    if any(not seen.is_as_told and not seen.is_reversed for seen in right):
-        said.append(
+    texts = sorted({_turned_otherwise(seen) for seen in turns if seen.other is not None or seen.is_reversed})
+    if any(not seen.is_as_stated and not seen.is_reversed for seen in right):
+        texts.append(
             "a scale factor: the stated angle contradicts the gyroscope (state turn:+z:ANGLEdeg, or --reference)"
         )
-    if any(seen.is_as_told and seen.scale is None for seen in right):
-        said.append("the bias separately from the rotation (rest for 2 s before and after)")
+    if any(seen.is_as_stated and seen.scale is None for seen in right):
+        texts.append("the bias separately from the rotation (rest for 2 s before and after)")
     if one_way:
-        said.append(f"a scale factor of {', '.join(one_way)} that differs by direction (turn the other way)")
-    said.append("the bias without the Earth's rate")
-    return said
+        texts.append(f"a scale factor of {', '.join(one_way)} that differs by direction (turn the other way)")
+    texts.append("the bias without the Earth's rate")
+    return texts
 
 
 def _turned_otherwise(seen: TurnSeen) -> str:
-    """Return how a turn was another than was told, in words."""
-    told, axis = AXES[seen.sensor], seen.axis[1:]
+    """Return how a rotation was another than was stated, in words."""
+    stated, axis = AXES[seen.sensor], seen.axis[1:]
     if seen.other is not None:
         most = AXES[seen.other]
-        return f"a scale factor of {told}: gyroscope {most} changed far more (state turn:+{most} or turn:-{most})"
+        return f"a scale factor of {stated}: gyroscope {most} changed more (state turn:+{most} or turn:-{most})"
     return (
-        f"a scale factor of {told}: it turned the other way (state "
+        f"a scale factor of {stated}: it turned the other way (state "
         f"turn:{'-' if seen.axis[0] == '+' else '+'}{axis})"
     )
 
@@ -161,19 +161,19 @@ def pooled(turns: Sequence[TurnSeen]) -> dict[int, tuple[float, float]]:
     """Return by sensor the mean scale factor of several turns; its 1 sigma holds by how much they differ."""
     found = dict[int, tuple[float, float]]()
     for sensor in sorted({seen.sensor for seen in turns}):
-        told = [seen.scale for seen in turns if seen.sensor == sensor and seen.scale is not None]
-        if len(told) > 1:
-            value, std = np.array(told).T
+        stated = [seen.scale for seen in turns if seen.sensor == sensor and seen.scale is not None]
+        if len(stated) > 1:
+            value, std = np.array(stated).T
             weight = 1 / std**2
             mean = float(np.sum(weight * value) / weight.sum())
-            squares = float(np.sum(weight * (value - mean) ** 2)) / (len(told) - 1)
+            squares = float(np.sum(weight * (value - mean) ** 2)) / (len(stated) - 1)
             found[sensor] = mean, float(np.sqrt(max(squares, 1.0) / weight.sum()))
     return found
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RestSeen:
-    """A rest: how long [s], how much longer than gravity the specific force is [g], None where no unit is told."""
+    """A rest: how long [s], how much longer than gravity the specific force is [g], None without a unit."""
 
     name: str
     seconds: float
@@ -212,7 +212,7 @@ def rests_seen(campaigns: Sequence[Campaign]) -> list[RestSeen]:
 
 
 def moves_seen(campaigns: Sequence[Campaign]) -> list[MoveSeen]:
-    """Return the moves of all sequences of gyroscopes whose unit is told."""
+    """Return the moves of all sequences of gyroscopes whose unit is stated."""
     return [
         move
         for each in segment(campaigns)

@@ -1,6 +1,6 @@
 """Findings put to the test on other campaigns of the unit, which had no part in choosing them.
 
-The coefficients stay as the diagnosis found them; k, E, D and the bench are solved anew, without the effects and
+The coefficients stay as the diagnosis found them; k, E, D and the bench are solved again, without the effects and
 with what they add taken off. Carried over is what belongs to the unit, and to the cube where it is the same one:
 a seating, a heading or a slab was that campaign's alone.
 """
@@ -31,8 +31,8 @@ from procedures.inference.result import Diagnosis, ResidualRms
 def validate(diagnosis: Diagnosis, campaigns: Sequence[Campaign]) -> tuple[ResidualRms, ...]:
     """Return the errors that other campaigns of the unit show without and with the effects found.
 
-    ``before`` and ``after`` are their residual, ``held_out_*`` the error of each position, turn and rest foretold
-    by the others of these campaigns; where none can be foretold, the residual, which was held out of the finding.
+    ``before`` and ``after`` are their residual, ``held_out_*`` the error of each position, turn and rest predicted
+    by the others of these campaigns; where none can be predicted, the residual, which was held out of the finding.
     ``after`` is nan where these campaigns cannot be fitted with the effects in.
 
     Raises

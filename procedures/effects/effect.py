@@ -38,7 +38,7 @@ class Effect:
     ``stated_share`` of its plausible 1 sigma is what the campaign states already.
     ``at`` returns one of its ways at another excitation, at the time constant and orders that the way has, where
     these are fitted; ``ranges`` bound what is not linear. ``separate_by_certified`` stands for ``separate_by``
-    where the cube has a certificate already. ``is_loss``: its coefficients are above nought, or it is another.
+    where the cube has a certificate already. ``is_loss``: its coefficients are above zero, or it is another.
     ``is_turn``: it turns all that is seen, by as much as its columns say, which are for small angles alone.
     ``driver`` is what it follows: input, temperature, channel, time, time at rest.
     ``multiplies_output``: it multiplies all that is put out, other effects included. ``same_at_rest`` names the

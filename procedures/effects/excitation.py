@@ -72,7 +72,7 @@ class ExcitationStep:
     """A step: name, kind (dwell, turn, move, rest, soak, rate), campaign, position (0: in none), face ('': none).
 
     ``stated_std`` [rad] is the 1 sigma stated of a dwell's heading, of a turn's closure; 0 where nothing is.
-    ``slab_tilt`` [rad] is how a dwell's slab leans, as the model stands: up seen from it is (east, north, 1).
+    ``slab_tilt`` [rad] is how a dwell's slab is tilted, as the model stands: up seen from it is (east, north, 1).
     ``tilt`` [rad] is the rotation vector, IMU axes, that turns what a dwell sees in nominal attitude into what it
     sees as the model stands, by slab, face and heading.
     ``clock`` numbers the clocks of a campaign whose recordings have not one time in common.
@@ -98,7 +98,7 @@ class Columns:
     is seen there: a move must carry the attitude before it into the one after. ``where`` says what of the
     campaign it is about, ``shape`` the value of what is not linear in it. A coefficient belongs to `coefficients`,
     in ``unit`` where this way has one of its own, else the effect's; ``plausible`` likewise, one a coefficient as
-    it is fitted. ``nonlinear`` holds by name, above nought, what is fitted by its logarithm: the last of the
+    it is fitted. ``nonlinear`` holds by name, above zero, what is fitted by its logarithm: the last of the
     coefficients.
     """
 
@@ -154,8 +154,8 @@ def turned_columns(excitation: Excitation, columns: Columns, c: FloatArray) -> t
     """Return what a turn of coefficients ``c`` (k,) adds, as one column and to every order, and its columns there.
 
     A seat of 4e-3 rad takes 8e-6 g from the sensor that is upright, five sigma of its bias, and as much from it on
-    a slab that leans as far: what is turned is what the tilts of slab and face leave to be seen. At c a change of
-    the rotation vector v by d turns what is seen by ``(1 + [v x] / 2) d`` more, to the first order in v.
+    a slab that is tilted as far: what is turned is what the tilts of slab and face leave to be seen. At c a change
+    of the rotation vector v by d turns what is seen by ``(1 + [v x] / 2) d`` more, to the first order in v.
     """
     assert columns.rotation is not None
     at = np.flatnonzero(columns.rotation.any(axis=(1, 2)))

@@ -68,20 +68,20 @@ def scatter_columns(excitation: Excitation) -> list[Columns]:
     ]
     if not seats:
         return []
-    leaning = np.zeros((len(excitation.t), 3, len(seats)))
+    tilted = np.zeros((len(excitation.t), 3, len(seats)))
     for i, (number, _, axis) in enumerate(seats):
         here = excitation.step == number
-        leaning[here, :, i] = excitation.C_sb[here, :, axis]
+        tilted[here, :, i] = excitation.C_sb[here, :, axis]
     names = [f"{step.campaign + 1}.{step.name}.{AXES[axis]}" for _, step, axis in seats]
-    accel, gyro = rotation_columns(excitation, leaning)
-    return [Columns(tuple(names), accel=accel, gyro=gyro, rotation=leaning)]
+    accel, gyro = rotation_columns(excitation, tilted)
+    return [Columns(tuple(names), accel=accel, gyro=gyro, rotation=tilted)]
 
 
 SCATTER = Effect(
     name="placement.scatter",
     meaning="Seats scatter",
     about=(
-        "In every dwell and turn the IMU in the cube, or the cube on the slab, leans by a draw of its own. One "
+        "In every dwell and turn the IMU in the cube, or the cube on the slab, is tilted by its own draw. One "
         "variance for both level axes, fitted. A turn then goes about another axis of the IMU. Plausible: 1e-4 "
         "rad, 0.04 mm on 400 mm."
     ),

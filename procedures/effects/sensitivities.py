@@ -85,7 +85,7 @@ CHANNEL = Effect(
     physics="c aux",
     meaning="An auxiliary channel acts on the sensors",
     about="The bias holds where the channel is zero. Slow channels have gaps: in between it is linear. A channel "
-    "that a step does not have at all is not known, and then nothing is said of it. Plausible: 100 ug and 1 "
+    "that a step does not have at all is not known, and then nothing is reported of it. Plausible: 100 ug and 1 "
     "deg/h by one standard deviation of what the channel did.",
     source="IEEE Std 952 and 1293, environmental sensitivities of the model equations",
     plausible=1.0,

@@ -62,7 +62,7 @@ def _earth_l(excitation: Excitation, C_il: FloatArray) -> FloatArray:
     return found
 
 
-ROTATION = np.array([[0.0, -1.0], [1.0, 0.0], [0.0, 0.0]])  # up leans east by a turn about north, as `slab_C_ln`
+ROTATION = np.array([[0.0, -1.0], [1.0, 0.0], [0.0, 0.0]])  # up goes east by a turn about north: `slab_C_ln`
 
 
 def tilt_columns(excitation: Excitation) -> list[Columns]:

@@ -39,7 +39,7 @@ def sensor_temperature(seen: Excitation, tau_s: float, lags: int = 1) -> FloatAr
     """Return T_s (n,) [degC] at the nodes, which follows the temperature: ``tau dT_s/dt = T - T_s``.
 
     Of several lags the next follows what the one before has come to, all from one equilibrium. nan where a
-    campaign's temperature is not known, or there is no time constant above nought.
+    campaign's temperature is not known, or there is no time constant above zero.
     """
     return followed(seen, tau_s, lags)
 
@@ -96,7 +96,7 @@ def _when_switched_on(seen: Excitation, order: IntArray) -> float:
 def direction_or_play(seen: Excitation, half_width_k: float | None) -> FloatArray:
     """Return on which branch a hysteresis is (n,), from -1 to 1; at once on one of both without a play.
 
-    With one it is ``(T - P) / w``. nan where it is unknown, or w is not above nought.
+    With one it is ``(T - P) / w``. nan where it is unknown, or w is not above zero.
     """
     if half_width_k is None:
         return warming(seen)

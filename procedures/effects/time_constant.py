@@ -28,7 +28,7 @@ def search(shortest_s: float, recorded_s: float) -> tuple[float, ...]:
 
 
 def with_nonlinear(way: Columns, plausible: tuple[float, ...]) -> Columns:
-    """Return a way with what is not linear as its last coefficients, of which nothing is known yet: nought.
+    """Return a way with what is not linear as its last coefficients, of which nothing is known yet: zero.
 
     ``plausible`` are 1 sigma of the others, each in its unit.
     """

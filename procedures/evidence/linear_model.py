@@ -16,7 +16,7 @@ from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.evidence.residual_rows import KINDS, Evidence
 from procedures.statistics.significance import log_chi2_sf
 
-MAX_WEIGHTINGS = 3  # of weighting anew
+MAX_WEIGHTINGS = 3  # of weighting again
 SINGULAR = 1e-12
 SAYS_NOTHING = "the rows say nothing of some unknown"
 MOST_BY_NORMAL_EQUATIONS = 1e4  # of the largest weight over the least: its square takes half of the digits

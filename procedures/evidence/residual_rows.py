@@ -254,8 +254,8 @@ def _dwells(
     for i, (number, record) in enumerate(joint.seen.dwells):
         stated, tilt = fits.campaigns[number].sigma.heading, (float(slab[2 * number]), float(slab[2 * number + 1]))
         face = face_of(record.position)
-        leans = places.tilts[number, record.name]
-        dwell = ExcitationStep(record.name, "dwell", number, record.position, face, stated, tilt, tilt=leans)
+        rotation = places.tilts[number, record.name]
+        dwell = ExcitationStep(record.name, "dwell", number, record.position, face, stated, tilt, tilt=rotation)
         part = places.rest(number, dwell, record.series, attitude(fits.campaigns[number], record.position))
         step, nodes = builder.nodes(part)
         found.append(nodes)

@@ -1,7 +1,7 @@
 """What is left out in turn, and the residual's rms before and after the effects, there and in the campaign.
 
 Left out are every position of a campaign with all its repeats, every turn, move and rest, and everything that was
-stated: each face's certificate, gravity, headings and closures are foretold by the rest like a measurement.
+stated: each face's certificate, gravity, headings and closures are predicted by the rest like a measurement.
 """
 
 from collections.abc import Sequence
@@ -61,14 +61,6 @@ def _blocks_together(evidence: Evidence) -> dict[int, str | int]:
         if several > 1:
             found |= {n: names[i // several * several] for i, name in enumerate(names) for n in soak[name]}
     return found
-
-
-def campaign_groups(evidence: Evidence) -> list[IntArray]:
-    """Return the numbers (r,), dimensionless, of each campaign's measured rows, where there are several."""
-    of_step = np.array([step.campaign for step in evidence.excitation.steps])
-    of_row = np.where(evidence.is_data, of_step[evidence.step], -1)
-    found = [np.flatnonzero(of_row == number) for number in np.unique(of_step)]
-    return found if len(found) > 1 else []
 
 
 def residual_rms(before: Evidence, after: Refit, left_out: Sequence[IntArray]) -> tuple[ResidualRms, ...]:

@@ -19,6 +19,8 @@ from procedures.twelve_positions.accelerometer_fit import TriadFit
 class Coefficients:
     """Coefficients of one name averaged over its options: ``value`` (k,), ``covariance`` (k, k), in its unit.
 
+    ``acts`` (k,) is the probability that each of them acts. One that hardly does is zero in most of the options:
+    its value and its sigma are of these, and say nothing of what it would be.
     ``nonlinear`` (value, 1 sigma of its logarithm) by the name of a time constant and the like.
     """
 
@@ -27,6 +29,7 @@ class Coefficients:
     value: FloatArray
     covariance: FloatArray
     nonlinear: dict[str, tuple[float, float]]
+    acts: FloatArray
 
     @property
     def std(self) -> FloatArray:
@@ -182,7 +185,8 @@ def _together(board: Board, members: Sequence[Member], own: Sequence[Member]) ->
         value, std = candidate.effect.shown(value, np.sqrt(np.diag(covariance)))
         covariance = np.diag(std**2)
     constants = {name: (size, 0.0) for name, size in columns.nonlinear.items()}
-    return Coefficients(candidate, columns.coefficients[:k], value, covariance, constants)
+    acts = np.any(T, axis=1).astype(float)
+    return Coefficients(candidate, columns.coefficients[:k], value, covariance, constants, acts)
 
 
 def averaged(board: Board, rest: Sequence[Member], hypothesis: int, member: Member) -> Coefficients:
@@ -194,6 +198,7 @@ def averaged(board: Board, rest: Sequence[Member], hypothesis: int, member: Memb
     k = len(columns.coefficients) - len(columns.nonlinear)
     amplitudes, weights = list[float](), list[float]()
     means, spreads, constants = list[FloatArray](), list[FloatArray](), list[FloatArray]()
+    held_in = list[FloatArray]()
     for number in board.options_of[hypothesis]:
         option = board.options[int(number)]
         way = option.candidate
@@ -222,6 +227,7 @@ def averaged(board: Board, rest: Sequence[Member], hypothesis: int, member: Memb
                 option.scale[:, None] * (V * (s**2 / spread)) @ V.T * option.scale
             )
             means.append(mean)
+            held_in.append(np.isin(np.arange(k), option.mask).astype(float))
             amplitudes.append(s)
             spreads.append(C)
             constants.append(np.log(np.array(list(way.columns.nonlinear.values()))))
@@ -230,20 +236,20 @@ def averaged(board: Board, rest: Sequence[Member], hypothesis: int, member: Memb
         logs = np.log(amplitudes)
         times, own = float(np.exp(p @ logs)), float(candidate.effect.plausible_of(columns)[0])
         std = times * own * float(np.sqrt(p @ (logs - p @ logs) ** 2))
-        return Coefficients(candidate, ("value",), np.array([times * own]), np.array([[std**2]]), {})
+        return Coefficients(candidate, ("value",), np.array([times * own]), np.array([[std**2]]), {}, np.ones(1))
     every = np.array(means)
-    value = p @ every
+    value, acts = p @ every, p @ np.array(held_in)
     off = every - value
     covariance = np.einsum("i,ijk->jk", p, np.array(spreads)) + (off * p[:, None]).T @ off
     if candidate.effect.shown is not None:
         shown, u = candidate.effect.shown(value, np.sqrt(np.diag(covariance)))
-        return Coefficients(candidate, columns.coefficients[:k], shown, np.diag(u**2), {})
+        return Coefficients(candidate, columns.coefficients[:k], shown, np.diag(u**2), {}, acts)
     nonlinear = dict[str, tuple[float, float]]()
     for i, name in enumerate(columns.nonlinear):
         logs = np.array([each[i] for each in constants])
         middle = float(p @ logs)
         nonlinear[name] = float(np.exp(middle)), float(np.sqrt(p @ (logs - middle) ** 2))
-    return Coefficients(candidate, columns.coefficients[:k], value, covariance, nonlinear)
+    return Coefficients(candidate, columns.coefficients[:k], value, covariance, nonlinear, acts)
 
 
 def averaged_fits(search: Search, fits: CampaignFits, causes: Sequence[Cause]) -> CampaignFits:

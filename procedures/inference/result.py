@@ -19,9 +19,7 @@ from procedures.uncertainty.sources import ByTriad
 
 Verdict = Literal["consistent", "established", "likely", "ambiguous", "partly", "unexplained"]
 CERTAIN = 1.0  # probability of what stands in the samples, as a value that never changes
-PARTLY_SHARE = 0.5  # of the squared error held out, from which a finding says something of what is left
 UNEXPLAINED_LOG_P = log(0.01)  # of the global test, below which the residual is more than noise
-WEAKEST_LAST: tuple[Verdict, ...] = ("consistent", "established", "likely", "ambiguous", "partly", "unexplained")
 
 
 class Because(StrEnum):
@@ -237,8 +235,8 @@ class Diagnosis:
         found += self.beside
         for code, confidence in ((Because.AMBIGUOUS, "possible"), (Because.LIKELY, "likely")):
             if code is Because.AMBIGUOUS or not found:
-                said = [each for each in self.findings if each.confidence == confidence]
-                found += [Reason(code, each.effect, each.probability) for each in said]
+                such = [each for each in self.findings if each.confidence == confidence]
+                found += [Reason(code, each.effect, each.probability) for each in such]
         return tuple(found)
 
     @property
@@ -251,10 +249,7 @@ def verdict_of(findings: Sequence[Finding], *, is_left: bool) -> Verdict:
     """Return the verdict; ``is_left`` says that the findings leave more than noise."""
     words = {each.confidence for each in findings}
     if is_left:
-        sure = [each for each in findings if each.confidence != "possible"]
-        return (
-            "partly" if any(each.share is None or each.share >= PARTLY_SHARE for each in sure) else "unexplained"
-        )
+        return "partly" if words - {"possible"} else "unexplained"
     if "possible" in words:
         return "ambiguous"
     return "likely" if "likely" in words else "established" if words else "consistent"

@@ -12,7 +12,7 @@ import numpy as np
 
 from procedures.inference import priors
 from procedures.inference.board import Board
-from procedures.inference.marginal import Held, Member, Ranked, log_sum, ranked
+from procedures.inference.marginal import Held, Member, Ranked, ranked
 
 Names = tuple[int, ...]  # numbers of hypotheses, sorted
 
@@ -43,7 +43,7 @@ class Search:
         return self._ranked[key]
 
     def alone(self, members: Sequence[Member], hypothesis: int) -> Ranked:
-        """Return what one hypothesis is worth beside members; of all others nothing is said."""
+        """Return what one hypothesis is worth beside members; nothing of all others."""
         key = tuple(sorted(members, key=lambda each: each.option))
         if key in self._ranked:
             return self._ranked[key]
@@ -191,8 +191,3 @@ def _of(board: Board, member: Member) -> int:
 
 def _is_last_named(board: Board, model: Model) -> bool:
     return board.hypotheses[_of(board, model.members[-1])].is_named
-
-
-def log_total(models: Iterable[Model]) -> float:
-    """Return ln of all models' posterior odds together."""
-    return log_sum(np.array([each.log_odds for each in models]))

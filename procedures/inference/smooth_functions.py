@@ -58,7 +58,7 @@ def _places(seen: Excitation, steps: np.ndarray, parts: int) -> Iterator[float]:
             yield from (first + part / several * (last - first) for part in range(several))
 
 
-MOST_STEPS = 40  # of a walk; more are told apart by no campaign
+MOST_STEPS = 40  # of a walk; no campaign separates more
 SAME_ATTITUDE = 0.1  # of the elements of two rotation matrices, six degrees: placements scatter by less
 Options = list[tuple[float, FloatArray, str]]  # share of the prior, whitened columns (n, k), what it is
 # What drives a function, by its coordinate: what an effect of the catalogue names as its ``driver``.

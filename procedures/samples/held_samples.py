@@ -63,14 +63,14 @@ class HeldChannel:
 
 
 def known_scales(campaigns: Sequence[Campaign], solution: Solution | None) -> Scales:
-    """Return the outputs a second in 1 g or 1 deg/s (3,) of the triads that are solved, or whose unit was told."""
+    """Return the outputs a second in 1 g or 1 deg/s (3,) of triads that are solved, or whose unit was stated."""
     found = dict[str, FloatArray]()
     for triad in TRIADS:
         calibrated = None if solution is None else getattr(solution, triad)
         if calibrated is not None:
             found[triad] = np.asarray(calibrated.scale_factor.value, dtype=np.float64)
-        elif (told := campaigns[0].nominal_scale.get(triad)) is not None:
-            found[triad] = np.full(3, float(told))
+        elif (stated := campaigns[0].nominal_scale.get(triad)) is not None:
+            found[triad] = np.full(3, float(stated))
     return found
 
 

@@ -52,7 +52,7 @@ from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
 
 BESIDE_A_LINE = 0.005  # of its frequency
 TIME = "time"  # in the place of a channel: the phase of a line
-MIN_LINE_SHARE = 0.02  # of a line in time, below which it is only told with the noise
+MIN_LINE_SHARE = 0.02  # of a line in time, below which it is only reported with the noise
 ROUNDS = 5
 HARMONICS = 8  # by which a phase is found; how many it has, `with_order` finds
 MAX_LAG = 64  # samples, either way
@@ -187,9 +187,10 @@ def _with_order(blocks: SampleBlocks, found: SampleFinding) -> SampleFinding:
 
 def _left(blocks: SampleBlocks, is_usable: Sequence[bool], known: Sequence[Phase | None]) -> Iterator[Reason]:
     """Yield what a table by each phase of a channel, or of a finding, would explain of what is left."""
-    told = {(each.channel, each.period): each for each in channel_phases(blocks) if each.wraps}
-    told |= {(each.channel, each.period): each for each in known if each is not None and each.channel != "time"}
-    for phase, sensor, share in left_by_phase(blocks, list(told.values()), is_usable):
+    by_phase = {(each.channel, each.period): each for each in channel_phases(blocks) if each.wraps}
+    own = [each for each in known if each is not None and each.channel != "time"]
+    by_phase |= {(each.channel, each.period): each for each in own}
+    for phase, sensor, share in left_by_phase(blocks, list(by_phase.values()), is_usable):
         channel = blocks.sensors[sensor]
         yield Reason(Because.STRUCTURE, f"{phase.channel}, {channel.triad} {AXES[channel.axis]}", share)
 

@@ -1,4 +1,4 @@
-"""Lines that come again in every recording, or whose frequency wanders, as that of a dither driven with noise.
+"""Lines that come again in every recording, or whose frequency drifts, as that of a dither driven with noise.
 
 Such a line has no phase to fit, but a power. So recordings are cut into pieces, first as long as a recording, then
 ever shorter ones, in which a wandering line still stands; the periodograms of all pieces, each over its own
@@ -157,16 +157,16 @@ def _findings(
     """Yield the finding of a line that is a large enough share of a sensor's variance."""
     squares = {s: pieces[s].square(line.at) for s in line.sensors}
     shares = {s: float(each.mean()) / 2 / pieces[s].variance for s, each in squares.items()}
-    told = [s for s, share in shares.items() if share > MIN_SHARE]
-    if not told:
+    shown = [s for s, share in shares.items() if share > MIN_SHARE]
+    if not shown:
         return
     factor, unit = (DEG_H_PER_DEG_S, "deg/h") if triad == "gyroscope" else (1.0, "g")
-    amplitude = np.array([np.sqrt(squares[s].mean()) for s in told])
-    std = np.array([squares[s].std() for s in told]) / np.sqrt(line.pieces) / (2 * amplitude)
+    amplitude = np.array([np.sqrt(squares[s].mean()) for s in shown])
+    std = np.array([squares[s].std() for s in shown]) / np.sqrt(line.pieces) / (2 * amplitude)
     seconds = line.length * blocks.period
     stretches = f"{line.at / seconds:.4g} +- {0.5 / seconds:.2g} Hz in {line.pieces} stretches of {seconds:.4g} s"
     yield Finding(
-        EFFECT, "procedure", tuple(triad[0] + AXES[blocks.sensors[s].axis] for s in told), factor * amplitude,
+        EFFECT, "procedure", tuple(triad[0] + AXES[blocks.sensors[s].axis] for s in shown), factor * amplitude,
         factor * std, unit, {"file": names}, line.probability,
         SEPARATE, f"{stretches}; it may be any multiple of {1 / blocks.period:.5g} Hz away",
         share=min(max(shares.values()), 1.0),

@@ -71,7 +71,7 @@ def _rectified(blocks: SampleBlocks, triad: str, sensors: Sequence[Shaken], name
 def by_variance(blocks: SampleBlocks, is_usable: Sequence[bool], finding: Finding) -> Iterator[FoldedResidual]:
     """Yield the means of stretches by their variances, without the finding and with it, of each of its sensors.
 
-    Stretches are put together by the variance of one half of their samples, and what it was is told by the
+    Stretches are put together by the variance of one half of their samples, and what it was is determined by the
     other's: the highest of many noisy variances is too high.
     """
     stretch = max(round(STRETCH_S / blocks.period), MIN_STRETCH)
@@ -133,7 +133,7 @@ def _stretches(rate: FloatArray, stretch: int) -> tuple[FloatArray, FloatArray]:
     return mean, variance
 
 
-TURNS = (1.0, 2 * np.pi, 360.0)  # one turn, in the units that an angle is told in
+TURNS = (1.0, 2 * np.pi, 360.0)  # one turn, in the units that an angle is stated in
 MAX_HARMONIC = 12
 STEADY_SHARE = 0.02  # of its step from sample to sample, by which a steady angle's steps may differ
 WITHIN_CYCLES = 1.0  # of a whole recording, within which two frequencies are one

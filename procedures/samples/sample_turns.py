@@ -35,7 +35,7 @@ RESOLVED = 0.25  # turns of the highest harmonic in a sample, at most
 BLOCKS, MIN_BLOCK = 96, 64  # of all turns; samples
 MIN_WRAPS = 4  # of a channel, in all
 ALONG = 1e-3  # of the turns' rms, by which an angle that turns along leaves a straight line of psi
-ONCE = 0.1  # turns of psi: a harmonic so near to one is not told from the Earth's rate
+ONCE = 0.1  # turns of psi: a harmonic so near to one cannot be separated from the Earth's rate
 SEPARATE = "turns at another speed: a bearing that wobbles does so in proportion to it"
 
 
@@ -53,7 +53,7 @@ class Turning:
 class Angle:
     """A channel that wraps at ``period``, or goes with psi: ``turns`` (n,) of each recording.
 
-    ``ratio`` is its turns in one of psi, nought where it does not go along.
+    ``ratio`` is its turns in one of psi, zero where it does not go along.
     """
 
     name: str
@@ -135,7 +135,7 @@ def _period(values: Sequence[FloatArray], turns: Sequence[Turning]) -> float | N
 
 
 def _ratio(angles: Sequence[FloatArray], turns: Sequence[Turning]) -> float:
-    """Return how often an angle [turns] turns in one of psi, nought where it does not go along."""
+    """Return how often an angle [turns] turns in one of psi, zero where it does not go along."""
     psi = np.concatenate([turn.psi - turn.psi.mean() for turn in turns]) / (2 * np.pi)
     angle = np.concatenate([each - each.mean() for each in angles])
     ratio = float(psi @ angle / (psi @ psi))

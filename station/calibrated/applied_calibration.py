@@ -132,8 +132,8 @@ class CalibrationModel:
         effects = [one for one in self.effects if one.name not in left]
         unsettled = np.zeros(n, dtype=np.bool_)
         u = self._settled(output, effects, around, unsettled) if n else output
-        said = tuple(f"{name}: {reason}" for name, reason in left.items())
-        return CalibratedInputs(u.get("accelerometer"), u.get("gyroscope"), unsettled, said)
+        texts = tuple(f"{name}: {reason}" for name, reason in left.items())
+        return CalibratedInputs(u.get("accelerometer"), u.get("gyroscope"), unsettled, texts)
 
     def _settled(
         self, output: Mapping[str, FloatArray], effects: list[AppliedEffect], around: Surroundings,

@@ -107,37 +107,37 @@ class CalibratedStream:
 
     def warnings(self) -> tuple[str, ...]:
         """Return what is to know so far, in words."""
-        said = [
+        texts = [
             f"{name} is not corrected{self._of(self._left_in[name])}, {why}" for name, why in self._left.items()
         ]
         limits = self._document.get("temperature_range_c")
         if limits and self._range:
             low, high = self._range
             if low < limits[0] - TOLERANCE_K or high > limits[1] + TOLERANCE_K:
-                said.append(
+                texts.append(
                     f"temperature was {low:.1f} to {high:.1f} degC, the calibration's {limits[0]:.1f} to "
                     f"{limits[1]:.1f} degC{self._of(self._outside)}: outside this range the calibration is not "
                     "valid"
                 )
         if self._without_temperature and self._range:
-            said.append(
+            texts.append(
                 f"the first {self._without_temperature} samples have no temperature: temperature effects are not "
                 "corrected"
             )
         if self._unsettled:
-            said.append(f"found {self._said_of_unsettled()}: nan there")
+            texts.append(f"found {self._unsettled_text()}: nan there")
         if self._impossible:
-            said.append(self._impossible)
+            texts.append(self._impossible)
         if self._document.get("status") == "measured":
-            said.append(
+            texts.append(
                 f"the calibration was measured without valid references: {self._document.get('status_reason', '')}"
             )
-        return tuple(said)
+        return tuple(texts)
 
     def _of(self, count: int) -> str:
         return "" if count == self._samples else f", in {count} of {self._samples} samples"
 
-    def _said_of_unsettled(self) -> str:
+    def _unsettled_text(self) -> str:
         names = [name for name in self._model.taken_off if name.split(".")[0] in self._lost]
         of = f"{self._unsettled} of {self._samples} samples, the first at {self._first_unsettled:.9g} s"
         return f"{', '.join(names)} not to converge in {of}"
@@ -145,7 +145,7 @@ class CalibratedStream:
     def _refuse_unsettled(self) -> None:
         expected = f"at most 1 in {1 / MAX_UNSETTLED:.0f}, because error terms are small against the input"
         remedy = "correct the calibration or the data, or leave error terms out"
-        raise DataRefused("calibration", None, self._said_of_unsettled(), expected, remedy)
+        raise DataRefused("calibration", None, self._unsettled_text(), expected, remedy)
 
     def _checked(self, values: Any, t: FloatArray) -> int:
         n = len(t) if t.ndim == 1 else -1

@@ -97,10 +97,10 @@ def another_units(document: Mapping[str, Any], name: str, unit: Unit) -> DataRef
 
 
 def _note(document: Mapping[str, Any], unit: Unit, now: datetime) -> str:
-    said = list[str]()
+    texts = list[str]()
     if document["serial"] != unit.serial:
-        said.append(f"it is of {document['model']} {document['serial']}, connected is {unit.model} {unit.serial}")
-    return "; ".join(filter(None, [*said, *doubts(document, now)]))
+        texts.append(f"it is of {document['model']} {document['serial']}, connected is {unit.model} {unit.serial}")
+    return "; ".join(filter(None, [*texts, *doubts(document, now)]))
 
 
 def _with_both(document: Mapping[str, Any], where: str) -> Mapping[str, Any]:

@@ -65,7 +65,7 @@ def verify_signed(
 
 
 def _remedy(faults: "dict[str, str]", is_trusting: bool) -> dict[str, str]:
-    """Return what to do where all that fails is that nobody said whom to trust; else nothing of its own."""
+    """Return what to do where all that fails is that nobody stated whom to trust; else nothing of its own."""
     of_trust = all(name.rpartition(": ")[2] in {"key", "time stamp"} for name in faults)
     return {"remedy": "give --trust ROOT.pem, a root that you trust"} if of_trust and not is_trusting else {}
 
@@ -132,7 +132,7 @@ def signing_key(
 
 
 SIGNATURE_MARKS = {".xml": b"SignatureValue", ".pdf": b"/ByteRange"}  # XMLDSig 1.1, 4.3; ISO 32000-2, 12.8.1
-Copy = tuple[Path, Callable[[bool], bytes], str]  # a place, what comes there if signed or not, what is said of it
+Copy = tuple[Path, Callable[[bool], bytes], str]  # a place, what comes there if signed or not, its text
 Sign = Callable[[Path, bytes], bytes]
 
 

@@ -269,41 +269,41 @@ def _offset(correction: Correction, name: str, triad: TriadCorrection, at_c: flo
 
 def lost(correction: Correction) -> list[str]:
     """Say what the off-diagonal of E and the gyroscope's scale factor leave as error when they are left out."""
-    said = list[str]()
+    texts = list[str]()
     if (triad := correction.accelerometer) is not None:
-        said += [
+        texts += [
             f"accelerometer: counts to m/s2 by the nominal scale factor {triad.nominal}",
             f"NOT CARRIED: accelerometer {_misalignment(triad)}: {triad.misalignment * 1e3:.3g} mg error "
             f"at 1 g across",
         ]
     if (triad := correction.gyroscope) is not None:
         ppm = np.abs(1 / triad.scale - 1).max() * 1e6
-        said += [
+        texts += [
             f"gyroscope: counts to rad/s by the nominal scale factor {triad.nominal}",
             f"NOT CARRIED: gyroscope {_misalignment(triad)}: {triad.misalignment * 100:.3g} deg/s error "
             f"at 100 deg/s across",
             f"NOT CARRIED: gyroscope scale factor, up to {ppm:.0f} ppm off the nominal: {ppm * 1e-4:.3g} deg/s "
             f"error at 100 deg/s",
         ]
-    return said
+    return texts
 
 
 def effects_lost(correction: Correction, *, takes_temperature: bool) -> list[str]:
     """Say which effects are not carried, and how large they are; of offsets, what a cubic leaves."""
     taken = correction.in_thermal if takes_temperature else frozenset[str]()
     left = {name: size for name, size in correction.effects.items() if name not in taken}
-    said = [f"NOT CARRIED: {name}, {size}" for name, size in left.items()]
+    texts = [f"NOT CARRIED: {name}, {size}" for name, size in left.items()]
     if left:
-        said.append(f"sizes without another condition: at {AT}")
+        texts.append(f"sizes without another condition: at {AT}")
     for name, thermal in correction.thermal.items() if takes_temperature else ():
         unit = UNITS[name]
-        said.append(f"{name} offset by temperature: {thermal.low:.1f} to {thermal.high:.1f} degC")
+        texts.append(f"{name} offset by temperature: {thermal.low:.1f} to {thermal.high:.1f} degC")
         if thermal.refit:
-            said.append(f"NOT CARRIED: {name} offset beyond the third order: up to {thermal.refit:.2g} {unit}")
+            texts.append(f"NOT CARRIED: {name} offset beyond the third order: up to {thermal.refit:.2g} {unit}")
         if thermal.behind:
             lag = f"{thermal.behind:.2g} {unit} at 1 K/min"
-            said.append(f"NOT CARRIED: {name} offset lags behind the thermometer: up to {lag}")
-    return said
+            texts.append(f"NOT CARRIED: {name} offset lags behind the thermometer: up to {lag}")
+    return texts
 
 
 def _misalignment(triad: TriadCorrection) -> str:

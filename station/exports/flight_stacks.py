@@ -113,10 +113,10 @@ def ardupilot_text(correction: Correction) -> str:
     if correction.gyroscope is not None:
         values["INS_GYR_CAL"] = 0
     values |= thermal
-    said = ["ArduPilot parameters", *correction.remarks, *lost(correction)]
-    said += [*effects_lost(correction, takes_temperature=True), *_warnings(correction, values)]
+    texts = ["ArduPilot parameters", *correction.remarks, *lost(correction)]
+    texts += [*effects_lost(correction, takes_temperature=True), *_warnings(correction, values)]
     rows = [f"{name},{value:.9g}" for name, value in values.items()]
-    return "\n".join([*(f"# {line}" for line in said), *rows, ""])
+    return "\n".join([*(f"# {line}" for line in texts), *rows, ""])
 
 
 def _ardupilot_thermal(correction: Correction) -> tuple[dict[str, float], float]:
@@ -137,17 +137,17 @@ def _ardupilot_thermal(correction: Correction) -> tuple[dict[str, float], float]
 
 
 def _warnings(correction: Correction, values: dict[str, float]) -> list[str]:
-    said = ["axes are the IMU's own; AHRS_ORIENTATION turns them to the vehicle's"]
+    texts = ["axes are the IMU's own; AHRS_ORIENTATION turns them to the vehicle's"]
     if correction.gyroscope is not None:
-        said.append("INS_GYR_CAL 0 keeps INS_GYROFFS: else they are measured again at each start")
+        texts.append("INS_GYR_CAL 0 keeps INS_GYROFFS: else they are measured again at each start")
     for name, one in outside(values, ARDUPILOT):
         remedy = "give --nominal-accel as the driver has it" if "SCAL" in name else "the vehicle will not arm"
-        said.append(f"{name} is outside {one.low:g} to {one.high:g} {one.unit}".rstrip() + f": {remedy}")
+        texts.append(f"{name} is outside {one.low:g} to {one.high:g} {one.unit}".rstrip() + f": {remedy}")
     low, high = ARDUPILOT["INS_TCAL1_TMIN"].low, ARDUPILOT["INS_TCAL1_TMAX"].high
     for name, thermal in correction.thermal.items():
         if thermal.low < low or thermal.high > high:
-            said.append(f"{name} offset by temperature: cut to {low:g} to {high:g} degC, which INS_TCAL1 takes")
-    return said
+            texts.append(f"{name} offset by temperature: cut to {low:g} to {high:g} degC, which INS_TCAL1 takes")
+    return texts
 
 
 VEHICLE, COMPONENT, FLOAT, INT32 = 1, 1, 9, 6
@@ -158,12 +158,12 @@ def px4_text(correction: Correction) -> str:
     values = parameters(correction, "CAL_ACC0_{}OFF", "CAL_ACC0_{}SCALE", "CAL_GYRO0_{}OFF") | _px4_thermal(
         correction
     )
-    said = ["PX4 parameters", *correction.remarks, *lost(correction)]
-    said += [*effects_lost(correction, takes_temperature=True), *_WARNINGS]
-    said += [f"{name} is outside {one.low:g} to {one.high:g}" for name, one in outside(values, PX4)]
+    texts = ["PX4 parameters", *correction.remarks, *lost(correction)]
+    texts += [*effects_lost(correction, takes_temperature=True), *_WARNINGS]
+    texts += [f"{name} is outside {one.low:g} to {one.high:g}" for name, one in outside(values, PX4)]
     if correction.thermal:
-        said.append("TC_A0_ID and TC_G0_ID must be the sensor's device id as well")
-    lines = [f"# {line}" for line in said]
+        texts.append("TC_A0_ID and TC_G0_ID must be the sensor's device id as well")
+    lines = [f"# {line}" for line in texts]
     rows = [
         f"{VEHICLE}\t{COMPONENT}\t{name}\t{value:.9g}\t{INT32 if PX4[name].is_whole else FLOAT}"
         for name, value in values.items()

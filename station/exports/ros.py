@@ -69,13 +69,13 @@ def imu_calib_text(correction: Correction) -> str:
     if (triad := correction.accelerometer) is None:
         raise DataRefused("--to imu_calib", None, "no accelerometer", "one: it corrects no gyroscope", "take c")
     SM = np.linalg.inv(triad.matrix)
-    said = ["imu_calib of ROS: corrected = SM raw - bias, m/s2, accelerometers", *correction.remarks]
-    said.append(f"accelerometer: counts to m/s2 by the nominal scale factor {triad.nominal}")
-    said += effects_lost(correction, takes_temperature=False)
+    texts = ["imu_calib of ROS: corrected = SM raw - bias, m/s2, accelerometers", *correction.remarks]
+    texts.append(f"accelerometer: counts to m/s2 by the nominal scale factor {triad.nominal}")
+    texts += effects_lost(correction, takes_temperature=False)
     if correction.gyroscope is not None:
-        said.append("NOT CARRIED: the gyroscopes; its node uses their mean at start as their bias")
+        texts.append("NOT CARRIED: the gyroscopes; its node uses their mean at start as their bias")
     rows = [("SM", SM.ravel()), ("bias", SM @ triad.offset)]
-    lines = [f"# {line}" for line in said]
+    lines = [f"# {line}" for line in texts]
     for name, values in rows:
         lines += [f"{name}:", *(f"  - {value:.17g}" for value in values)]
     return "\n".join([*lines, ""])

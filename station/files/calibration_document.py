@@ -154,7 +154,7 @@ def _check_unit(known: Mapping[str, Any], triad: str, part: str, where: str) -> 
 def _check_usable(value: FloatArray, name: str, where: str) -> None:
     if name.endswith("scale_factor"):
         if not value.all():
-            raise DataRefused(where, None, f"a {name} of nought", "another")
+            raise DataRefused(where, None, f"a {name} of zero", "another")
         if not (abs(value) > 1 / LARGEST).all():
             raise DataRefused(where, None, f"1 / {name} above {LARGEST:g}", "a number below it")
     if name.endswith("misalignment"):
@@ -199,7 +199,7 @@ def checked_calibration(document: Any, where: str) -> Mapping[str, Any]:
     Raises
     ------
     DataRefused
-        If it is of another format, or what is applied or said of it is not there, or is not what the station
+        If it is of another format, or what is applied or stated of it is not there, or is not what the station
         writes: a triad, its numbers and their unit, effects, times, temperatures.
     """
     found = document.get("format") if isinstance(document, dict) else None

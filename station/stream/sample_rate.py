@@ -54,7 +54,7 @@ class SampleRate:
         self._feed, self._times = feed, RowTimes(utc)
         self._read_by: Reference = by, span_s, scatter
         self._by, self._span_s, self._scatter = self._read_by
-        self._anew = 0
+        self._restarts = 0
         self._stamps: deque[tuple[float, float]] = deque(maxlen=MAX_STAMPS)
         self._next, self._every_s = 0.0, every_s
         self.clock: Callable[[], float] = time.monotonic
@@ -129,8 +129,8 @@ class SampleRate:
             return
         host_ns, device_s = self._feed.stamp
         counters = self._feed.stream.counters
-        if (anew := counters.restarts + counters.clock_jumps) > self._anew:  # two stretches make no line
-            self._anew = anew
+        if (restarts := counters.restarts + counters.clock_jumps) > self._restarts:  # two stretches make no line
+            self._restarts = restarts
             self._reset()
         if self._stamps and device_s <= self._stamps[-1][0]:
             if device_s < self._stamps[-1][0]:  # it restarted

@@ -1,6 +1,6 @@
 """Are the units of a term right? A sum is of one unit, what is in exp or log a number, in sin an angle.
 
-A nought has any unit: ``max(0, u)``.
+A zero has any unit: ``max(0, u)``.
 """
 
 from collections.abc import Mapping
@@ -9,7 +9,7 @@ from fractions import Fraction
 from procedures.effects.term.functions import ALL_FUNCTIONS, FUNCTIONS, OPERATORS
 from procedures.effects.term.grammar import Call, Name, Node, Number, Operation
 from procedures.effects.term.inputs import AUXILIARY, input_of, inputs_of, known_input
-from procedures.effects.term.units import NO_UNIT, Powers, parse_unit, power_of, said
+from procedures.effects.term.units import NO_UNIT, Powers, parse_unit, power_of, unit_text
 from procedures.errors import TermRefused
 
 CONSTANTS = ("pi",)
@@ -31,7 +31,7 @@ class Dimensions:
         self.functions = ALL_FUNCTIONS if is_of_catalogue else FUNCTIONS
 
     def of(self, node: Node) -> Powers | None:
-        """Return the powers of a node's unit, None of a nought.
+        """Return the powers of a node's unit, None of a zero.
 
         Raises
         ------
@@ -88,7 +88,7 @@ class Dimensions:
         known = [one for one in each if one is not None]
         for one in known:
             if one != known[0]:
-                raise self.refuse(node, f"units {said(known[0])} and {said(one)}", "one unit")
+                raise self.refuse(node, f"units {unit_text(known[0])} and {unit_text(one)}", "one unit")
         return known[0] if known else None
 
     def _function(self, node: Call) -> Powers | None:
@@ -110,7 +110,7 @@ class Dimensions:
         }.get(function.of, of)  # fmt: skip
         if of[0] not in allowed:
             words = "a number" if function.of == "number" else "an angle, or a number in rad"
-            raise self.refuse(node, f"{node.name} of a unit, {said(of[0] or NO_UNIT)}", words)
+            raise self.refuse(node, f"{node.name} of a unit, {unit_text(of[0] or NO_UNIT)}", words)
         return NO_UNIT
 
     def _operator(self, node: Call) -> Powers | None:

@@ -15,7 +15,7 @@ from procedures.effects.term.functions import FUNCTIONS, OPERATORS
 from procedures.effects.term.grammar import names, parse
 from procedures.effects.term.inputs import input_of
 from procedures.effects.term.law import OUTPUT_UNITS, Law
-from procedures.effects.term.units import Unit, parse_unit, said
+from procedures.effects.term.units import Unit, parse_unit, unit_text
 from procedures.errors import TermRefused
 from procedures.frames import AXES
 
@@ -42,8 +42,8 @@ class TermEffect(Law):
             adds = Unit(1.0, Dimensions(text, self.triad, powers).of(node) or parse_unit("1").powers)
             whole, wanted = (adds * parse_unit(self.unit)).powers, parse_unit(OUTPUT_UNITS[self.triad]).powers
             if whole != wanted:
-                found = f"{said(whole)} of a coefficient in {self.unit} times the term"
-                raise TermRefused(text, 0, found, f"{said(wanted)}, what {self.triad}s put out")
+                found = f"{unit_text(whole)} of a coefficient in {self.unit} times the term"
+                raise TermRefused(text, 0, found, f"{unit_text(wanted)}, what {self.triad}s put out")
         if unused := sorted(set(self.parameters) - used):
             raise TermRefused(self.terms[0], 0, f"no {unused[0]} in it", "every parameter of [shape]")
 

@@ -104,7 +104,7 @@ def power_of(node: Node, text: str) -> Fraction:
     raise TermRefused(text, node.at, text[node.at : node.at + 8], f"an exponent: a number up to {MAX_POWER}")
 
 
-def said(powers: Powers) -> str:
+def unit_text(powers: Powers) -> str:
     """Return powers of the bases in words: g s^-1; 1 of none."""
     parts = [f"{base}^{p}" if p != 1 else base for base, p in zip(BASES, powers, strict=True) if p]
     return " ".join(parts) or "1"

@@ -128,7 +128,7 @@ class Messages:
         self._schemas: dict[int, Schema] = {}
         self._names: dict[int, str | None] = {}
         self._seen = Counter[int]()
-        self._foretold: dict[int, int] | None = None
+        self._predicted: dict[int, int] | None = None
         self._by_name: dict[str, list[bytes]] = defaultdict(list)
 
     @property
@@ -148,7 +148,7 @@ class Messages:
             case Channel():
                 self._names[record.id] = self._name(record)
             case Statistics():
-                self._foretold = dict(record.channel_message_counts)
+                self._predicted = dict(record.channel_message_counts)
 
     def _name(self, channel: Channel) -> str | None:
         if (accepted := _ACCEPTED.get(channel.topic)) is None:
@@ -161,8 +161,8 @@ class Messages:
 
     def check_complete(self) -> None:
         """Raise ValueError if a complete file holds fewer messages than it says."""
-        if self._foretold is not None and +Counter(self._foretold) != self._seen:
-            raise ValueError(f"{sum(self._foretold.values())} messages foretold")
+        if self._predicted is not None and +Counter(self._predicted) != self._seen:
+            raise ValueError(f"{sum(self._predicted.values())} messages predicted")
 
     def contents(self, sha256: str, damage: str | None) -> StepContents:
         """Return what was collected as arrays."""

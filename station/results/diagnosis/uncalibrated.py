@@ -151,7 +151,7 @@ def _rotation_document(seen: TurnSeen, nominal: float | None) -> dict[str, Any]:
         document["at_rest"] = _rotation_value(seen.at_rest[0] * per, seen.at_rest[1] * abs(per), unit)
     if seen.turned_deg is not None:
         document["turned"] = _rotation_value(*seen.turned_deg, "deg")
-        if seen.is_as_told:
+        if seen.is_as_stated:
             document["beyond_whole_turns" if is_whole else "beyond_angle_told"] = _rotation_value(
                 seen.turned_deg[0] - 360.0 * seen.revolutions, seen.turned_deg[1], "deg"
             )

@@ -236,7 +236,7 @@ class LiveFeed:
         if len(piece.block):
             self.stamp = chunk.host_ns, (at := float(piece.block.device_time[-1]))
             self.pulse_age = age
-            if piece.anew is not None:
+            if piece.restart_at is not None:
                 self._pulses.clear()
             if age is not None:
                 self._pulses.append(at - age)

@@ -222,8 +222,8 @@ class PowerWatch:
         if not len(block):
             return False
         began_again = False
-        if piece.anew is not None and self._last is not None and period:
-            row = piece.anew
+        if piece.restart_at is not None and self._last is not None and period:
+            row = piece.restart_at
             before = self._last
             if row:
                 before = float(block.device_time[row - 1]), int(block.counter[row - 1]), piece.chunk.host_ns

@@ -61,7 +61,7 @@ def record(
         try:
             for piece in feed.pieces(advance):
                 writer.write_raw(piece.chunk.host_ns, piece.chunk.data)
-                if piece.anew is not None:
+                if piece.restart_at is not None:
                     times.reset()
                 age = pulses.of(piece.chunk.data, piece.block)
                 if len(piece.block):

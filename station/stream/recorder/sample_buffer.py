@@ -36,8 +36,8 @@ class SampleBuffer:
 
     def append(self, piece: DecodedChunk) -> None:
         """Take a piece."""
-        if piece.anew is not None:
-            self.begin = self.end + piece.anew
+        if piece.restart_at is not None:
+            self.begin = self.end + piece.restart_at
         self._breaks += (piece.breaks + self.end).tolist()
         if len(piece.block):
             self._blocks.append(piece.block)
@@ -47,7 +47,7 @@ class SampleBuffer:
         self._stamps.append(piece.chunk.host_ns)
         self._byte_ends.append(self._offset + len(self._bytes))
         self._sample_ends.append(self.end)
-        if piece.anew is not None:
+        if piece.restart_at is not None:
             self.forget_before(self.begin)
 
     def reset(self) -> None:

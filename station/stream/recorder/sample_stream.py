@@ -29,15 +29,15 @@ class DecodedChunk:
 
     ``block`` holds the samples, counters and device time unwrapped; ``edges`` (n, 2) says where the bytes of
     each begin and end, counted from the chunk's first; ``breaks`` the samples before which something is missing.
-    ``anew`` is the first sample after a restart of device or port, so that nothing before it has a relation in
-    time to it; None if they have not.
+    ``restart_at`` is the first sample after a restart of device or port, so that nothing before it has a relation
+    in time to it; None if they have not.
     """
 
     chunk: Chunk
     block: SampleBlock
     edges: IntArray
     breaks: IntArray
-    anew: int | None
+    restart_at: int | None
 
 
 @dataclass(slots=True)
@@ -122,8 +122,8 @@ class SampleStream:
         self._is_restarted = False
         kept = np.flatnonzero(~repeat)
         breaks, begins = np.flatnonzero((back | missing)[kept]), np.flatnonzero(back[kept])
-        anew = int(begins[-1]) if len(begins) else None
-        return DecodedChunk(chunk, block_rows(block, kept), self.decoder.edges[kept], breaks, anew)
+        restart_at = int(begins[-1]) if len(begins) else None
+        return DecodedChunk(chunk, block_rows(block, kept), self.decoder.edges[kept], breaks, restart_at)
 
     def _times(self, chunk: Chunk, block: SampleBlock, steps: IntArray) -> tuple[FloatArray, FloatArray]:
         """Return each sample's time [s] and how far it is from the one before."""

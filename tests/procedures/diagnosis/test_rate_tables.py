@@ -90,12 +90,8 @@ def test_three_axes_and_a_turned_mounting_keep_their_sensors_apart() -> None:
     tables = [table(i, cubic=-2.0 if axis == "x" else 0.0, axis=axis) for i, axis in enumerate("xyz")]
     diagnosis = diagnose([campaign(*tables)])
     first = found(diagnosis, *NONLINEAR)
-    assert first.coefficients == ("x", "y", "z")
-    size, std = np.abs(first.value), first.std
-    if first.effect == "gyroscope.sagnac_sine":  # what is fitted is its square
-        size, std = size**2, (size + std) ** 2 - size**2
-    assert size[0] > 20 * std[0]
-    assert np.all(size[1:] < 4 * std[1:])
+    assert first.coefficients == ("x",)
+    assert abs(first.value[0]) > 20 * first.std[0]
     turned = Fixture(C_sb=np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]))
     mounted = replace(campaign(replace(table(5, cubic=-2.0, axis="x"), axis="z")), fixture=turned)
     assert found(diagnose([mounted]), *NONLINEAR).coefficients == ("x",)

@@ -75,7 +75,7 @@ def test_every_fault_of_an_adapter_is_told_and_overcome(kind: str, said: str, tm
     seen.assert_true()
     gap = int(np.argmax(np.diff(seen.counter)))
     assert seen.counter[gap + 1] - seen.counter[gap] >= LASTS_S / TRUTH.sample_period_s
-    assert seen.pieces[broken].anew == 0, "what comes after has no relation in time to what was before"
+    assert seen.pieces[broken].restart_at == 0, "what comes after has no relation in time to what was before"
 
 
 def test_faults_of_frames_are_counted_and_make_no_wrong_sample(tmp_path: Path) -> None:

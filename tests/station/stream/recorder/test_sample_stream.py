@@ -39,7 +39,7 @@ def counters(found: list[DecodedChunk]) -> list[int]:
 def test_a_whole_stream_has_no_break_but_its_beginning() -> None:
     stream, found = pieces()
     assert counters(found) == list(range(200))
-    assert [i for i, piece in enumerate(found) if piece.anew is not None] == [1]  # after the identity frame
+    assert [i for i, piece in enumerate(found) if piece.restart_at is not None] == [1]  # after the identity frame
     assert stream.counters.breaks == stream.counters.repeated == stream.counters.restarts == 0
     assert stream.period == 0.02
 
@@ -47,7 +47,7 @@ def test_a_whole_stream_has_no_break_but_its_beginning() -> None:
 def test_a_lost_frame_is_a_break() -> None:
     stream, found = pieces(Fault("lost", at_s=1.06, count=3))
     assert (stream.counters.lost, stream.counters.breaks) == (3, 1)
-    breaks = [int(piece.block.counter[b]) for piece in found for b in piece.breaks if piece.anew is None]
+    breaks = [int(piece.block.counter[b]) for piece in found for b in piece.breaks if piece.restart_at is None]
     assert breaks == [56]
 
 
@@ -60,7 +60,9 @@ def test_a_repeated_frame_is_dropped_and_counted() -> None:
 def test_a_device_that_counts_from_0_again_begins_anew_there() -> None:
     stream, found = pieces(Fault("counter_restart", at_s=1.06))
     assert stream.counters.restarts == 1
-    anew = [int(piece.block.counter[piece.anew]) % 2**32 for piece in found[2:] if piece.anew is not None]
+    anew = [
+        int(piece.block.counter[piece.restart_at]) % 2**32 for piece in found[2:] if piece.restart_at is not None
+    ]
     assert anew == [0]
 
 
@@ -104,7 +106,7 @@ def test_samples_are_numbered_on_and_only_a_gap_of_time_breaks_them() -> None:
     pieces = [stream.take(Chunk(k, part)) for k, part in enumerate([*sent[:3], *sent[4:]])]  # the fourth is lost
     assert np.all(np.diff(np.concatenate([piece.block.counter for piece in pieces])) == 1)
     assert [piece.breaks.tolist() for piece in pieces] == [[0], [], [], [0], []]
-    assert [piece.anew for piece in pieces] == [0, None, None, None, None]
+    assert [piece.restart_at for piece in pieces] == [0, None, None, None, None]
     counted = stream.counters
     assert (counted.samples, counted.breaks, counted.restarts, counted.lost) == (250, 1, 0, 0)
 
