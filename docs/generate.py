@@ -58,7 +58,7 @@ INPUTS: dict[str, tuple[type[BaseModel], str]] = {
     "limits.toml": (LimitsTable, "the limits of a model ([how to](../how-to/fixtures.md))"),
     "effect/1": (EffectTable, "a user-defined error term ([how to](../how-to/own-effects.md))"),
     "fusion/1": (FusionTable, "`fusion.toml` of a folder to locate ([how to](../how-to/locate.md))"),
-    "camera/1": (CameraTable, "a camera beside the IMU ([how to](../how-to/camera.md))"),
+    "camera/1": (CameraTable, "a camera with the IMU ([how to](../how-to/camera.md))"),
     "wheel/1": (WheelDescriptionTable, "a vehicle's wheel speed on CAN ([how to](../how-to/locate-wheel.md))"),
     "scenario/1": (ScenarioTable, "a simulated bench ([how to](../how-to/testing.md))"),
     "laboratory/1": (Laboratory, "`laboratory.toml`, for certificates ([how to](../how-to/certificate.md))"),
@@ -106,7 +106,7 @@ def effects_page() -> str:
     parts = [
         f"""{NOTICE}# Catalogue of error terms
 
-Error terms that a diagnosis looks for beside the calibration model `N = K (E u + D)`. `u` is the specific
+Error terms that a diagnosis looks for in addition to the calibration model `N = K (E u + D)`. `u` is the specific
 force [g] or the angular rate [deg/s, Earth rate included] along each sensor, `out` what it puts out, `E u + D`,
 `T` the temperature above 25 degC [K], `T_rate` its rate [K/min], `f` and `B` specific force [g] and magnetic
 field [uT], `_x` along an axis of the IMU, `t` the device time [s]. Every sensor has a coefficient `c` of its own.

@@ -163,7 +163,7 @@ def _revision(connection: Connection, name: str) -> str | None:
     if found:
         return found[0]
     if mine := sorted(there & Base.metadata.tables.keys()):
-        wording = f"no schema version beside tables ({', '.join(mine[:3])})"
+        wording = f"no schema version, but tables ({', '.join(mine[:3])})"
         raise SchemaAltered(name, wording, f"one of {KNOWN[0]} to {HEAD} in alembic_version")
     return None
 
@@ -187,7 +187,7 @@ def _upgrade(engine: Engine, name: str) -> None:
         except DatabaseError as error:
             if _OTHER_TABLES.search(str(error.orig)) is None:
                 raise
-            found = f"schema version {revision or 'none'} beside tables of another ({error.orig})"
+            found = f"schema version {revision or 'none'} with tables of another ({error.orig})"
             raise SchemaAltered(name, found, "tables of that version") from error
 
 

@@ -106,6 +106,6 @@ CLOCK_RATE = Effect(
     source="IEEE Std 1139, fractional frequency",
     plausible=100.0,
     columns=clock_columns,
-    separate_by="reference time (utc_s) beside the counts",
+    separate_by="reference time (utc_s) recorded with the counts",
     multiplies_output=True,
 )

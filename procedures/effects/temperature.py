@@ -109,7 +109,7 @@ ACCELEROMETER_BIAS_LAG, GYROSCOPE_BIAS_LAG = twins(
     plausible=(1e-4, 0.3),
     starts=_lags,
     meaning="Bias that follows the temperature with a lag",
-    about="The sensor follows the thermometer by tau dT_s/dt = T - T_s, or a part of it does: beside a "
+    about="The sensor follows the thermometer by tau dT_s/dt = T - T_s, or a part of it does: with a "
     "temperature coefficient it is what the coil, the proof mass or a gradient lags behind. One time constant "
     "for the triad, fitted. A short one is a temperature coefficient with one of the rate, T_s = T - tau dT/dt. "
     "Plausible: as a bias' temperature coefficient.",

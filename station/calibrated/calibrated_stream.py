@@ -80,7 +80,7 @@ class CalibratedStream:
         if not isinstance(auxiliary or {}, Mapping):
             found = type(auxiliary).__name__
             raise DataRefused("auxiliary", None, found, "channels by name", "give a dict")
-        beside = {
+        channels = {
             name.removeprefix(AUXILIARY): _column(value, n, f"auxiliary {name}")
             for name, value in (auxiliary or {}).items()
         }
@@ -92,7 +92,7 @@ class CalibratedStream:
             part = slice(begin, min(begin + BLOCK, n))
             around = self._around(
                 at[part], None if known is None else known[part],
-                {name: value[part] for name, value in beside.items()}, None if field is None else field[part],
+                {name: value[part] for name, value in channels.items()}, None if field is None else field[part],
             )  # fmt: skip
             self._take(values[part], around, f[part], omega[part])
             self.physics.take(np.asarray(values[part], np.float64), at[part], f[part], omega[part])

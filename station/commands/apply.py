@@ -44,7 +44,7 @@ def apply(
     """Write specific force [m/s2] and angular rate [rad/s] of a recording, corrected by a calibration.
 
     Columns are t_s, f_x_m_s2, ..., omega_z_rad_s, then temp_c and auxiliary channels. Counts must be those of each
-    sample alone; a campaign states its own format. FILE.json beside the output holds the remaining standard
+    sample alone; a campaign states its own format. FILE.json next to the output holds the remaining standard
     uncertainty of the calibration, minute by minute, in m/s2 and rad/s. A recording may have any length, in
     constant memory, except for .mat.
 

@@ -140,7 +140,7 @@ def calibrate(
 def _refuse_contradicting(
     until_limits: bool, sigma: list[str], noise: list[Path] | None, fixed: dict[str, object]
 ) -> None:
-    """Refuse options of a fixed plan beside those of one that is not, and sigmas that cannot be read."""
+    """Refuse options of a fixed plan together with those of one that is not, and sigmas that cannot be read."""
     if not (until_limits or sigma):
         if noise:
             raise typer.BadParameter("it is for --until-limits or --sigma", param_hint="--noise")

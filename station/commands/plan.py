@@ -54,7 +54,7 @@ def plan(
     """Plan the campaign that meets limits in the least time for this unit's noise.
 
     The search covers the order of placements among the 24 attitudes of a cube, the time in each, and whether
-    manual rotations help; transfers between placements count too. Every standard uncertainty is listed beside that
+    manual rotations help; transfers between placements count too. Every standard uncertainty is listed with that
     of the usual plan and its target: an eighth of a limit's half interval, or what a known value leaves to its
     guard band. The uncertainty of all other parameters may grow to at most ten times the usual value. NAME=SIGMA
     is for example gyroscope.bias=0.02deg/h, accelerometer.bias=0.1ug, gyroscope.scale_factor=3ppm,

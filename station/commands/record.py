@@ -45,7 +45,7 @@ def record(
 
     The folder holds session_*.mcap with every byte since the port was opened, written by the reader process, and
     recording.mcap with bytes and counts of the requested seconds [s, device time]; both open in Foxglove. With
-    --gnss also gnss_session_*.mcap (its bytes) and gnss_*.mcap (its fixes), and UTC beside the rows. A fault of
+    --gnss also gnss_session_*.mcap (its bytes) and gnss_*.mcap (its fixes), and UTC with the rows. A fault of
     either device is reported on stderr when it begins and when it is over.
 
     With --camera also camera_session_*.mcap (its bytes: every image) and camera.toml, and with --fusion the tracks

@@ -71,7 +71,7 @@ def verify(
     raw data. The network is not used: roots and revocation lists are files.
 
     A database restored to an older state is consistent in itself: only an anchor, a hash or a code kept elsewhere
-    reveals it. A stamped anchor (`--stamp`) has the stamp beside it, FILE.tsr, which is checked with it. A
+    reveals it. A stamped anchor (`--stamp`) has the stamp next to it, FILE.tsr, which is checked with it. A
     certificate whose own time stamp covers the journal's code can be used too: `--anchor CERT.xml --trust
     ROOT.pem`.
 

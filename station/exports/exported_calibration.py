@@ -121,8 +121,8 @@ def _hindrance(one: AppliedEffect, stored: StoredCalibration) -> str:
 def stated_size(entry: Mapping[str, Any]) -> str:
     """Return how large an effect is, in words: its largest coefficient, in the unit that says when."""
     law = law_of_entry(entry)
-    beside = UNITS_OF_NONLINEAR if law is None else law.parameters
-    sizes = [abs(float(one["value"])) for key, one in entry["coefficients"].items() if key not in beside]
+    constants = UNITS_OF_NONLINEAR if law is None else law.parameters
+    sizes = [abs(float(one["value"])) for key, one in entry["coefficients"].items() if key not in constants]
     if not sizes:
         return "its size is not known"
     unit = str(entry.get("unit", ""))

@@ -54,7 +54,7 @@ def lags_of(effects: Sequence[AppliedEffect]) -> list[float]:
 
 
 def inputs_of(effects: Sequence[AppliedEffect]) -> list[NamedInput]:
-    """Return what has to be set beside the sample."""
+    """Return what has to be set in addition to the sample."""
     named = sorted({name for one in effects for name in one.inputs})
     magnetic = any(name == "B" or name.startswith("B_") for name in named)
     found = [NamedInput("magnetic_ut", 3, "the field in the IMU's axes [uT]")] if magnetic else []

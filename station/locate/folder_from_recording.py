@@ -138,7 +138,7 @@ def _placed(file: Path, records: list[Record], times: FixTimes, imu: ImuSeries) 
             file, None,
             f"{plural(len(used), 'fix')} with a 3D position while the IMU was recorded",
             "two or more",
-            "give the receiver a view of the sky; --gnss URL records it beside the IMU",
+            "give the receiver a view of the sky; --gnss URL records it with the IMU",
         )  # fmt: skip
     origin = origin_at(used[0])
     return origin, level_fixes(origin, np.array(stamps), used)

@@ -229,7 +229,7 @@ def _aid(
         file = Path(source.address.name)
         found = recorded_gnss(file)
         if found is None and wanted.aid not in {"", "none"}:
-            raise DataRefused(file, None, f"no gnss_*.mcap beside it, --aid {wanted.aid}", "a receiver")
+            raise DataRefused(file, None, f"no gnss_*.mcap next to it, --aid {wanted.aid}", "a receiver")
         return found, wanted.aid or (recorded_choice(file, "aid") or "gnss" if found else "none")
     if not wanted.gnss:
         return None, wanted.aid or "none"
@@ -270,7 +270,7 @@ def _locating(
 
     is_replay = isinstance(aid, RecordedCompanion)
     if aid is None:
-        raise DataRefused(feed.address.name, None, "no gnss_*.mcap beside it for --locate", "a receiver")
+        raise DataRefused(feed.address.name, None, "no gnss_*.mcap next to it for --locate", "a receiver")
     eye = None if camera is None else live_camera(camera)
     rolls = None if wheel is None else LiveWheel(mount_of(wheel.table), -wheel.table.time_offset_s)
     return locating(feed, applied, wanted.C, wanted.lever_arm, stack, live=not is_replay, camera=eye, wheel=rolls)

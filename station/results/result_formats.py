@@ -205,7 +205,7 @@ RESULTS: dict[str, ResultFormat] = {
             "observability": "`open_s`, `determinant_rms_rad3_s3`, `rank_3_share` of the aid",
             "warnings": WARNINGS,
         },
-        "The CSV beside it has t_s, roll_rad, pitch_rad, down_x, down_y, down_z (the down vector in body axes).",
+        "The CSV next to it has t_s, roll_rad, pitch_rad, down_x, down_y, down_z (the down vector in body axes).",
     ),
     "tuning/1": ResultFormat(
         "station tune LOG --json OUT",

@@ -220,7 +220,7 @@ def tried_text(file: EffectFile, campaigns: Sequence[LoadedCampaign]) -> str:
     found = diagnose([one.campaign for one in campaigns], (*EFFECTS, file.effect), declared)
     lines = [f"{file.name}: {_answer(file, found)}", *_findings(file, found)]
     others = dict.fromkeys(one.effect for one in found.findings if one.effect != file.name)
-    lines += [f"beside it: {', '.join(others)}"] if others else []
+    lines += [f"also in the model: {', '.join(others)}"] if others else []
     return "\n".join([*lines, f"verdict: {found.verdict}"])
 
 

@@ -143,7 +143,7 @@ OWN: Mapping[str, Mapping[str, Input]] = {
 
 
 def inputs_of(triad: str) -> Mapping[str, Input]:
-    """Return the inputs of a triad's sensors by name; those of auxiliary channels beside them: `input_of`."""
+    """Return the inputs of a triad's sensors by name; those of auxiliary channels in addition: `input_of`."""
     return {**OWN[triad], **INPUTS}
 
 

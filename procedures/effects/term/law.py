@@ -36,7 +36,7 @@ MIN_CORRELATION = 0.8  # of neighbours
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """What a term has beside its coefficient: between ``low`` and ``high``, above zero, in ``unit``."""
+    """What a term has in addition to its coefficient: between ``low`` and ``high``, above zero, in ``unit``."""
 
     unit: str
     low: float = 0.0
@@ -121,8 +121,8 @@ class Law:
     def inputs(self) -> tuple[str, ...]:
         """What its terms name, but for parameters and constants."""
         found = (each.name for node in self.nodes() for each in names(node))
-        beside = (*self.parameters, *CONSTANTS, COEFFICIENT)
-        return tuple(dict.fromkeys(name for name in found if name not in beside))
+        known = (*self.parameters, *CONSTANTS, COEFFICIENT)
+        return tuple(dict.fromkeys(name for name in found if name not in known))
 
     @property
     def looks_back(self) -> bool:
@@ -135,7 +135,7 @@ class Law:
         return is_of_campaign or any(map(_remembers, self.nodes()))
 
     def plain(self, parameters: Mapping[str, float], order: int = 1) -> tuple[FloatArray, tuple[Node, ...]]:
-        """Return its terms of inputs in their units, and what each is multiplied by (terms,) beside a coefficient.
+        """Return its terms of inputs in their units, and what each is multiplied by (terms,) with a coefficient.
 
         That is in the unit of the output by that of a coefficient; ``parameters`` are in their units.
         """
@@ -217,7 +217,7 @@ def orders_of(keys: Sequence[str]) -> tuple[int, ...]:
 
 def _alike(a: FloatArray, b: FloatArray) -> bool:
     size = float(np.linalg.norm(a) * np.linalg.norm(b))
-    if not size:  # zero is like zero alone: beside it there may be a cliff
+    if not size:  # zero is like zero alone: next to it there may be a cliff
         return not (a.any() or b.any())
     return not np.isfinite(size) or float(a @ b) >= MIN_CORRELATION * size
 

@@ -85,9 +85,9 @@ class CampaignImuTable(TomlTable):
     @model_validator(mode="after")
     def _wraps_only_if_cumulative(self) -> Self:
         if self.wrap_bits is not None and self.output != "cumulative":
-            raise ValueError('wrap_bits only beside output = "cumulative"')
+            raise ValueError('wrap_bits only with output = "cumulative"')
         if (self.unit_gyro or self.unit_accel) and self.output != "rate":
-            raise ValueError('unit_gyro and unit_accel only beside output = "rate"')
+            raise ValueError('unit_gyro and unit_accel only with output = "rate"')
         return self
 
 

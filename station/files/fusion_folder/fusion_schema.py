@@ -126,7 +126,7 @@ class FusionTable(TomlTable):
         if self.imu is None and self.odometry is None:
             raise ValueError("[imu] or [odometry], or both: what moved between the fixes")
         if self.tracks is not None and self.imu is None:
-            raise ValueError("[imu] beside [tracks]")
+            raise ValueError("[imu] together with [tracks]")
         if self.wheel is not None and self.imu is None:
-            raise ValueError("[imu] beside [wheel]")
+            raise ValueError("[imu] together with [wheel]")
         return self

@@ -39,7 +39,7 @@ from station.text import plural
 
 EXPECTED = (
     "soak, sequence, means, dwell:N (1 to 12), dwell:FACE (x_up ... z_down), turn:+x, turn:+x:REVOLUTIONS, "
-    "turn:+x:ANGLEdeg, or beside --reference rate:x or rate:-x"
+    "turn:+x:ANGLEdeg, or with --reference rate:x or rate:-x"
 )
 FACES_NAMED = re.compile(r"[xyz]_(?:up|down)")
 TABLE_NAMED = re.compile(r"-?[xyz]")
@@ -81,8 +81,8 @@ def check_kinds(kinds: Sequence[str], logs: int, has_reference: bool) -> None:
     for kind in kinds:
         check_kind(kind)
         if kind.startswith("rate:") != has_reference:
-            expected = "one of rate:x, rate:-x, rate:y and so on" if has_reference else "--reference COL beside it"
-            found = f"{kind!a} {'beside' if has_reference else 'without'} --reference"
+            expected = "one of rate:x, rate:-x, rate:y and so on" if has_reference else "--reference COL with it"
+            found = f"{kind!a} {'with' if has_reference else 'without'} --reference"
             raise ValueError(f"found {found}, expected {expected}")
     if len(kinds) > 1 and len(kinds) != logs:
         raise ValueError(f"found {len(kinds)} kinds for {logs} logs, expected one, or one a log")

@@ -139,7 +139,7 @@ def references(certificate: Certificate) -> list[dict[str, str]]:
     is_undated = not survey.get("measured_utc") and not str(source).startswith("normal gravity")  # a formula
     dated = {"measured": "date of survey not stated"} if is_undated else {}
     if is_timed(document):  # whatever clock the laboratory has
-        timed = "GNSS time, recorded beside the counts", document["procedure"]["ended_utc"][:10]
+        timed = "GNSS time, recorded with the counts", document["procedure"]["ended_utc"][:10]
     else:
         timed = "the device\u2019s own clock, compared with no reference", "not compared"
     return [

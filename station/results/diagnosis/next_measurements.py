@@ -148,7 +148,7 @@ AFTER_FLIPS = always(
 )
 REFERENCE_TIME = always(
     "reference_time",
-    "Record an hour at rest with reference time beside the counts (column utc_s), as from a GNSS receiver.",
+    "Record an hour at rest with reference time recorded with the counts (column utc_s), as from a GNSS receiver.",
     soak=[{"position": 9, "seconds": SOAK_S}],
 )
 CERTIFICATE = always(

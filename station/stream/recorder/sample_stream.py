@@ -192,7 +192,7 @@ def check_raw_bytes(path: Path, wire: WireFormat) -> int:
     recorded = read_step(path)
     again = SampleStream(wire).take(Chunk(0, b"".join(data for _, data in recorded.raw))).block
     if (recorded.gyro is None and recorded.accel is None) or len(again) != len(recorded):
-        raise Altered(path, f"{len(recorded)} samples", f"{len(again)} in the raw bytes beside them")
+        raise Altered(path, f"{len(recorded)} samples", f"{len(again)} in the raw bytes next to them")
     triads = {"gyro": (recorded.gyro, again.gyro), "accel": (recorded.accel, again.accel)}
     pairs = {name: pair for name, pair in triads.items() if pair[0] is not None} | {
         "counter": _same_turn(recorded.counter, np.maximum(again.counter, 0) & _WORD, wire.counter_modulus),

@@ -136,6 +136,6 @@ def test_its_coefficients_stand_in_their_own_units_with_what_else_it_could_be(
         "  tau_s      40.0 +- 2.0 s",
         "  tau_s 40 is at the end of its range",
         "  it may also be slab.tilt, clock.rate",
-        "beside it: clock.rate",
+        "also in the model: clock.rate",
         "verdict: partly",
     ]

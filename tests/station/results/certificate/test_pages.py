@@ -93,6 +93,6 @@ def test_time_is_traceable_only_as_far_as_it_was_compared(
     assert "stated by the laboratory, the device was not compared with it" in alone
     clock = {"rate_ppm": 12.3, "std_ppm": 0.4}
     timed = rendered(made({**first, "procedure": {**first["procedure"], "clock": clock}}))
-    assert "GNSS time, recorded beside the counts" in timed
+    assert "GNSS time, recorded with the counts" in timed
     assert "+12 ppm, u = 0.4 ppm" in timed
     assert "their second is that" not in timed
