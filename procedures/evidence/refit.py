@@ -16,6 +16,7 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.calibration.joint_calibration import CampaignFits, fit_reduced
 from procedures.calibration.reduced_steps import ReducedSteps
 from procedures.campaign.campaign import Campaign, MoveRecord
+from procedures.campaign.observations import TriadRests
 from procedures.counts.sample_records import CountSeries
 from procedures.effects.effect import with_slope
 from procedures.effects.excitation import Columns, turned_columns
@@ -291,6 +292,9 @@ def _fit_without(
         accel = replace(accel, rate=accel.rate - fits.accelerometer.k * np.array(here))
     if fits.accelerometer is not None and rests is not None and (here := off.get((0, "norm"))):
         rests = replace(rests, rate=rests.rate - fits.accelerometer.k * np.array(here))
+    about_turns = steps.turn_rests
+    if fits.accelerometer is not None and about_turns is not None and whole[0] is not None:
+        about_turns = _without_in_rests(about_turns, evidence, fits.accelerometer.k[:, None] * whole[0].T)
     if gyro is not None and fits.gyroscope is not None:
         k = fits.gyroscope.joint.k
         gyro = replace(gyro, rate=gyro.rate - k * np.array(off[1, "mean"]))
@@ -298,11 +302,27 @@ def _fit_without(
         less = dict(zip(used, off.get((1, "turn"), []), strict=True))
         turns = tuple(replace(t, total=t.total - k * less.get(id(t.record), 0.0)) for t in turns)
         campaigns = without_in_moves(campaigns, evidence, k, *whole[1:])
-    found = fit_reduced(replace(steps, campaigns=campaigns, accel=accel, gyro=gyro, rests=rests, turns=turns))
+    found = fit_reduced(replace(
+        steps, campaigns=campaigns, accel=accel, gyro=gyro, rests=rests, turns=turns, turn_rests=about_turns
+    ))  # fmt: skip
     for triad in TRIADS:
         if (getattr(found, triad) is None) != (getattr(fits, triad) is None):
             raise DoesNotFit(f"without the effects the {triad} is no longer determined")
     return found
+
+
+def _without_in_rests(rests: TriadRests, evidence: Evidence, added: FloatArray) -> TriadRests:
+    """Return the rests before and after turns free of what is ``added`` (3, n) [output/s] at the nodes.
+
+    They are parts of the turns, whose tilt they determine.
+    """
+    seen, rate = evidence.excitation, rests.rate.copy()
+    number = {(step.campaign, step.name): i for i, step in enumerate(seen.steps) if step.kind == "turn"}
+    for row, (campaign, rest) in zip(rate, rests.rests, strict=True):
+        if (step := number.get((campaign, rest.name))) is not None:
+            nodes = seen.step == step
+            row -= [np.interp(rest.series.t, seen.t[nodes], of_sensor[nodes]).mean() for of_sensor in added]
+    return replace(rests, rate=rate)
 
 
 AtNodes = tuple[FloatArray | None, FloatArray | None, FloatArray | None]
