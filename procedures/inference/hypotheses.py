@@ -20,10 +20,10 @@ from procedures.frames import AXES, TRIADS
 from procedures.inference import priors
 from procedures.inference.board import Board, Hypothesis, Option
 from procedures.inference.marginal import log_sum
+from procedures.inference.nonlinear_constants import between
 from procedures.inference.smooth_functions import Function, driver_in, functions, unrecorded, walk
 from procedures.statistics.least_squares import left_singular
 
-CUBIC = 4  # neighbours that a cubic goes through
 OF_ROWS = {
     "mean": "positions", "slope": "drifts within positions", "curvature": "drifts within positions",
     "turn": "rotations", "move": "transfers", "norm": "rests", "soak": "soaks", "level": "soaks",
@@ -222,7 +222,7 @@ def _named(name: str, ways: Sequence[Candidate]) -> Hypothesis:
 
 def _named_ways(evidence: Evidence, number: int, candidates: Sequence[Candidate]) -> list[Way]:
     """Return the ways of a name; an order more of a polynomial is as likely as another coefficient."""
-    finer = [*candidates, *_between(candidates)]
+    finer = [*candidates, *between(candidates)]
     shares = np.log(priors.ODDS_ANOTHER) * np.array([max(each.columns.orders, default=1) - 1 for each in finer])
     shares -= log_sum(shares)
     return [_way(evidence, number, each, share) for each, share in zip(finer, shares.tolist(), strict=True)]
@@ -236,33 +236,6 @@ def _way(evidence: Evidence, number: int, candidate: Candidate, log_share: float
     H = candidate.term.H[:, :k] * scale / evidence.sigma[:, None]
     shares = [(share + log_share, mask) for share, mask in masks(candidate)]
     return Way(number, H, shares, candidate, scale)
-
-
-def _between(candidates: Sequence[Candidate]) -> Iterator[Candidate]:
-    """Yield more candidates between neighbours on a grid of a time constant.
-
-    A column is smooth in the constant's logarithm: it is interpolated by a cubic through four neighbours.
-    """
-    lines = dict[tuple[object, ...], list[Candidate]]()
-    for each in candidates:
-        if len(each.columns.nonlinear) == 1:
-            key = (each.columns.shape, each.columns.orders, str(each.columns.where))
-            lines.setdefault(key, []).append(each)
-    for line in lines.values():
-        if len(line) < CUBIC:
-            continue
-        line.sort(key=lambda each: next(iter(each.columns.nonlinear.values())))
-        (name,) = line[0].columns.nonlinear
-        x = np.log([each.columns.nonlinear[name] for each in line])
-        for i in range(len(line) - 1):
-            first = min(max(i - 1, 0), len(line) - CUBIC)
-            near = range(first, first + CUBIC)
-            for part in range(1, priors.FINER):
-                at = x[i] + (x[i + 1] - x[i]) * part / priors.FINER
-                weights = [np.prod([(at - x[k]) / (x[j] - x[k]) for k in near if k != j]) for j in near]
-                H = np.tensordot(weights, np.stack([line[j].term.H for j in near]), 1)
-                columns = replace(line[i].columns, nonlinear={name: float(np.exp(at))})
-                yield replace(line[i], columns=columns, term=Term(H, line[i].term.plausible))
 
 
 def beyond_its_prior(evidence: Evidence, parameter: Candidate) -> Candidate | None:

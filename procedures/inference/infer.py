@@ -16,6 +16,7 @@ from procedures.inference.base_model import BaseModel
 from procedures.inference.board import Board
 from procedures.inference.hypotheses import Library, library_of
 from procedures.inference.marginal import Member, log_sum, tail
+from procedures.inference.nonlinear_constants import resolved
 from procedures.inference.posterior import Posterior, averaged_fits, posterior
 from procedures.inference.search import Model, Search
 
@@ -46,6 +47,7 @@ def infer(subject: BaseModel, effects: Sequence[Effect]) -> Inferred:
     now = first = subject.refit(())
     pool = Candidates(now.evidence, now.fits, effects)
     library = library_of(now.evidence, pool)
+    library = library.with_adopted(now.evidence, list(resolved(library.on(now.evidence))))
     search = begin = Search(library.on(now.evidence))
     best, tried = search.run(), set[tuple[str, ...]]()
     while (names := _names(search.board, best)) not in tried and (wanted := _candidates(search.board, best)):

@@ -173,6 +173,17 @@ def test_a_knee_in_the_scale_factor_is_found_where_it_is() -> None:
     assert abs(knee[0] - 20) < 4 * knee[1]
 
 
+@pytest.mark.parametrize("knee", [37.0, 62.0])
+@pytest.mark.parametrize("lost", [0.3, 1.0])
+def test_a_range_that_ends_is_named_with_its_end(knee: float, lost: float) -> None:
+    """Of what lies above the knee a part is lost, or all: a million sigmas, between the points of any grid."""
+    (finding,) = bent(1, lambda u: lost * (np.clip(u, -knee, knee) - u)).findings
+    assert (finding.effect, finding.confidence) == (LOST, "established")
+    at = dict(zip(finding.coefficients, zip(finding.value, finding.std, strict=True), strict=True))
+    assert abs(at["knee_deg_s"][0] - knee) < 4 * at["knee_deg_s"][1]
+    assert at["knee_deg_s"][1] < 0.01
+
+
 def test_what_explains_less_than_half_is_not_named() -> None:
     found = bent(1, lambda u: 0.05 * np.sign(np.sin(2 * np.pi * u / 13)))
     assert found.verdict == "unexplained"
