@@ -12,8 +12,8 @@ from procedures.inference import priors
 from procedures.inference.board import Board
 from procedures.inference.marginal import ranked
 
+WIDEST = 0.5  # of a logarithm, where a grid has one point
 CUBIC = 4  # neighbours that a cubic goes through
-NEAR = 0.3  # of the logarithm to either side, wider than any grid's step: within it one point is the nearest
 
 
 def between(candidates: Sequence[Candidate]) -> Iterator[Candidate]:
@@ -54,13 +54,19 @@ def resolved(board: Board) -> Iterator[Candidate]:
         option = board.options[alone.member(board, i).option]
         if option.candidate is not None and option.is_bent and option.mask is not None:
             found, mask = option.candidate, option.mask.tolist()
-            for name in found.columns.nonlinear:
-                found = _resolved(board, found, name, mask)
+            ways = [way.columns for j in board.options_of[i] if (way := board.options[int(j)].candidate) is not None]
+            for name, value in found.columns.nonlinear.items():
+                grid = np.log([way.nonlinear[name] for way in ways if way.shape == found.columns.shape])
+                apart = np.abs(grid - np.log(value))
+                found = _resolved(board, found, name, mask, float(np.min(apart[apart > 0], initial=WIDEST)))
             yield found
 
 
-def _resolved(board: Board, one: Candidate, name: str, mask: list[int]) -> Candidate:
-    """Return a candidate with one constant where its coefficients in ``mask`` leave least of the data."""
+def _resolved(board: Board, one: Candidate, name: str, mask: list[int], apart: float) -> Candidate:
+    """Return a candidate with one constant where its coefficients in ``mask`` leave least of the data.
+
+    It is looked for as far as the next point of the grid, ``apart`` in the logarithm.
+    """
     low, high = one.effect.ranges.get(name, (0.0, np.inf))
 
     def at(log: float) -> Candidate:
@@ -78,5 +84,5 @@ def _resolved(board: Board, one: Candidate, name: str, mask: list[int]) -> Candi
         return float(np.sum((board.y - W @ c) ** 2))
 
     middle = float(np.log(one.columns.nonlinear[name]))
-    found = minimize_scalar(left, bounds=(middle - NEAR, middle + NEAR), method="bounded", options={"xatol": 1e-4})
+    found = minimize_scalar(left, bounds=(middle - apart, middle + apart), method="bounded", options={"xatol": 1e-4})
     return at(float(found.x))
