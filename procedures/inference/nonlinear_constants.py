@@ -54,7 +54,8 @@ def resolved(board: Board) -> Iterator[Candidate]:
         option = board.options[alone.member(board, i).option]
         if option.candidate is not None and option.is_bent and option.mask is not None:
             found, mask = option.candidate, option.mask.tolist()
-            ways = [way.columns for j in board.options_of[i] if (way := board.options[int(j)].candidate) is not None]
+            every = [board.options[j].candidate for j in board.options_of[i].tolist()]
+            ways = [each.columns for each in every if each is not None]
             for name, value in found.columns.nonlinear.items():
                 grid = np.log([way.nonlinear[name] for way in ways if way.shape == found.columns.shape])
                 apart = np.abs(grid - np.log(value))
@@ -84,5 +85,5 @@ def _resolved(board: Board, one: Candidate, name: str, mask: list[int], apart: f
         return float(np.sum((board.y - W @ c) ** 2))
 
     middle = float(np.log(one.columns.nonlinear[name]))
-    found = minimize_scalar(left, bounds=(middle - apart, middle + apart), method="bounded", options={"xatol": 1e-4})
-    return at(float(found.x))
+    ends = middle - apart, middle + apart
+    return at(float(minimize_scalar(left, bounds=ends, method="bounded", options={"xatol": 1e-4}).x))
