@@ -196,7 +196,8 @@ class SoaksAlone:
         linear = found.linear
         chi2 = float(np.sum((linear.white * linear.factor) ** 2))
         dof = round(float(np.sum(1 - linear.leverage)))
-        quality = FitQuality(chi2, dof, float(np.exp(log_chi2_sf(chi2, dof))))
+        # draws of a bias's noise may take up every block
+        quality = FitQuality(chi2, dof, float(np.exp(log_chi2_sf(chi2, dof))) if dof else 1.0)
         return Solution(None, None, None, None, quality, (), np.zeros((0, 0)), None)
 
     def on_table(self, found: Refit) -> tuple[TableSensor, ...]:

@@ -7,6 +7,7 @@ Where an effect has a `Law` (`term.law`), its equation, all of its users are mad
 from collections.abc import Mapping
 
 from procedures.effects import (
+    bias_noise,
     cube_faces,
     input_nonlinearity,
     jump,
@@ -38,6 +39,8 @@ EFFECTS: tuple[Effect, ...] = (
     settling.RELAXATION,
     jump.ACCELEROMETER_JUMP,
     jump.ACCELEROMETER_TURN_ON,
+    bias_noise.ACCELEROMETER_INSTABILITY,
+    bias_noise.ACCELEROMETER_WALK,
     sensitivities.ACCELEROMETER_VIBRATION,
     sensitivities.G_SENSITIVITY,
     temperature.GYROSCOPE_BIAS,
@@ -56,6 +59,8 @@ EFFECTS: tuple[Effect, ...] = (
     input_nonlinearity.COUNTS_LOST,
     jump.GYROSCOPE_JUMP,
     jump.GYROSCOPE_TURN_ON,
+    bias_noise.GYROSCOPE_INSTABILITY,
+    bias_noise.GYROSCOPE_WALK,
     sensitivities.GYROSCOPE_VIBRATION,
     surface_plate.TILT,
     cube_faces.FACE_TILT,

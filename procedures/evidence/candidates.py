@@ -52,6 +52,10 @@ def as_it_drifts(evidence: Evidence, effect: Effect, H: FloatArray) -> FloatArra
     if (evidence.rows("mean", "norm", "rate") & of_triad).any() or not (is_by_time or _is_measured(effect)):
         return found
     least = ROUNDING * float(np.max(np.abs(H), initial=0.0))
+    if effect.is_scatter:  # its draws together
+        rows = of_triad & evidence.rows("soak", "level") & np.any(H != 0, axis=1)
+        spread = np.sqrt(np.mean(np.sum(H[rows] ** 2, axis=1))) if rows.any() else 0.0
+        return _sizes(evidence, rows, np.full(H.shape[1], spread), least) if rows.any() else found
     if is_by_time and (rows := evidence.rows("soak") & of_triad).any():
         found = _sizes(evidence, rows, H[rows].std(axis=0), least)
     if (rows := evidence.rows("level") & of_triad).any():  # of the sensor that shows most: others are alike
@@ -228,7 +232,7 @@ def term_of(evidence: Evidence, effect: Effect, columns: Columns) -> Term:
     """
     kept = np.array([name not in columns.nonlinear for name in columns.coefficients])
     ranges, H = effect.plausible_of(columns)[kept], evidence.column(columns)[:, kept]
-    if effect.is_scatter:
+    if effect.is_scatter and effect.kind != "instrument":
         return Term(H, ranges)
     return Term(H, np.maximum(ranges * grade_factor(evidence, effect), as_it_drifts(evidence, effect, H)))
 

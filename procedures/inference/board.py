@@ -34,8 +34,8 @@ class Hypothesis:
     @property
     def log_weights(self) -> FloatArray:
         """Ln of the weights (m,) [1] of its amplitudes: a coefficient beyond what is stated is rarer."""
-        is_coefficient = self.effect is not None and not self.effect.is_scatter and self.kind != "term"
-        return priors.log_weights(self.amplitudes) if is_coefficient else np.zeros(len(self.amplitudes))
+        is_named = self.amplitudes is priors.OF_NAMED
+        return priors.log_weights(self.amplitudes) if is_named else np.zeros(len(self.amplitudes))
 
     @property
     def curve(self) -> str:

@@ -210,7 +210,7 @@ def _without_name(name: str, kind: str, odds: float, amplitudes: FloatArray, dri
 
 def _named(name: str, ways: Sequence[Candidate]) -> Hypothesis:
     effect = ways[0].effect
-    amplitudes = priors.OF_SPREAD if effect.is_scatter else priors.OF_NAMED
+    amplitudes = priors.OF_SPREAD if effect.is_scatter and effect.kind != "instrument" else priors.OF_NAMED
     log_odds, has_places = float(np.log(priors.ODDS_NAMED)), any(way.columns.where for way in ways)
     again = log_odds if has_places else float(np.log(priors.ODDS_ANOTHER))
     is_bent = any(way.columns.nonlinear for way in ways)  # with two knees it would be any curve
@@ -231,8 +231,7 @@ def _named_ways(evidence: Evidence, number: int, candidates: Sequence[Candidate]
 def _way(evidence: Evidence, number: int, candidate: Candidate, log_share: float) -> Way:
     """Return a candidate's columns times 1 sigma of its coefficients."""
     k = len(candidate.columns.coefficients) - len(candidate.columns.nonlinear)
-    is_scatter = candidate.effect.is_scatter
-    scale = (candidate.effect.plausible_of(candidate.columns) if is_scatter else candidate.term.plausible)[:k]
+    scale = candidate.term.plausible[:k]
     H = candidate.term.H[:, :k] * scale / evidence.sigma[:, None]
     shares = [(share + log_share, mask) for share, mask in masks(candidate)]
     return Way(number, H, shares, candidate, scale)

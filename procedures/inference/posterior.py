@@ -216,8 +216,11 @@ def averaged(board: Board, rest: Sequence[Member], hypothesis: int, member: Memb
         G, g = beyond.T @ beyond, beyond[: len(W)].T @ board.y
         size, V = np.linalg.eigh(G)
         size, along = np.maximum(size, 0.0), V.T @ g
-        of_prior = board.hypotheses[hypothesis]
-        for s, log_weight in zip(of_prior.amplitudes.tolist(), of_prior.log_weights.tolist(), strict=True):
+        grid, log_weights = board.hypotheses[hypothesis].amplitudes, board.hypotheses[hypothesis].log_weights
+        if candidate.effect.is_scatter:  # the amplitude itself is what is reported
+            coarse, grid = grid, np.geomspace(grid[0], grid[-1], priors.FINER_AMPLITUDES * len(grid))
+            log_weights = np.interp(np.log(grid), np.log(coarse), log_weights)
+        for s, log_weight in zip(grid.tolist(), log_weights.tolist(), strict=True):
             spread = 1 + s**2 * size
             gain = 0.5 * float(np.sum(s**2 * along**2 / spread - np.log(spread)))
             weights.append(option.log_share + log_weight + gain)
@@ -234,7 +237,7 @@ def averaged(board: Board, rest: Sequence[Member], hypothesis: int, member: Memb
     p = np.exp(np.array(weights) - log_sum(np.array(weights)))
     if candidate.effect.is_scatter:
         logs = np.log(amplitudes)
-        times, own = float(np.exp(p @ logs)), float(candidate.effect.plausible_of(columns)[0])
+        times, own = float(np.exp(p @ logs)), float(candidate.term.plausible[0])
         std = times * own * float(np.sqrt(p @ (logs - p @ logs) ** 2))
         return Coefficients(candidate, ("value",), np.array([times * own]), np.array([[std**2]]), {}, np.ones(1))
     every = np.array(means)

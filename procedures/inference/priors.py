@@ -27,6 +27,7 @@ FACTOR = 10.0
 # nameless function spans them from 1 sigma of all rows together, below which nothing shows.
 SPAN = 1000.0
 AMPLITUDES = 25  # points of a logarithmic grid: neighbours differ by less than half a standard deviation
+FINER_AMPLITUDES = 10  # points for each of these where the amplitude is the result: a hundred draws tell it to 7 %
 
 # What form it has.
 # s: half decades from the settling of a servo to the warming of a case; what lags the temperature, or fades.

@@ -30,13 +30,14 @@ def walk_columns(evidence: Evidence, triad: str, parts: int = 1) -> FloatArray:
     """Return what a walk of a triad's biases by 1 [g, deg/s] in an hour's root adds to every row (n, k).
 
     A column is a step in one sensor, before each step of the recording but the first, as large as its time allows;
-    with ``parts`` also before each part of a dwell or rest, within which a walk makes slopes.
+    with ``parts`` also before each part of a dwell or rest, within which a walk makes slopes. Within a soak a walk
+    has a name (`procedures.effects.bias_noise`).
     """
     seen, found = evidence.excitation, list[FloatArray]()
-    history = seen.histories
+    history, soaks = seen.histories, np.array([step.kind == "soak" for step in seen.steps])
     for one in np.unique(history):
         here = history[seen.step] == one
-        for earlier, later in pairwise(sorted(_places(seen, np.flatnonzero(history == one), parts))):
+        for earlier, later in pairwise(sorted(_places(seen, np.flatnonzero((history == one) & ~soaks), parts))):
             if later > earlier:
                 after = here & (seen.t >= later)
                 found.append(np.sqrt((later - earlier) / S_PER_H) * per_axis(after.astype(float)))

@@ -6,8 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drivers.simulated.effects import EFFECTS, Stimulus, TriadInput
 from procedures.arrays import FloatArray
-from procedures.campaign.campaign import Campaign
+from procedures.campaign.campaign import Campaign, Site, SoakRecord
+from procedures.counts.sample_records import RateSeries
 from procedures.diagnosis.diagnose import diagnose
 from procedures.inference.result import Diagnosis
 from station import cli
@@ -106,17 +108,38 @@ def noise(seed: int) -> FloatArray:
     return WHITE * np.random.default_rng(seed).standard_normal((WALK_SECONDS * WALK_RATE, 3))
 
 
-def walk(seed: int, size: float = WALK) -> FloatArray:
-    steps = np.random.default_rng(1000 + seed).standard_normal((WALK_SECONDS * WALK_RATE, 3))
-    return np.cumsum(size / np.sqrt(3600 * WALK_RATE) * steps, axis=0)
+def at_rest(accel: FloatArray) -> Campaign:
+    """Return the same without a table."""
+    t = np.arange(1, len(accel) + 1) / WALK_RATE
+    series = RateSeries(t, None, accel, np.full(len(t), 25.0), 1 / WALK_RATE)
+    site = Site(0.8, 9.8, 0.02)
+    scale, soaks = {"accelerometer": 1.0}, (SoakRecord("soak", 0, None, series),)
+    return Campaign("m", "s", False, site, (), (), nominal_scale=scale, soaks=soaks)
 
 
-def test_a_walk_is_found_and_has_no_sure_name(tmp_path: Path) -> None:
-    found = diagnose([soak(tmp_path, noise(9) + walk(9))])
-    assert any("a random walk of the bias, accelerometer" in each.shares for each in found.unnamed)
-    assert not [each for each in found.findings if each.probability > 0.9]
-    assert found.verdict == "unexplained"  # a walk has no cause
-    assert not found.added  # it is in no calibration
+NOISES = {  # of a bias, by coefficient: g, g in an hour's root
+    "accelerometer.bias_instability": 2e-4, "accelerometer.acceleration_random_walk": WALK
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", NOISES)
+def test_noise_of_a_bias_is_named_and_its_coefficient_is_within_its_uncertainty(name: str) -> None:
+    """Eight draws of the simulator, which knows no covariance: it adds sines."""
+    sigmas, named = list[float](), list[float]()
+    t = (np.arange(WALK_SECONDS * WALK_RATE) + 0.5) / WALK_RATE
+    for seed in range(8):
+        sizes = {"value": NOISES[name], "seed": float(seed)}
+        seen = Stimulus(*np.zeros((3, 1, 3)), t[:, None], *np.zeros((3, 1, 1)), 0, np.zeros_like)
+        added = EFFECTS[name].accel(seen, TriadInput(np.zeros((1, 3)), np.zeros(3)), sizes)
+        found = diagnose([at_rest(0.1 * noise(seed) + added)])
+        cause = next(each for each in (*found.findings, *found.unnamed) if name in each.shares)
+        named.append(cause.shares[name])
+        own = [each for each in found.findings if each.effect == name and "channel" not in each.where]
+        sigmas += [float((each.value[0] - NOISES[name]) / each.std[0]) for each in own]
+    assert np.median(named) > 0.5
+    assert len(sigmas) >= 4
+    assert np.sqrt(np.mean(np.square(sigmas))) < 2.0
+    assert abs(np.mean(sigmas)) < 1.2
 
 
 # Several recordings at one temperature each

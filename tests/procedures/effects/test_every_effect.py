@@ -213,7 +213,11 @@ CASES = [
 
 
 SHAKEN = {f"{triad}.vibration_rectification" for triad in ("accelerometer", "gyroscope")}  # a test of their own
-OF_SOAKS = {"accelerometer.turn_on_bias", "gyroscope.turn_on_bias"}  # tests of soaks have them
+# tests of soaks have them
+OF_SOAKS = {
+    "accelerometer.turn_on_bias", "gyroscope.turn_on_bias", "accelerometer.bias_instability",
+    "gyroscope.bias_instability", "accelerometer.acceleration_random_walk", "gyroscope.rate_random_walk",
+}  # fmt: skip
 TILTED = {"placement.tilt"}  # the same in soaks, `test_a_unit_that_slips_...` between dwells
 SCATTERS = {effect.name for effect in EFFECTS if effect.is_scatter}  # test_scatters_by_their_columns.py has them
 OTHERS = sorted(
