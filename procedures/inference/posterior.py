@@ -77,6 +77,7 @@ class Posterior:
 
 def posterior(search: Search) -> Posterior:
     """Return what the models of a search say together."""
+    search.widen()
     board, models = search.board, list(search.models.values())
     weights = np.exp(np.array([m.log_odds for m in models]) - log_sum(np.array([m.log_odds for m in models])))
     held = np.zeros((len(models), len(board.hypotheses)), dtype=bool)

@@ -67,6 +67,12 @@ class Search:
             self._around(self.best)
         return self.best
 
+    def widen(self) -> None:
+        """Look at everything that may act unseen beside each of the likeliest models, not of the best alone."""
+        for model in self.window[: priors.BREADTH**2]:
+            for child in self._children(model):
+                self._keep(child)
+
     @property
     def best(self) -> Model:
         """The likeliest model."""
