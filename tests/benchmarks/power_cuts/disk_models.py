@@ -11,26 +11,79 @@ Linux kernel documentation, ext4 general information, data mode.
 """
 
 import random
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
-from tests.benchmarks.power_cuts.file_operations import (
-    ROOT,
-    Entries,
-    FileLog,
-    Operation,
-    Resize,
-    Say,
-    Sync,
-    Write,
-    changed,
-)
-
+ROOT = 0  # the node of a folder that was there, and on the disk, before; a node is a file or a folder
 SECTOR, PAGE = 512, 4096
 MODELS = ("weak", "ordered")
 SETTLED = '"settled"'
+
+
+@dataclass(frozen=True, slots=True)
+class Write:
+    """Bytes put into a file."""
+
+    node: int
+    offset: int
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Resize:
+    """A file cut or extended by zeros to a size."""
+
+    node: int
+    size: int
+
+
+@dataclass(frozen=True, slots=True)
+class Entries:
+    """Names set in folders, all at once: (folder, name, node), the node None where the name goes."""
+
+    changes: tuple[tuple[int, str, int | None], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Sync:
+    """A file or folder that is on the disk with all that was done to it before operation ``began``."""
+
+    node: int
+    began: int
+
+
+@dataclass(frozen=True, slots=True)
+class Say:
+    """What the program said on its standard output: from here on people rely on it."""
+
+    text: str
+
+
+Operation = Write | Resize | Entries | Sync | Say
 Change = Write | Resize
 Names = dict[tuple[int, str], int | None]
+
+
+@dataclass(frozen=True, slots=True)
+class FileLog:
+    """Operations, and which nodes are folders."""
+
+    operations: tuple[Operation, ...]
+    folders: frozenset[int]
+
+
+def changed(content: bytes, operations: Iterable[Change]) -> bytes:
+    """Return a file's content after operations."""
+    made = bytearray(content)
+    for one in operations:
+        size = one.size if isinstance(one, Resize) else one.offset
+        if len(made) < size:
+            made.extend(bytes(size - len(made)))
+        if isinstance(one, Resize):
+            del made[size:]
+        else:
+            made[size : size + len(one.data)] = one.data
+    return bytes(made)
 
 
 @dataclass(slots=True)

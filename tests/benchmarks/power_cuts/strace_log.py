@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from tests.benchmarks.power_cuts.file_operations import ROOT, Entries, FileLog, Operation, Resize, Say, Sync, Write
+from tests.benchmarks.power_cuts.disk_models import ROOT, Entries, FileLog, Operation, Resize, Say, Sync, Write
 
 CALLS = (
     "openat,open,creat,write,pwrite64,writev,pwritev,pwritev2,ftruncate,truncate,fallocate,fsync,fdatasync,"
