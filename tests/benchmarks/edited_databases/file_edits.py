@@ -4,6 +4,7 @@ import random
 import shutil
 import sqlite3
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 
 from fixtures_db.database import open_db
@@ -60,11 +61,9 @@ class Copies:
                 content[chance.randrange(100, len(content))] ^= 1 << chance.randrange(8)
                 file.write_bytes(content)
             case "version":
-                with sqlite3.connect(where / NAMES[0]) as connection:
-                    connection.execute(
-                        "UPDATE alembic_version SET version_num = ?", (f"{chance.randrange(20):04d}",)
-                    )
-                connection.close()
+                version = f"{chance.randrange(20):04d}"
+                with closing(sqlite3.connect(where / NAMES[0])) as connection, connection:
+                    connection.execute("UPDATE alembic_version SET version_num = ?", (version,))
 
 
 HOW = ("older copy", "-wal removed", "older -wal", "-wal cut", "byte of -wal", "byte of file", "version")
@@ -72,11 +71,8 @@ HOW = ("older copy", "-wal removed", "older -wal", "-wal cut", "byte of -wal", "
 
 def meaning(file: Path) -> list[str]:
     """Return all that a database says."""
-    connection = sqlite3.connect(file)
-    try:
+    with closing(sqlite3.connect(file)) as connection:
         return list(connection.iterdump())
-    finally:
-        connection.close()
 
 
 def look(file: Path, anchor: Anchor) -> tuple[bool, bool]:
