@@ -3,7 +3,7 @@
 import shutil
 import sys
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
 from functools import partial
@@ -17,10 +17,9 @@ from station.files.limits_file import example_limits
 from station.files.scenario import read_scenario
 from station.files.scenario_schema import read_faults
 from station.results.certificate.laboratory import read_laboratory
+from tests.paths import ROOT
 from tests.station.effect_examples import DEAD_ZONE, WARMING
 from tests.station.results.certificate.factory import EXAMPLE
-
-REPOSITORY = Path(__file__).resolve().parents[3]
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,8 +44,16 @@ def _by(read: Callable[[Path], object]) -> Callable[[Path], int]:
     return take
 
 
-def _command(*before: str, after: tuple[str, ...] = ()) -> Callable[[Path], int]:
-    return lambda path: cli.run([*before, str(path), *after])
+def _command(*before: str, after: Sequence[str] = (), database: Path | None = None) -> Callable[[Path], int]:
+    """Return what runs a command on the file; with a copy of a ``database``, another one each time."""
+
+    def take(path: Path) -> int:
+        if database is None:
+            return cli.run([*before, str(path), *after])
+        copy = shutil.copyfile(database, path.with_name("copy.db"))
+        return cli.run([*before, str(path), *after, "--db", str(copy)])
+
+    return take
 
 
 PLAN = """
@@ -90,53 +97,40 @@ seconds = 4.0
 
 
 def _text(name: str) -> dict[str, Any]:
-    return tomllib.loads((REPOSITORY / "docs" / name).read_text())
+    return tomllib.loads((ROOT / "docs" / name).read_text())
 
 
 def _drive() -> dict[str, Any]:
     tables = _text("scenarios/drive.toml")
-    tables["imu"]["track"] = str(REPOSITORY / "docs/scenarios/drive.csv")
+    tables["imu"]["track"] = str(ROOT / "docs/scenarios/drive.csv")
     return tables
 
 
 def kinds(folder: Path, campaign: dict[str, Any], fixtures: dict[str, Any]) -> dict[str, Kind]:
     """Return all kinds; ``campaign`` of a folder that lies in ``folder``, ``fixtures`` as exported."""
-    db = ("--db", str(folder / "hostile.db"))
     laboratory = tomllib.loads(EXAMPLE.read_text()) | {
         "item": {"received": date(2026, 3, 2), "condition": "no damage"}
     }
-
-    def limits(path: Path) -> int:
-        return cli.run(["fixtures", "limits", "FOG-3", "--import", str(path), *db])
+    limits = ("fixtures", "limits", "FOG-3", "--db", str(folder / "hostile.db"), "--import")
+    effect = _command("effects", "add", after=("--model", "FOG-3"), database=folder / "empty.db")
 
     def solve(path: Path) -> int:
         return cli.run(["solve", str(path.parent), "--json", str(folder / "o.json")])
-
-    def tolerance(path: Path) -> int:
-        return cli.run(["fixtures", "tolerance", "--items", str(path), "--cubes", "1000"])
 
     scenario = partial(Kind, "scenario.toml", take=_by(read_scenario))
     return {
         "campaign": Kind("campaign.toml", campaign, solve),
         "plan": Kind("plan.toml", tomllib.loads(PLAN), _by(lambda path: (read_plan(path), read_mounting(path)))),
-        "limits": Kind("limits.toml", tomllib.loads(example_limits("FOG-3")), limits),
-        "fixtures": Kind("fixtures.toml", fixtures, lambda path: _fresh(path, folder)),
-        "effect": Kind("effect.toml", tomllib.loads(DEAD_ZONE), lambda path: _fresh_effect(path, folder)),
-        "lagging_effect": Kind("effect.toml", tomllib.loads(WARMING), lambda path: _fresh_effect(path, folder)),
+        "limits": Kind("limits.toml", tomllib.loads(example_limits("FOG-3")), _command(*limits)),
+        "fixtures": Kind("fixtures.toml", fixtures, _command("fixtures", "import", database=folder / "empty.db")),
+        "effect": Kind("effect.toml", tomllib.loads(DEAD_ZONE), effect),
+        "lagging_effect": Kind("effect.toml", tomllib.loads(WARMING), effect),
         "laboratory": Kind("laboratory.toml", laboratory, _by(read_laboratory)),
         "faults": Kind("faults.toml", tomllib.loads(FAULTS), _by(lambda path: read_faults(path, is_on_can=True))),
         "scenario": scenario(_text("scenarios/troubles.toml")),
         "drive": scenario(_drive()),
         "calibration_scenario": scenario(_text("scenarios/calibration.toml")),
-        "tolerance": Kind("items.toml", tomllib.loads(ITEMS), tolerance),
+        "tolerance": Kind(
+            "items.toml", tomllib.loads(ITEMS), _command("fixtures", "tolerance", "--cubes", "1000", "--items")
+        ),
     }
-
-
-def _fresh(path: Path, folder: Path) -> int:
-    shutil.copyfile(folder / "empty.db", folder / "f.db")
-    return cli.run(["fixtures", "import", str(path), "--db", str(folder / "f.db")])
-
-
-def _fresh_effect(path: Path, folder: Path) -> int:
-    shutil.copyfile(folder / "empty.db", folder / "e.db")
-    return cli.run(["effects", "add", str(path), "--model", "FOG-3", "--db", str(folder / "e.db")])
