@@ -122,24 +122,16 @@ def vehicles(size: int, seed: int) -> dict[str, Figure]:
 
 def flight(size: int, seed: int) -> dict[str, Figure]:
     """Return the largest errors in the turn of the paper's flight: 200 m/s, angle of attack 3 deg."""
-    logs = [paper_flight(seed + number) for number in range(size)]
-    worst = np.array([turn_maximum(log, estimate(log, "airspeed-filter").down) for log in logs])
-    mean = worst.mean(axis=0)
-    result = {f"the paper's flight, {angle}: largest error in the turn, mean": Figure(each, "deg", at_most=0.35)
-              for angle, each in zip(("roll", "pitch"), mean, strict=True)}  # fmt: skip
-    printed = np.array([turn_maximum(log, estimate(log, "paper-filter").down) for log in logs]).mean(axis=0)
-    for angle, each in zip(("roll", "pitch"), printed, strict=True):
-        result[f"the paper's flight, {angle}: by the paper's filter"] = Figure(each, "deg")
+    logs, result = [paper_flight(seed + number) for number in range(size)], dict[str, Figure]()
+    for aid, what, limit in (("airspeed-filter", "largest error in the turn, mean", 0.35),
+                             ("paper-filter", "by the paper's filter", None)):  # fmt: skip
+        mean = np.mean([turn_maximum(log, estimate(log, aid).down) for log in logs], axis=0)
+        for angle, each in zip(("roll", "pitch"), mean, strict=True):
+            result[f"the paper's flight, {angle}: {what}"] = Figure(each, "deg", at_most=limit)
     return result
 
 
-def turn_maximum(log: AttitudeLog, down: FloatArray) -> tuple[float, float]:
-    """Return the largest roll and pitch errors [deg] in the turn."""
-    assert log.roll is not None
-    assert log.pitch is not None
-    roll, pitch = roll_pitch_of(down)
-    turn = log.t > LEVEL_S
-    return (
-        float(np.degrees(np.abs(roll - log.roll)[turn].max())),
-        float(np.degrees(np.abs(pitch - log.pitch)[turn].max())),
-    )
+def turn_maximum(log: AttitudeLog, down: FloatArray) -> FloatArray:
+    """Return the largest roll and pitch errors (2,) [deg] in the turn."""
+    errors = np.array(roll_pitch_of(down)) - np.array([log.roll, log.pitch])
+    return np.degrees(np.abs(errors[:, log.t > LEVEL_S]).max(axis=1))

@@ -14,16 +14,12 @@ import numpy as np
 
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
-from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Dwell, Step
 from procedures.positions import face_normal, face_of
-from station.guide.campaign.checklist import Checklist
 from station.guide.checks.face_and_stillness import LIMIT_DEG
-from station.guide.stages.guide import Guide
-from station.guide.stages.stage_context import BenchFacts, StageContext
-from station.stream.live.live_feed import open_feed
 from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
 from tests.proof.evidence import Figure, spread, zero
+from tests.station.guide.rig import plain_guide
 from tests.station.stream.live.bench_in_memory import Source
 
 KINDS = ("flat", "tilted", "tilted a little", "wrong face", "tapped", "shaken", "creeping")
@@ -53,12 +49,9 @@ def trial(seed: int) -> tuple[str, str]:
     """Return the kind of a trial and what came of it, one of `OUTCOMES`."""
     rng = np.random.default_rng([seed, 0xACC])
     source, accepted = Source(Truth.example(seed % 997), seed=seed), Accepted()
-    feed = open_feed(source)
-    feed.identify()
     kind, position = KINDS[seed % len(KINDS)], int(rng.integers(1, 13))
     wanted = [Dwell(p, DWELL_S) for p in range(1, 13)] if rng.random() < 0.5 else [Dwell(position, DWELL_S)]
-    facts = BenchFacts(float(np.radians(31.17)), 1e-3, 2e-4, Fixture(), asks=False)
-    guide = Guide(StageContext(feed, Checklist(wanted), facts, accepted), warms_up=False)
+    feed, guide = plain_guide(source, wanted, accepted)
     stands = position if kind != "wrong face" else int(rng.choice([p for p in range(1, 13) if p != position]))
     tilt_deg = {"tilted": rng.uniform(0, 45), "tilted a little": rng.uniform(0, 6)}.get(kind, 0.0)
     tilt = tilt_deg * level_direction(stands, rng)
@@ -120,10 +113,10 @@ def proof(size: int, seed: int) -> dict[str, Figure]:
         "accepted for another position, cube at rest": zero(
             sum(count["mistaken"] for kind, count in found.items() if kind != "creeping")
         ),
-        "accepted for another position, cube slipping": Figure(
-            found["creeping"]["mistaken"],
-            of=found["creeping"].total(),
-            at_most=found["creeping"].total() / 100,
-        ),
-        "flat cube refused": Figure(right["refused"], of=right.total(), at_most=right.total() / 100),
+        "accepted for another position, cube slipping": _rare(found["creeping"], "mistaken"),
+        "flat cube refused": _rare(right, "refused"),
     }
+
+
+def _rare(found: Counter[str], outcome: str) -> Figure:
+    return Figure(found[outcome], of=found.total(), at_most=found.total() / 100)

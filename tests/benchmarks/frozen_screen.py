@@ -45,11 +45,6 @@ class Outcome:
     journal: Seen
     blind_s: float
 
-    @property
-    def is_good(self) -> bool:
-        """Whether nothing is missing."""
-        return not self.station.missing and not self.journal.missing
-
 
 def freeze(folder: Path, speed: float = 1.0) -> Outcome:
     """Freeze a station for 5 s of device time; the device runs at ``speed`` times its rate."""

@@ -15,27 +15,23 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
 from sqlalchemy import text
 
 from drivers.simulated.truth import Truth
 from fixtures_db.campaigns import campaign
 from fixtures_db.database import open_db
-from procedures.campaign.campaign import Fixture
-from procedures.campaign.plan_steps import Dwell, Step, dwell_steps, turn_steps
+from procedures.campaign.plan_steps import Dwell, Step, Turn, dwell_steps, turn_steps
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.sha256sums import read_hashes, verify_folder
-from station.guide.campaign.checklist import Checklist
 from station.guide.campaign.folder_lock import folder_lock
 from station.guide.campaign.folder_recorder import FolderRecorder
 from station.guide.campaign.interrupted_campaigns import reopen
-from station.guide.stages.guide import Guide
-from station.guide.stages.stage_context import BenchFacts, StageContext
 from station.guide.view import CalibrationView
 from station.stream.live.live_feed import open_feed
 from station.stream.recorder.accepted_step_writer import CampaignRecorder, open_campaign
 from tests.paths import ROOT
 from tests.proof.evidence import Figure, zero
+from tests.station.guide.rig import plain_guide
 from tests.station.stream.live.bench_in_memory import SITE, Source
 
 TRUTH = Truth.example(1)
@@ -96,25 +92,18 @@ def record(number: int, step: Step, recorder: CampaignRecorder, kind: type[Folde
     """Guide one step; the device's counts depend on its number alone."""
     source = Source(TRUTH, seed=number + 1)
     source.device.imu.index = round(number * STEP_S / TRUTH.sample_period_s)
-    feed = open_feed(source)
-    feed.identify()
+    feed, guide = plain_guide(source, [step], kind(recorder))
     start = step.position if isinstance(step, Dwell) else step.start_position
     source.device.execute(f"place {start} 5")
-    facts = BenchFacts(float(np.radians(TRUTH.latitude_deg)), 1e-3, 2e-4, Fixture(), asks=False)
-    guide = Guide(StageContext(feed, Checklist([step]), facts, kind(recorder)), warms_up=False)
     has_turned = False
     while not guide.is_complete:
         feed.advance()
         for block in feed.ready():
             guide.take(block)
             turn = guide.view(CalibrationView()).turn
-            if (
-                turn is not None
-                and not has_turned
-                and turn.rest_s >= turn.rest_wanted_s
-                and not isinstance(step, Dwell)
-            ):
+            if turn is not None and not has_turned and turn.rest_s >= turn.rest_wanted_s:
                 has_turned = True
+                assert isinstance(step, Turn)
                 source.device.execute(f"turn {step.axis} {step.direction} {step.revolutions} 2")
 
 

@@ -58,15 +58,7 @@ class Outcome:
     marks: list[bool] = field(default_factory=list)  # whether the port was open then
     blocks: int = 0
     blocks_over_a_gap: int = 0
-    runs: int = 0
     runs_over_a_gap: int = 0
-
-    @property
-    def is_good(self) -> bool:
-        """Whether it is as asked."""
-        is_marked = self.marks == [False, True] * len(self.back)
-        is_whole = not self.blocks_over_a_gap and not self.runs_over_a_gap
-        return max(self.back) <= ASKED_S and is_marked and is_whole
 
 
 def replug(times: int, seed: int, folder: Path, away_s: tuple[float, float] = AWAY_S) -> Outcome:
@@ -84,8 +76,8 @@ def replug(times: int, seed: int, folder: Path, away_s: tuple[float, float] = AW
             outcome.blocks_over_a_gap += is_over_a_gap
             if len(watched.outages) == times and block.is_restarted:
                 break
-    runs = runs_of_blocks(blocks, None)
-    outcome.blocks, outcome.runs, outcome.runs_over_a_gap = len(blocks), len(runs), _over_a_gap(runs, blocks)
+    outcome.blocks = len(blocks)
+    outcome.runs_over_a_gap = _over_a_gap(runs_of_blocks(blocks, None), blocks)
     outcome.back = (np.array(watched.outages) - away).tolist()
     outcome.marks = [mark.is_open for mark in watched.marks]
     return outcome
