@@ -32,7 +32,8 @@ def kind(item: Item) -> Outcome:
 
 def good(item: Item) -> tuple[bool, bool]:
     """Return whether an effect of the instrument was claimed of a good one, and whether a term was proposed."""
-    found = diagnose(innocent(list(INNOCENT)[item[0]], item[1]))
+    _, campaigns = innocent(list(INNOCENT)[item[0]], item[1])
+    found = diagnose(campaigns)
     claims = [each for each in found.findings if each.kind == "instrument" and each.confidence != "possible"]
     return bool(claims), bool(discover(found).proposals)
 

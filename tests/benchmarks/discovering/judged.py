@@ -11,8 +11,7 @@ from procedures.effects.effect import INSTRUMENT
 from procedures.evidence.linear_model import Term, fit_linear
 from procedures.evidence.residual_rows import Evidence
 from tests.benchmarks.discovering.laws import Law
-from tests.benchmarks.discovering.planting import Drawn, bare_evidence, beside_model, size_of
-from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, truth_of
+from tests.benchmarks.discovering.planting import beside_model, with_law
 from tests.benchmarks.undeclared_kinds.literature import Kind
 
 SAME = 0.98  # correlation of what was planted with what the term can do at its best
@@ -37,10 +36,8 @@ class Outcome:
 
 def trial(law: Law, seed: int) -> Outcome:
     """Plant a law in another unit, diagnose and search."""
-    truth, drawn = truth_of(law.design, seed), Drawn.of(law, seed)
-    size = size_of(drawn, bare_evidence(campaigns_of(truth, law.design, seed).campaigns), seed)
-    also = drawn.planted(size, np.array(truth.magnetic_enu_ut))
-    found = diagnose(campaigns_of(truth, law.design, seed, also, stated=truth).campaigns)
+    drawn, _, campaigns = with_law(law, seed)
+    found = diagnose(campaigns)
     more = discover(found)
     does = drawn.done(more.evidence)
     own = [each for each in found.findings if each.kind == "instrument"]

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from drivers.simulated.effects import Planted, PlantedEffect, Stimulus, TriadInput
+from drivers.simulated.truth import Truth
 from procedures.calibration.joint_calibration import fit_reduced
 from procedures.calibration.reduced_steps import reduce_steps
 from procedures.campaign.campaign import Campaign
@@ -13,6 +14,7 @@ from procedures.effects.excitation import Columns, Excitation
 from procedures.evidence.linear_model import fit_linear
 from procedures.evidence.residual_rows import Evidence, evidence_of
 from tests.benchmarks.discovering.laws import Law, Seen
+from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, truth_of
 
 HEAT_TAU_S = 200.0
 LEAST, MOST = 8.0, 20.0  # sigmas of what a law does, all rows together
@@ -141,3 +143,11 @@ def beside_model(Q: np.ndarray, does: np.ndarray) -> np.ndarray:
     wide[: len(does)] = does
     left: np.ndarray = wide - Q @ (Q.T @ wide)
     return left
+
+
+def with_law(law: Law, seed: int) -> tuple[Drawn, Truth, tuple[Campaign, ...]]:
+    """Return a law as it is drawn by a seed, the unit that has it, and the unit's campaigns."""
+    truth, drawn = truth_of(law.design, seed), Drawn.of(law, seed)
+    size = size_of(drawn, bare_evidence(campaigns_of(truth, law.design, seed).campaigns), seed)
+    also = drawn.planted(size, np.array(truth.magnetic_enu_ut))
+    return drawn, truth, campaigns_of(truth, law.design, seed, also, stated=truth).campaigns
