@@ -65,7 +65,6 @@ PEERS: dict[str, Callable[[AttitudeLog], FloatArray]] = {
 def counted(log: AttitudeLog, after: float = -np.inf) -> BoolArray:
     """Return the rows that count: scored, with truth, after a time."""
     truth = log.true_down
-    assert truth is not None
     rows = np.isfinite(truth).all(axis=1) & (log.t > after)
     return rows if log.scored is None else rows & log.scored
 
@@ -73,7 +72,6 @@ def counted(log: AttitudeLog, after: float = -np.inf) -> BoolArray:
 def rms_deg(log: AttitudeLog, down: FloatArray, after: float = -np.inf) -> float:
     """Return the rms inclination error over the rows that count."""
     rows, truth = counted(log, after), log.true_down
-    assert truth is not None
     return float(np.degrees(np.sqrt(np.mean(inclination(down[rows], truth[rows]) ** 2))))
 
 
@@ -111,7 +109,7 @@ def vehicles(size: int, seed: int) -> dict[str, Figure]:
                 np.mean([rms_deg(log, down) for log, down in zip(drives, downs, strict=True)])
                 for downs in ([track.down for track in tracks], [by_vqf(log) for log in drives])
             )
-            z2 = [np.mean((inclination(t.down, log.true_down) / t.sigma)[counted(log)] ** 2)  # type: ignore[arg-type]
+            z2 = [np.mean((inclination(t.down, log.true_down) / t.sigma)[counted(log)] ** 2)
                   for log, t in zip(drives, tracks, strict=True)]  # fmt: skip
             title = f"simulated {kind}, {grade}"
             result[f"{title}: station"] = Figure(error, "deg rms")

@@ -105,7 +105,7 @@ class Comparison:
 
 def compare(rows: Sequence[Row]) -> Comparison:
     """Set the budgets beside the scatter of the errors."""
-    error, u, U = (np.stack([row[i] for row in rows]) for i in (1, 2, 3))  # type: ignore[call-overload]
+    error, u, U = (np.stack([row[i] for row in rows]) for i in (1, 2, 3))
     std = np.sqrt(np.mean(error**2, axis=0))
     covered = np.mean(np.abs(error) <= U, axis=0)
     return Comparison(rows[0][0], u.mean(axis=0) / std, covered, len(rows))

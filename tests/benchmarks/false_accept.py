@@ -68,8 +68,7 @@ def trial(seed: int) -> tuple[str, str]:
 def level_direction(position: int, rng: np.random.Generator) -> FloatArray:
     """Return a random unit vector (3,) in the cube's axes, level where the cube stands."""
     vector = rng.standard_normal(3) * (np.abs(face_normal(face_of(position))) < 0.5)
-    unit: FloatArray = vector / np.linalg.norm(vector)
-    return unit
+    return vector / np.linalg.norm(vector)
 
 
 def disturb(kind: str, position: int, source: Source, rng: np.random.Generator) -> tuple[float, float, FloatArray]:

@@ -52,7 +52,6 @@ def freeze(folder: Path, speed: float = 1.0) -> Outcome:
     with SimulatedDevice(FASTEST, 1, speed=speed) as device, BenchControl(device.control) as hands:
         command = [sys.executable, "-m", "tests.benchmarks.frozen_screen", device.url, str(journal)]
         with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as station:
-            assert station.stdout is not None
             assert station.stdout.readline() == "reading\n"
             os.kill(station.pid, signal.SIGSTOP)
             end = hands.time() + FROZEN_S

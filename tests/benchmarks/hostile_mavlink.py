@@ -61,7 +61,7 @@ def attack(frames: int, seed: int, bits: int = BITS) -> Outcome:
         accepted.append(raw)
         return wanted(raw, frame)
 
-    decoder.framer._is_wanted = spy  # type: ignore[method-assign]  # noqa: SLF001
+    decoder.framer._is_wanted = spy  # noqa: SLF001
     while got.mutated < frames:
         accepted.clear()
         pool = some_frames(rng, mav, min(BATCH, frames - got.mutated))

@@ -140,8 +140,8 @@ def judge(found: SampleBlock, block: CountBlock, outcome: LinesOutcome) -> None:
 
 def read(bus: can.BusABC, text: bytes, rng: random.Random, outcome: Outcome) -> bytes:
     """Return the records that the port makes of text."""
-    real = bus.serialPortOrig  # type: ignore[attr-defined]
-    line = bus.serialPortOrig = MemoryLine(real, iter(cuts(rng, text)))  # type: ignore[attr-defined]
+    real = bus.serialPortOrig
+    line = bus.serialPortOrig = MemoryLine(real, iter(cuts(rng, text)))
     port, records = CanPort(bus, "text", 0.0, line), list[bytes]()
     while not line.is_over or line.in_waiting:
         try:
@@ -149,7 +149,7 @@ def read(bus: can.BusABC, text: bytes, rng: random.Random, outcome: Outcome) -> 
         except Exception as error:  # whatever it is, it is a crash
             print(repr(error))
             outcome.crashes += 1
-    bus.serialPortOrig = real  # type: ignore[attr-defined]
+    bus.serialPortOrig = real
     return b"".join(records)
 
 

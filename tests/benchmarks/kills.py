@@ -49,7 +49,7 @@ class Announced(FolderRecorder):
 
     def accept(self, step: Step, *args: object, **notes: object) -> None:
         print(f"accepting {step.name}", flush=True)
-        super().accept(step, *args, **notes)  # type: ignore[arg-type]
+        super().accept(step, *args, **notes)
         print(f"accepted {step.name}", flush=True)
 
 
@@ -116,7 +116,6 @@ def killed_once(folder: Path, steps: int, rng: random.Random, longest_s: float) 
     """Run the child until a random instant; return whether it came to its end, and what it said it accepted."""
     command = [sys.executable, "-P", "-c", CHILD, str(folder), str(steps)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
         accepted, in_commit = list[str](), rng.random() < 0.5
         wait_for = rng.randint(1, 4)
         if not in_commit:

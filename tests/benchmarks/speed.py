@@ -101,7 +101,7 @@ def attitudes(seed: int) -> dict[str, Figure]:
     ]
     for work in works:
         work()
-    filter_, kalman, vqf = seconds(works, None)  # type: ignore[arg-type]
+    filter_, kalman, vqf = seconds(works, None)
     return {
         "complementary filter: samples a second": ratio(vqf / filter_, "vqf"),
         "Kalman filter: samples a second": ratio(vqf / kalman, "vqf"),

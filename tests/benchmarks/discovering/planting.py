@@ -43,7 +43,6 @@ class Memory:
             begin + np.cumsum(power * np.exp(since / HEAT_TAU_S)) * step / HEAT_TAU_S
         )
         self.now, self.last_s, self.heat = here, float(t[-1]), float(heat[-1])
-        assert self.before is not None
         return self.before[None], heat[:, None]
 
 
@@ -66,7 +65,6 @@ def of_stimulus(seen: Stimulus, memory: Memory, enu: np.ndarray) -> Seen:
 
 def of_excitation(x: Excitation) -> Seen:
     """Return the same at the nodes of a campaign's rows."""
-    assert x.C_sn is not None
     campaign = x.per_step("campaign")
     heat, order, kept = np.zeros(len(x.t)), np.lexsort((x.t, campaign)), 0.0
     for before, here in itertools.pairwise(order.tolist()):
@@ -121,8 +119,7 @@ class Drawn:
         """Return what a size of 1 does to the rows (n,), in sigmas."""
         value = self.values(of_excitation(evidence.excitation))[:, :, None]
         columns = Columns(("",), accel=value) if self.law.triad == "accelerometer" else Columns(("",), gyro=value)
-        found: np.ndarray = evidence.column(columns)[:, 0] / evidence.sigma
-        return found
+        return evidence.column(columns)[:, 0] / evidence.sigma
 
 
 def bare_evidence(campaigns: tuple[Campaign, ...]) -> Evidence:
@@ -141,8 +138,7 @@ def beside_model(Q: np.ndarray, does: np.ndarray) -> np.ndarray:
     """Return what rows (n,) do beside the columns of Q."""
     wide = np.zeros(len(Q))
     wide[: len(does)] = does
-    left: np.ndarray = wide - Q @ (Q.T @ wide)
-    return left
+    return wide - Q @ (Q.T @ wide)
 
 
 def with_law(law: Law, seed: int) -> tuple[Drawn, Truth, tuple[Campaign, ...]]:

@@ -157,7 +157,7 @@ def _bytes_in(content: bytes) -> int:
     """Return how many chunks of raw bytes can be read of what is certain."""
     if content not in _CHUNKS:
         try:
-            _CHUNKS[content] = len(read_stream(BufferedReader(BytesIO(content)), Path("x.mcap")).raw)  # type: ignore[arg-type]
+            _CHUNKS[content] = len(read_stream(BufferedReader(BytesIO(content)), Path("x.mcap")).raw)
         except Exception as error:
             refused(error)
             _CHUNKS[content] = 0

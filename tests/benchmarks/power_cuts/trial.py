@@ -8,11 +8,10 @@ import sys
 import traceback
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
-from tests.benchmarks.power_cuts.crash_checks import CHECKS, Known, Said, Wrong, read_said
+from tests.benchmarks.power_cuts.crash_checks import CHECKS, Known, Wrong, read_said
 from tests.benchmarks.power_cuts.disk_models import MODELS, CrashState, FileLog, Say, crash_states
 from tests.benchmarks.power_cuts.strace_log import read_log, traced
 from tests.benchmarks.power_cuts.workloads import WORKLOADS
@@ -22,17 +21,6 @@ from tests.proof.evidence import Figure, zero
 DATA, MEMORY_MAPPED = "data/", "-shm"
 MOST_ROUNDS, MOST_DIGESTS = 1000, 100
 GOES_ON_EVERY = 20  # states until a campaign is gone on with, and read whole
-
-
-@dataclass(slots=True)
-class Tally:
-    """What came of the states of a workload."""
-
-    operations: int = 0
-    states: int = 0
-    kinds: int = 0
-    wrong: Counter[str] = field(default_factory=Counter)
-    first: dict[str, str] = field(default_factory=dict)
 
 
 def recorded(workload: str, scratch: Path) -> tuple[FileLog, Path]:
@@ -149,78 +137,67 @@ class Meaning:
         return found.digest()
 
 
-def tried(workload: str, states: int, seed: int) -> Tally:
+def tried(workload: str, states: int, seed: int) -> "Trial":
     """Record a workload and check about ``states`` different states of it, from all of its length."""
-    tally = Tally()
     with disk_in_memory() as scratch:
         log, home = recorded(workload, scratch)
-        tally.operations = len(log.operations)
-        trial = _Trial(
-            workload, home, read_said(one.text for one in log.operations if isinstance(one, Say)), tally
-        )
-        least = len(MODELS) * 2 * len(log.operations)  # at each cut all kept, and none
+        trial = Trial(workload, home, log)
+        least = len(MODELS) * 2 * trial.operations  # at each cut all kept, and none
         every, draws = max(1, least // states), max(1, 2 * states // least)
         for number in range(MOST_ROUNDS):
-            before = tally.states
+            before = trial.states
             for state in crash_states(log, seed + number, draws, every):
                 trial.look(state)
-            if tally.states >= states or tally.states - before < states // 100:
+            if trial.states >= states or trial.states - before < states // 100:
                 break
-    return tally
+    return trial
+
+
+class Trial:
+    """Checks states that were not seen before, each meaning once, and counts what came of it."""
+
+    def __init__(self, workload: str, home: Path, log: FileLog) -> None:
+        self.operations, self.states, self.kinds = len(log.operations), 0, 0
+        self.wrong, self.first = Counter[str](), dict[str, str]()
+        self._check, self._home, self._meaning = CHECKS[workload], home, Meaning(home)
+        self._in_the_end = read_said(one.text for one in log.operations if isinstance(one, Say))
+        self._seen, self._checked = set[bytes](), set[bytes]()
+        self._digests: dict[int, tuple[bytes, bytes]] = {}
+
+    def look(self, state: CrashState) -> None:
+        """Take a state: count it, recover its database, check what it means."""
+        if len(self._digests) > MOST_DIGESTS:
+            self._digests.clear()
+        if (key := state_key(state, self._digests)) in self._seen:
+            return
+        self._seen.add(key)
+        self.states += 1
+        if (alike := self._meaning.of(state)) in self._checked:
+            return
+        self._checked.add(alike)
+        self.kinds += 1
+        place(state.files, self._home)
+        goes_on = self.kinds % GOES_ON_EVERY == 0
+        wrong: Wrong = []
+        try:
+            self._check(self._home, Known(read_said(state.said), self._in_the_end, state.synced, goes_on), wrong)
+        except Exception as error:
+            at = traceback.extract_tb(error.__traceback__)[-1]
+            wrong.append(f"{type(error).__name__}: {error} ({Path(at.filename).name}:{at.lineno})")
+        for one in wrong:
+            said = re.sub(r"[0-9a-f]{12,}", "...", one.replace(str(self._home), ""))[:200]
+            self.wrong[said] += 1
+            self.first.setdefault(said, f"cut {state.cut}, {state.model}, {state.kept}")
 
 
 def proof(size: int, seed: int) -> dict[str, Figure]:
     """Check ``size`` different states, over all workloads."""
     result, states = {}, 0
     for left, name in zip(range(len(WORKLOADS), 0, -1), WORKLOADS, strict=True):
-        tally = tried(name, max(1, (size - states) // left), seed)  # what the short ones have not
-        states += tally.states
-        sys.stderr.writelines(f"{name}: {text}, first {at}\n" for text, at in tally.first.items())
-        result[f"{name}: wrong, of {tally.states} states of {tally.operations} operations"] = zero(
-            tally.wrong.total()
+        trial = tried(name, max(1, (size - states) // left), seed)  # what the short ones have not
+        states += trial.states
+        sys.stderr.writelines(f"{name}: {text}, first {at}\n" for text, at in trial.first.items())
+        result[f"{name}: wrong, of {trial.states} states of {trial.operations} operations"] = zero(
+            trial.wrong.total()
         )
     return {"different states": Figure(states), **result}
-
-
-class _Trial:
-    """Checks states that were not seen before, each meaning once."""
-
-    def __init__(self, workload: str, home: Path, in_the_end: Said, tally: Tally) -> None:
-        self._workload, self._home, self._in_the_end, self._tally = workload, home, in_the_end, tally
-        self._meaning = Meaning(home)
-        self._seen, self._checked = set[bytes](), set[bytes]()
-        self._digests: dict[int, tuple[bytes, bytes]] = {}
-
-    def look(self, state: CrashState) -> None:
-        """Take a state: count it, recover its database, check what it means."""
-        tally = self._tally
-        if len(self._digests) > MOST_DIGESTS:
-            self._digests.clear()
-        if (key := state_key(state, self._digests)) in self._seen:
-            return
-        self._seen.add(key)
-        tally.states += 1
-        if (alike := self._meaning.of(state)) in self._checked:
-            return
-        self._checked.add(alike)
-        tally.kinds += 1
-        place(state.files, self._home)
-        goes_on = tally.kinds % GOES_ON_EVERY == 0
-        known = Known(read_said(state.said), self._in_the_end, state.synced, goes_on)
-        _check(self._workload, self._home, state, known, tally)
-
-
-def _check(workload: str, home: Path, state: CrashState, known: Known, tally: Tally) -> None:
-    wrong: Wrong = []
-    try:
-        CHECKS[workload](home, known, wrong)
-    except Exception as error:
-        at = traceback.extract_tb(error.__traceback__)[-1]
-        wrong.append(f"{type(error).__name__}: {error} ({Path(at.filename).name}:{at.lineno})")
-    for one in wrong:
-        tally.wrong[key := _shortened(one, home)] += 1
-        tally.first.setdefault(key, f"cut {state.cut}, {state.model}, {state.kept}")
-
-
-def _shortened(text: str, home: Path) -> str:
-    return re.sub(r"[0-9a-f]{12,}", "...", text.replace(str(home), ""))[:200]

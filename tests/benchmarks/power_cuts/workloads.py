@@ -183,8 +183,8 @@ def migration(home: Path) -> None:
 class _Saying(FolderRecorder):
     """Says what it has accepted."""
 
-    def accept(self, step: Step, *args: object, **notes: object) -> str:  # type: ignore[override]
-        name = super().accept(step, *args, **notes)  # type: ignore[arg-type]
+    def accept(self, step: Step, *args: object, **notes: object) -> str:
+        name = super().accept(step, *args, **notes)
         say(step=step.name, file=name, sha256=sha256(self._recorder.folder / name))
         return name
 

@@ -95,10 +95,10 @@ Synced = Callable[[], list[str]]
 def test_after_a_power_cut_nothing_that_was_said_is_lost(workload: str, number: int) -> None:
     if shutil.which("strace") is None:
         pytest.skip("no strace here")
-    tally = tried(workload, number, seed=1)
-    assert not tally.wrong, tally.first
-    assert tally.states >= min(number, LEAST_KINDS[workload])  # a short workload leaves no more states than that
-    assert tally.kinds >= (LEAST_KINDS[workload] if number >= 80 else 2)
+    trial = tried(workload, number, seed=1)
+    assert not trial.wrong, trial.first
+    assert trial.states >= min(number, LEAST_KINDS[workload])  # a short workload leaves no more states than that
+    assert trial.kinds >= (LEAST_KINDS[workload] if number >= 80 else 2)
 
 
 @pytest.fixture
