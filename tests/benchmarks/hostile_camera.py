@@ -1,10 +1,8 @@
 """Feed damaged parts of MJPEG to the camera's decoder.
 
-As `hostile_frames`: every damaged part is followed by an intact one with chance 1/8. Counted: crashes, accepted
-images whose length is no image's (cut, spliced, with bytes lost or added), and intact ones not found. JPEG has no
-check: an image of the right length may be altered within, and is counted beside. Without Content-Length, or any
-header, only markers are left to say what is whole: there images of wrong length must come out, or this proof could
-not see any.
+JPEG has no check: wrong are accepted images whose length is no image's (cut, spliced, with bytes lost or added);
+one of the right length may be altered within, and is counted beside. Without Content-Length, or any header, only
+markers are left to say what is whole: there images of wrong length must come out, or this proof could see none.
 """
 
 import random

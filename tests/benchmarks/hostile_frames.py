@@ -1,10 +1,5 @@
 """Feed damaged frames to every decoder.
 
-Every damaged frame is followed by an intact one with chance 1/8. Counted: crashes, accepted frames that differ
-from every one sent, and intact frames not found. Beside the wrong ones stands what the check's width allows:
-2^-bits per frame whose check was computed and failed. A control cuts the check to 8 bits: there wrong
-frames must come out at about the rate expected, or this proof could not see any.
-
 An intact frame may be lost honestly: where the frame before it was cut by bytes that happen to equal the sync,
 the decoder completes that one and finds the intact one headless.
 """

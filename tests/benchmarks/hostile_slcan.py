@@ -1,10 +1,9 @@
 """Feed damaged slcan text to the CAN port.
 
-The text goes through python-can's own slcan, the port's records and the joiner. Counted: crashes, frames that
-pass identifier, length and CRC-8 and equal none that was sent, samples that equal none, those of them that the
-second look at the step does not mark, and intact lines not found. Beside the wrong frames stands what eight bits
-let through: 1 in 256 of those whose check was computed and that were damaged. A line may be lost honestly: where
-the one before lost its CR, both are one line that is none.
+The text goes through python-can's own slcan, the port's records and the joiner. Wrong are frames that pass
+identifier, length and CRC-8 and equal none that was sent; counted too are samples that equal none, and those of
+them that the second look at the step does not mark. A line may be lost honestly: where the one before lost its CR,
+both are one line that is none.
 """
 
 import os

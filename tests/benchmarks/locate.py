@@ -109,14 +109,14 @@ def proof(size: int, seed: int) -> dict[str, Figure]:
         for name in names:
             log = read_fusion(DATA / "fusion" / name)
             rows += [row(one := drawn(log, seed + i, outliers), run(one)) for i in range(size)]
-        for title, unit, value in zip(TITLES, UNITS, np.mean(rows, axis=0), strict=True):
+        for (title, unit), value in zip(TITLES.items(), np.mean(rows, axis=0), strict=True):
             result[f"{what}: {title}"] = Figure(float(value), unit)
     return result
 
 
-TITLES = ("position online, mean", "worst, mean over runs", "position smoothed, mean", "tilt", "yaw",
-          "normalised error squared of position (1 expected)", "the same of yaw")  # fmt: skip
-UNITS = ("m", "m", "m", "deg rms", "deg rms", "", "")
+TITLES = {"position online, mean": "m", "worst, mean over runs": "m", "position smoothed, mean": "m",
+          "tilt": "deg rms", "yaw": "deg rms", "normalised error squared of position (1 expected)": "",
+          "the same of yaw": ""}  # fmt: skip
 
 
 def row(log: FusionLog, located: Located) -> list[float]:

@@ -14,7 +14,7 @@ from procedures.effects.excitation import Columns, Excitation
 from procedures.evidence.linear_model import fit_linear
 from procedures.evidence.residual_rows import Evidence, evidence_of
 from tests.benchmarks.discovering.laws import Law, Seen
-from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, truth_of
+from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, level_axes, truth_of
 
 HEAT_TAU_S = 200.0
 LEAST, MOST = 8.0, 20.0  # sigmas of what a law does, all rows together
@@ -50,12 +50,7 @@ def of_stimulus(seen: Stimulus, memory: Memory, enu: np.ndarray) -> Seen:
     """Return what acts on a simulated unit; North and East by the magnetic field ``enu`` (3,) [uT]."""
     n = len(seen.t)
     f, w, B = (np.broadcast_to(v, (n, 3)) for v in (seen.f, seen.omega, seen.magnetic))
-    up = f / np.linalg.norm(f, axis=1, keepdims=True)
-    flat = B - np.sum(B * up, axis=1, keepdims=True) * up
-    flat = flat / np.linalg.norm(flat, axis=1, keepdims=True)
-    e, north_part = enu[:2] / np.hypot(*enu[:2])
-    left = np.cross(up, flat)  # 90 deg to the left of the field, seen from above
-    north, east = north_part * flat + e * left, e * flat - north_part * left
+    north, east = level_axes(f, B, enu)
     before, heat = memory.of(seen)
     T = np.broadcast_to(seen.temperature, (n, 1)) - 25.0
     rest = np.where(np.isfinite(seen.rest_s), seen.rest_s, 0.0)

@@ -34,20 +34,17 @@ class Copies:
                     for bias in (1e-3, 2e-3):
                         accept_calibration(session, solution(bias + number * 1e-4), facts("S1"))
                 (home / str(number)).mkdir()
-                for name in NAMES:
-                    shutil.copy(home / name, home / str(number) / name)
+                _copy(home, home / str(number))
             with database.read() as session:
                 self.anchor = take_anchor(session)
 
     def edited(self, where: Path, how: str, chance: random.Random) -> None:
         """Put an edited copy of the last state into a folder."""
-        for name in NAMES:
-            shutil.copy(self.home / "2" / name, where / name)
+        _copy(self.home / "2", where)
         older = self.home / str(chance.randrange(2))
         match how:
             case "older copy":
-                for name in NAMES:
-                    shutil.copy(older / name, where / name)
+                _copy(older, where)
             case "-wal removed":
                 (where / NAMES[1]).unlink()
             case "older -wal":
@@ -64,6 +61,11 @@ class Copies:
                 version = f"{chance.randrange(20):04d}"
                 with closing(sqlite3.connect(where / NAMES[0])) as connection, connection:
                     connection.execute("UPDATE alembic_version SET version_num = ?", (version,))
+
+
+def _copy(home: Path, to: Path) -> None:
+    for name in NAMES:
+        shutil.copy(home / name, to / name)
 
 
 HOW = ("older copy", "-wal removed", "older -wal", "-wal cut", "byte of -wal", "byte of file", "version")
@@ -91,10 +93,9 @@ def try_file_edits(
     """Edit files ``count`` times, and tell each kind with what it did and whether it was found."""
     (home / "copies").mkdir()
     copies = Copies(home / "copies")
-    whole = home / "whole.db"
-    shutil.copy(copies.home / "2" / NAMES[0], whole)
-    shutil.copy(copies.home / "2" / NAMES[1], f"{whole}-wal")
-    before = meaning(whole)
+    (home / "whole").mkdir()
+    _copy(copies.home / "2", home / "whole")
+    before = meaning(home / "whole" / NAMES[0])
     for number in range(count):
         how = HOW[number % len(HOW)]
         where = home / f"file_{number}"

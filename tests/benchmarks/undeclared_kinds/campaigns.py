@@ -112,6 +112,16 @@ def carried_out(
     return Made((campaign,), tuple(done))
 
 
+def level_axes(f: np.ndarray, magnetic: np.ndarray, enu: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return North and East (n, 3) in IMU axes, by what acts on it and the magnetic field ``enu`` (3,)."""
+    up = f / np.linalg.norm(f, axis=1, keepdims=True)
+    flat = magnetic - np.sum(magnetic * up, axis=1, keepdims=True) * up
+    flat = flat / np.linalg.norm(flat, axis=1, keepdims=True)
+    e, n = enu[:2] / np.hypot(*enu[:2])
+    left = np.cross(up, flat)  # 90 deg to the left of the field, seen from above
+    return n * flat + e * left, e * flat - n * left
+
+
 def _steps(design: Design, rng: np.random.Generator) -> list[Step]:
     """Return the steps: positions in any order, turns before, between or after, a soak at one end."""
     steps: list[Step] = [Dwell(int(p), DWELL_S) for p in rng.permutation(np.arange(1, 13))]
