@@ -1,8 +1,7 @@
 """Roll and pitch errors of the station beside vqf, imufusion and ahrs, all in one run.
 
-The logs are of the folder of attitude logs with truth (broad_*.csv, flight_*.csv, vehicle_*.csv); the paper's
-flight and simulated vehicles are drawn. Peers are the extra `peers`, at their defaults, in the same axes and from
-the same first sample.
+Logs with truth are recorded; the paper's flight and simulated vehicles are drawn. Peers are the extra `peers`, at
+their defaults, in the same axes and from the same first sample.
 """
 
 from collections.abc import Callable

@@ -9,7 +9,7 @@ must come out at about the rate expected, or the proof could not see any.
 import random
 import sys
 import zlib
-from collections.abc import Callable, Sequence, Set
+from collections.abc import Callable, Hashable, Sequence, Set
 from dataclasses import dataclass
 
 import numpy as np
@@ -132,7 +132,7 @@ class Outcome:
             return False
         return True
 
-    def count(self, accepted: Sequence[bytes], sent: Set[bytes], intact: Sequence[bytes]) -> None:
+    def count(self, accepted: Sequence[Hashable], sent: Set[Hashable], intact: Sequence[Hashable]) -> None:
         """Count what was accepted, of it what nobody sent, and what is lost of the intact ones."""
         self.accepted += len(accepted)
         self.wrong += sum(frame not in sent for frame in accepted)

@@ -1,8 +1,6 @@
 """Edit a database past the station: is it noticed?
 
-Edits are drawn from the schema itself, of every column of every table: `edited_databases.row_edits`. Whoever does
-them may write to the file: triggers are out of the way, and put back. Beside them stand edits with all hashes made
-to fit, the newest entries cut off, triggers, declarations, and the files of SQLite. Each is looked at without an
+Whoever edits may write to the file: triggers are out of the way, and put back. Each edit is looked at without an
 anchor, and with one that was written before it; databases that nobody edited are looked at too.
 """
 

@@ -1,9 +1,8 @@
 """Is a dwell ever accepted that should not be, or one refused that should not be?
 
-Each trial is a random unit whose cube is put down somewhere: flat, tilted by 0 to 45 deg, on another face, tapped,
-shaken by a machine nearby, or slipping slowly. The guide has a minute of device time. An accepted
-dwell is *tilted* if the cube was more than the face limit off the vertical, *mistaken* if it was accepted for
-another position than it is in. Refusing is wrong only of a flat cube, tapped or not.
+Each trial is a random unit whose cube is put down in one of `KINDS`; the guide has a minute of device time. An
+accepted dwell is *tilted* if the cube was more than the face limit off the vertical, *mistaken* if in another
+position. Refusing is wrong only of a flat cube, tapped or not.
 """
 
 from collections import Counter

@@ -71,9 +71,8 @@ def proof(size: int, seed: int) -> dict[str, Figure]:
         got = attack(size, seed, as_sent)
         most = size / 10_000  # header and image of one part damaged: no length left
         result[f"{name}: crashes"] = zero(got.crashes)
-        is_long = name == "with Content-Length"
-        wrong = Figure(got.wrong, at_most=most) if is_long else Figure(got.wrong, at_least=most)
-        result[f"{name}: images of a wrong length"] = wrong
+        limit = {"at_most" if name == "with Content-Length" else "at_least": most}
+        result[f"{name}: images of a wrong length"] = Figure(got.wrong, **limit)
         result[f"{name}: images altered within"] = Figure(got.altered, of=got.accepted)
         result[f"{name}: intact images not found"] = Figure(got.lost, of=got.intact)
     return result

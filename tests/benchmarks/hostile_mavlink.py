@@ -85,4 +85,4 @@ def with_weak_check(frames: int, seed: int) -> Outcome:
 
 def proof(size: int, seed: int) -> dict[str, Figure]:
     """Feed ``size`` damaged frames, and as many to the control."""
-    return {**counted(attack(size, seed)), **counted(with_weak_check(min(size, 200_000), seed))}
+    return counted(attack(size, seed)) | counted(with_weak_check(min(size, 200_000), seed))

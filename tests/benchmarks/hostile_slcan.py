@@ -103,23 +103,19 @@ def attack(lines: int, seed: int) -> LinesOutcome:
         first += BATCH
         sent = [frame for frame in unpack(wire.encode(block)) if frame[0] in IDS]
         texts = [text_of(*frame) for frame in sent]
-        pieces, intact = [], set[int]()
+        pieces, intact = list[bytes](), list[Sent]()
         for i, text in enumerate(texts):
             if rng.random() < 0.5:
                 pieces.append(rng.choice(WAYS)(rng, text, texts[i - 1], SHAPE))
                 outcome.mutated += 1
             else:
                 pieces.append(text)
-                intact.add(i)
+                intact.append(sent[i])
         records = read(bus, b"".join([*pieces, b"\r"]), rng, outcome)
         got = [frame for frame in unpack(records) if frame[0] in IDS and len(frame[1]) == 8]
-        known, accepted = set(sent), passes(got)
-        wrong = sum(frame not in known for frame in accepted)
-        outcome.checks_failed += sum(frame not in known for frame in got) - wrong
-        outcome.accepted += len(accepted)
-        outcome.wrong += wrong
-        outcome.intact += len(intact)
-        outcome.lost += len({sent[i] for i in intact} - set(got))
+        accepted = passes(got)
+        outcome.checks_failed += len(got) - len(accepted)
+        outcome.count(accepted, set(sent), intact)
         judge(decoder.feed(records), block, outcome)
     bus.shutdown()
     for descriptor in (far, near):

@@ -1,9 +1,8 @@
 """Kill a campaign again and again, at random instants and inside its commits; nothing accepted may be lost.
 
-A child process records a campaign through guide, recorder and database from a simulated device in memory, whose
-counts depend on the step alone: however often the child is killed and the campaign resumed, the solution must be
-the one of an uninterrupted campaign, bit for bit. Half of the kills come a random moment after the child begins to
-accept a step.
+A child process records from a simulated device in memory, whose counts depend on the step alone: however often it
+is killed and the campaign resumed, the solution must be that of an uninterrupted campaign, bit for bit. Half of
+the kills come a random moment after the child begins to accept a step.
 """
 
 import json
@@ -15,6 +14,7 @@ import time
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
+from signal import SIGKILL
 
 from sqlalchemy import text
 
@@ -101,9 +101,9 @@ def record(number: int, step: Step, recorder: CampaignRecorder, kind: type[Folde
         for block in feed.ready():
             guide.take(block)
             turn = guide.view(CalibrationView()).turn
-            if turn is not None and not has_turned and turn.rest_s >= turn.rest_wanted_s:
+            is_at_rest = turn is not None and turn.rest_s >= turn.rest_wanted_s
+            if is_at_rest and not has_turned and isinstance(step, Turn):
                 has_turned = True
-                assert isinstance(step, Turn)
                 source.device.execute(f"turn {step.axis} {step.direction} {step.revolutions} 2")
 
 
@@ -128,7 +128,9 @@ def killed_once(folder: Path, steps: int, rng: random.Random, longest_s: float) 
             elif in_commit and (wait_for := wait_for - 1) == 0:
                 time.sleep(rng.uniform(0, COMMIT_S))
                 process.kill()
-        return process.wait() == 0, accepted
+        if (code := process.wait()) not in {0, -SIGKILL}:
+            raise ChildProcessError(f"the campaign ended by itself, with {code}")
+        return code == 0, accepted
 
 
 def faults(folder: Path, accepted: list[str]) -> list[str]:

@@ -26,18 +26,16 @@ ODOMETRY = ("mh01_odometry", "mh03_inertial", "v201_inertial", "v203_inertial")
 INERTIAL = ("mh03_inertial", "v102_tracks", "v201_inertial", "v203_inertial")
 OUTAGE = (50.0, 70.0)  # s, of v201_outage
 SILENT = (50.0, 60.0)  # s, of a recording of IMU
-SECOND = 1.0
-EDGE = 1.0  # s at either end of a truth, where a spline's velocity is poor
+SECOND, EDGE = 1.0, 1.0  # s, each of a recording; at either end of a truth, where a spline's velocity is poor
 
 
 def drawn(
-    log: FusionLog, seed: int, outliers: float = 0.0, gap: tuple[float, float] | None = None, spacing: float = 0.05
+    log: FusionLog, seed: int, outliers: float = 0.0, gap: tuple[float, float] = (np.inf, np.inf)
 ) -> FusionLog:
-    """Return a folder with GNSS drawn anew from its truth, a fix every ``spacing`` [s] but for a ``gap``."""
+    """Return a folder with GNSS drawn anew from its truth, but for a ``gap`` [s]."""
     rng, path = np.random.default_rng(seed), CubicSpline(log.truth.t, log.truth.p)
-    t = np.arange(0.2, log.truth.t[-1], spacing)
-    if gap is not None:
-        t = t[(t < gap[0]) | (t > gap[1])]
+    t = np.arange(0.2, log.truth.t[-1], 0.05)
+    t = t[(t < gap[0]) | (t > gap[1])]
     p = path(t) + rng.normal(0, 0.2, (len(t), 3))
     v = path(t, 1) + rng.normal(0, 0.05, (len(t), 3))
     away = rng.normal(size=p.shape)

@@ -1,9 +1,8 @@
 """What is altered, dropped or reordered, `station verify` finds.
 
-A campaign is recorded, solved and stored, fixtures are certified, an anchor is written. Then one thing at a time
-is changed: a byte of a column, a row or two rows of the database; a byte, a line or two lines of the calibration's
-file, of a certificate, of an export or of the recording's files; a file. Harmless is what reads as it did before:
-the blank between day and hour as another letter, two lines of SHA256SUMS in another order.
+A campaign is recorded, solved and stored, fixtures are certified. Then one thing at a time is changed: a byte, a
+line or two lines of the calibration's file, of a certificate, of an export or of the recording's files; a file.
+Harmless is what reads as it did before: two lines of SHA256SUMS in another order.
 """
 
 import random

@@ -1,8 +1,7 @@
 """What becomes of laws outside the catalogue, of kinds of the literature, and of a good instrument on a bench.
 
-Each of thirty laws is planted by plain numpy at 8 to 20 sigma of what it does; each trial is another unit, surface
-plate, cube and order of steps. The diagnosis shall say that something is unexplained, or name an effect that does
-the same to the campaign; the search for terms shall find the law.
+Each trial is another unit, surface plate, cube and order of steps. The diagnosis shall say that something is
+unexplained, or name an effect that does the same to the campaign; the search for terms shall find the law.
 """
 
 from collections.abc import Sequence

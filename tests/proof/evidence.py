@@ -49,11 +49,6 @@ def zero(count: int) -> Figure:
     return Figure(count, at_most=0)
 
 
-def ratio(found: float, beside: str, at_least: float | None = None) -> Figure:
-    """Return a number of times a peer, which ran in the same process just before."""
-    return Figure(found, f"times {beside}", at_least=at_least)
-
-
 @dataclass(frozen=True, slots=True)
 class Proof:
     """A proof of the table in `tests.proof.registry`.

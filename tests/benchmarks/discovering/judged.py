@@ -27,7 +27,6 @@ class Outcome:
     """
 
     law: str
-    seed: int
     verdict: str
     is_same: bool
     wrong: str
@@ -44,9 +43,7 @@ def trial(law: Law, seed: int) -> Outcome:
     added = [each.term for each in found.added if each.effect.name.split(".")[0] in INSTRUMENT]
     is_same = bool(added) and likeness(more.evidence, added, does) > SAME
     sure = [word for word in SURE if any(each.confidence == word for each in own)]
-    return Outcome(
-        law.name, seed, found.verdict, is_same, "" if is_same or not sure else sure[0], _word(more, does)
-    )
+    return Outcome(law.name, found.verdict, is_same, "" if is_same or not sure else sure[0], _word(more, does))
 
 
 def named(kind: Kind, seed: int) -> Outcome:
@@ -54,7 +51,7 @@ def named(kind: Kind, seed: int) -> Outcome:
     found = diagnose(kind.campaigns(seed))
     is_same = any(each.effect in kind.acceptable for each in found.findings)
     wrong = {f.confidence for f in found.findings if f.kind == "instrument" and f.effect not in kind.acceptable}
-    return Outcome(kind.name, seed, found.verdict, is_same, next((word for word in SURE if word in wrong), ""), "")
+    return Outcome(kind.name, found.verdict, is_same, next((word for word in SURE if word in wrong), ""), "")
 
 
 def _word(more: Discovery, does: np.ndarray) -> str:

@@ -36,11 +36,8 @@ def of_version(version: str, home: Path) -> Path:
         fill(session, digital=version >= XML_SINCE)
     if version == KNOWN[-1]:
         return source
-    with (
-        open_db(source) as database,
-        database.engine.connect() as filled,
-        of_schema(version, file) as connection,
-    ):
+    made = of_schema(version, file)
+    with open_db(source) as database, database.engine.connect() as filled, made as connection:
         connection.exec_driver_sql("DELETE FROM tolerance_items")
         connection.exec_driver_sql("DELETE FROM cubes")
         for table in journalled_tables():

@@ -1,6 +1,6 @@
 """The innocent part of a campaign: another unit, slab, cube and order each time, by the simulator of a bench."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -73,26 +73,18 @@ def truth_of(design: str, seed: int) -> Truth:
 
 def campaigns_of(truth: Truth, design: str, seed: int, also: Planted = (), stated: Truth | None = None) -> Made:
     """Return what a bench records of a unit; ``stated`` is what its files say, if not ``truth``."""
-    first = carried_out(truth, design, None, seed, also, stated)
+    first = _carried_out(truth, design, seed, also, stated or truth)
     if not (warmer := DESIGNS[design].warmer_k):
         return first
     warm = replace(truth, temperature_start_c=truth.temperature_start_c + warmer)
-    second = carried_out(warm, design, None, seed + 1_000_000, also, stated)
+    second = _carried_out(warm, design, seed + 1_000_000, also, stated or warm)
     return Made((*first.campaigns, *second.campaigns), (*first.steps, *second.steps))
 
 
-def carried_out(
-    truth: Truth,
-    name: str,
-    steps: Sequence[Step] | None,
-    seed: int,
-    also: Planted = (),
-    stated: Truth | None = None,
-) -> Made:
-    """Return a campaign of the steps of a plan, or of a design's own where there is none."""
-    design, rng, stated = DESIGNS[name], np.random.default_rng([seed, 79]), stated or truth
+def _carried_out(truth: Truth, name: str, seed: int, also: Planted, stated: Truth) -> Made:
+    design, rng = DESIGNS[name], np.random.default_rng([seed, 79])
     bench = SimulatedBench(truth, seed, float(rng.uniform(30, 60)), world_with_effects(truth), also)
-    done = [(step, _performed(bench, step, rng)) for step in steps or _steps(design, rng)]
+    done = [(step, _performed(bench, step, rng)) for step in _steps(design, rng)]
     east, north, up = truth.magnetic_enu_ut.tolist()
     off = CERTIFICATE * rng.standard_normal((6, 2))
     faces = {
