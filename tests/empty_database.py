@@ -1,10 +1,17 @@
-"""A database of a test's own, empty, with the newest schema: migrations run once in each process of tests."""
+"""A database of a test's own, empty: with the newest schema, migrated to once in each process, or an older one."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from fixtures_db.database import Database, open_db
+from alembic import command
+from sqlalchemy import Connection
+from sqlalchemy.engine import URL
+
+from fixtures_db.database import Database, open_db, sqlite_engine
+from fixtures_db.migrations.upgrade import config
 
 
 def empty_db(file: Path) -> Database:
@@ -21,3 +28,15 @@ def _content() -> bytes:
         open_db(file).close()
         assert not file.with_name("station.db-wal").exists()
         return file.read_bytes()
+
+
+@contextmanager
+def of_schema(version: str, file: Path) -> Iterator[Connection]:
+    """Make an SQLite database of a schema version at ``file``, and give its connection to fill it by."""
+    engine = sqlite_engine(URL.create("sqlite", database=str(file)), 10.0)
+    made = config()
+    with engine.begin() as connection:
+        made.attributes["connection"] = connection
+        command.upgrade(made, version)
+        yield connection
+    engine.dispose()

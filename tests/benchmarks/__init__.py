@@ -1,6 +1,3 @@
-"""Benchmarks: each is a command of its own, ``python -m tests.benchmarks.NAME``."""
+"""What the proofs of `tests.proof.registry` run."""
 
-import os
-
-# As `station` runs: threads of OpenBLAS wait for each other on small matrices. Set before numpy is loaded.
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+import tests.proof  # noqa: F401  # one thread of OpenBLAS, set before numpy is loaded

@@ -1,8 +1,7 @@
 """Roll and pitch errors of the station beside vqf, imufusion and ahrs, all in one run.
 
-The logs are of the folder of attitude logs with truth (broad_*.csv, flight_*.csv, vehicle_*.csv); the paper's
-flight and simulated vehicles are drawn. Peers are the extra `peers`, at their defaults, in the same axes and from
-the same first sample.
+Logs with truth are recorded; the paper's flight and simulated vehicles are drawn. Peers are the extra `peers`, at
+their defaults, in the same axes and from the same first sample.
 """
 
 from collections.abc import Callable
@@ -65,7 +64,6 @@ PEERS: dict[str, Callable[[AttitudeLog], FloatArray]] = {
 def counted(log: AttitudeLog, after: float = -np.inf) -> BoolArray:
     """Return the rows that count: scored, with truth, after a time."""
     truth = log.true_down
-    assert truth is not None
     rows = np.isfinite(truth).all(axis=1) & (log.t > after)
     return rows if log.scored is None else rows & log.scored
 
@@ -73,7 +71,6 @@ def counted(log: AttitudeLog, after: float = -np.inf) -> BoolArray:
 def rms_deg(log: AttitudeLog, down: FloatArray, after: float = -np.inf) -> float:
     """Return the rms inclination error over the rows that count."""
     rows, truth = counted(log, after), log.true_down
-    assert truth is not None
     return float(np.degrees(np.sqrt(np.mean(inclination(down[rows], truth[rows]) ** 2))))
 
 
@@ -111,7 +108,7 @@ def vehicles(size: int, seed: int) -> dict[str, Figure]:
                 np.mean([rms_deg(log, down) for log, down in zip(drives, downs, strict=True)])
                 for downs in ([track.down for track in tracks], [by_vqf(log) for log in drives])
             )
-            z2 = [np.mean((inclination(t.down, log.true_down) / t.sigma)[counted(log)] ** 2)  # type: ignore[arg-type]
+            z2 = [np.mean((inclination(t.down, log.true_down) / t.sigma)[counted(log)] ** 2)
                   for log, t in zip(drives, tracks, strict=True)]  # fmt: skip
             title = f"simulated {kind}, {grade}"
             result[f"{title}: station"] = Figure(error, "deg rms")
@@ -122,24 +119,16 @@ def vehicles(size: int, seed: int) -> dict[str, Figure]:
 
 def flight(size: int, seed: int) -> dict[str, Figure]:
     """Return the largest errors in the turn of the paper's flight: 200 m/s, angle of attack 3 deg."""
-    logs = [paper_flight(seed + number) for number in range(size)]
-    worst = np.array([turn_maximum(log, estimate(log, "airspeed-filter").down) for log in logs])
-    mean = worst.mean(axis=0)
-    result = {f"the paper's flight, {angle}: largest error in the turn, mean": Figure(each, "deg", at_most=0.35)
-              for angle, each in zip(("roll", "pitch"), mean, strict=True)}  # fmt: skip
-    printed = np.array([turn_maximum(log, estimate(log, "paper-filter").down) for log in logs]).mean(axis=0)
-    for angle, each in zip(("roll", "pitch"), printed, strict=True):
-        result[f"the paper's flight, {angle}: by the paper's filter"] = Figure(each, "deg")
+    logs, result = [paper_flight(seed + number) for number in range(size)], dict[str, Figure]()
+    for aid, what, limit in (("airspeed-filter", "largest error in the turn, mean", 0.35),
+                             ("paper-filter", "by the paper's filter", None)):  # fmt: skip
+        mean = np.mean([turn_maximum(log, estimate(log, aid).down) for log in logs], axis=0)
+        for angle, each in zip(("roll", "pitch"), mean, strict=True):
+            result[f"the paper's flight, {angle}: {what}"] = Figure(each, "deg", at_most=limit)
     return result
 
 
-def turn_maximum(log: AttitudeLog, down: FloatArray) -> tuple[float, float]:
-    """Return the largest roll and pitch errors [deg] in the turn."""
-    assert log.roll is not None
-    assert log.pitch is not None
-    roll, pitch = roll_pitch_of(down)
-    turn = log.t > LEVEL_S
-    return (
-        float(np.degrees(np.abs(roll - log.roll)[turn].max())),
-        float(np.degrees(np.abs(pitch - log.pitch)[turn].max())),
-    )
+def turn_maximum(log: AttitudeLog, down: FloatArray) -> FloatArray:
+    """Return the largest roll and pitch errors (2,) [deg] in the turn."""
+    errors = np.array(roll_pitch_of(down)) - np.array([log.roll, log.pitch])
+    return np.degrees(np.abs(errors[:, log.t > LEVEL_S]).max(axis=1))

@@ -42,17 +42,13 @@ KINDS = {
         dwell_s=20.0, noise_g=3e-4, inputs=GivenValues(float(np.radians(0.3)), 1e-5)
     ),
 }
-Row = tuple[list[str], np.ndarray, np.ndarray, np.ndarray]
 
 
-def trial(seed: int, kind: str) -> Row:
-    """Return names, errors, u and U of one campaign: another cube and another operator's day."""
+def trial(seed: int, kind: str) -> np.ndarray:
+    """Return errors, u and U (3, parameters) of one campaign: another cube and another operator's day."""
     how, rng = KINDS[kind], np.random.default_rng([seed, 0xB0D6])
     stated = replace(Truth.example(UNIT), accel_noise_g=how.noise_g, faces_rad=3e-5 * rng.standard_normal((6, 2)))
-    latitude, clock = (
-        np.degrees(how.inputs.latitude) * rng.standard_normal(),
-        how.inputs.clock * rng.standard_normal(),
-    )
+    latitude, clock = np.array([np.degrees(how.inputs.latitude), how.inputs.clock]) * rng.standard_normal(2)
     true = replace(
         stated,
         latitude_deg=stated.latitude_deg + latitude,
@@ -62,12 +58,7 @@ def trial(seed: int, kind: str) -> Row:
     site = replace(campaign.site, latitude=float(np.radians(stated.latitude_deg)))
     budgets = budget(fit([replace(campaign, site=site)]), how.inputs)
     known = expected(stated, how.certificate is not None)
-    return (
-        [one.name for one in budgets],
-        np.array([one.value - known[one.name] for one in budgets]),
-        np.array([one.std for one in budgets]),
-        np.array([one.expanded for one in budgets]),
-    )
+    return np.array([(one.value - known[one.name], one.std, one.expanded) for one in budgets]).T
 
 
 def expected(truth: Truth, certified: bool) -> dict[str, float]:
@@ -92,7 +83,6 @@ def expected(truth: Truth, certified: bool) -> dict[str, float]:
 class Comparison:
     """Per parameter: the budget's u over the Monte Carlo's std, and the share covered by U."""
 
-    names: list[str]
     std: np.ndarray
     covered: np.ndarray
     campaigns: int
@@ -103,12 +93,12 @@ class Comparison:
         return float(1 / np.sqrt(2 * self.campaigns))
 
 
-def compare(rows: Sequence[Row]) -> Comparison:
+def compare(rows: Sequence[np.ndarray]) -> Comparison:
     """Set the budgets beside the scatter of the errors."""
-    error, u, U = (np.stack([row[i] for row in rows]) for i in (1, 2, 3))  # type: ignore[call-overload]
+    error, u, U = np.stack(rows, axis=1)
     std = np.sqrt(np.mean(error**2, axis=0))
     covered = np.mean(np.abs(error) <= U, axis=0)
-    return Comparison(rows[0][0], u.mean(axis=0) / std, covered, len(rows))
+    return Comparison(u.mean(axis=0) / std, covered, len(rows))
 
 
 def proof(size: int, seed: int) -> dict[str, Figure]:
@@ -116,10 +106,8 @@ def proof(size: int, seed: int) -> dict[str, Figure]:
     result = dict[str, Figure]()
     for kind in KINDS:
         found = compare(spread(partial(trial, kind=kind), range(seed, seed + size), CHUNK))
-        result[f"{kind}: u over the scatter, median"] = Figure(
-            float(np.median(found.std)),
-            at_least=1 - ASKED - 2 * found.own_std,
-            at_most=1 + ASKED + 2 * found.own_std,
-        )
+        off = ASKED + 2 * found.own_std
+        median = Figure(float(np.median(found.std)), at_least=1 - off, at_most=1 + off)
+        result[f"{kind}: u over the scatter, median"] = median
         result[f"{kind}: covered by U"] = Figure(100 * float(found.covered.mean()), "%")
     return result

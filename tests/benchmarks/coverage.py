@@ -32,8 +32,6 @@ def errors(seed: int, certified: bool) -> dict[str, np.ndarray]:
     fits = fit([campaign])
     solution, budgets = report(fits), {one.name: one for one in budget(fits, EXACT)}
     accel, gyro = solution.accelerometer, solution.gyroscope
-    assert accel is not None
-    assert gyro is not None
     found = {
         "accelerometer k": in_sigma(accel.scale_factor, truth.accel_k),
         "accelerometer D": in_sigma(accel.bias, truth.accel_d_g),
@@ -41,8 +39,6 @@ def errors(seed: int, certified: bool) -> dict[str, np.ndarray]:
         "gyroscope D": in_sigma(gyro.bias, truth.gyro_d_deg_s * 3600),
         BIAS_ERROR: 1e6 * (accel.bias.value - truth.accel_d_g),
     }
-    assert solution.parallelism is not None
-    assert solution.slab_tilt is not None
     found["parallelism"] = in_sigma(solution.parallelism, truth.faces_rad.reshape(3, 2, 2).sum(axis=1)).ravel()
     found["slab tilt"] = in_sigma(solution.slab_tilt, truth.slab_tilt_rad)
     if certified:

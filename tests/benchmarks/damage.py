@@ -1,7 +1,15 @@
-"""How a stream of frames is damaged, and what came of it: shared by the proofs with damaged bytes."""
+"""How a stream of frames is damaged, and what came of it: shared by the proofs with damaged bytes.
+
+Every damaged frame is followed by an intact one with chance 1/8. Counted are crashes, accepted frames that equal
+none that was sent, and intact frames not found. Beside the wrong ones stands what the width of the check allows:
+2^-bits per frame whose check was computed and failed. A control has its check cut to 8 bits: there wrong frames
+must come out at about the rate expected, or the proof could not see any.
+"""
 
 import random
-from collections.abc import Callable, Sequence
+import sys
+import zlib
+from collections.abc import Callable, Hashable, Sequence, Set
 from dataclasses import dataclass
 
 import numpy as np
@@ -109,6 +117,33 @@ class Outcome:
     def expected(self) -> float:
         """Wrong frames that a check of this width lets through by chance."""
         return (self.checks_failed + self.wrong) / 2.0**self.bits
+
+    def feed(
+        self, rng: random.Random, stream: bytes, take: Callable[[bytes], object], end: Callable[[], object] = list
+    ) -> bool:
+        """Give a stream in reads of all sizes, and end it; return whether it was taken without a crash."""
+        try:
+            for part in cuts(rng, stream):
+                take(part)
+            end()
+        except Exception as error:  # whatever it is, it is a crash
+            self.crashes += 1
+            print(f"{self.name}: {error!r}", file=sys.stderr)
+            return False
+        return True
+
+    def count(self, accepted: Sequence[Hashable], sent: Set[Hashable], intact: Sequence[Hashable]) -> None:
+        """Count what was accepted, of it what nobody sent, and what is lost of the intact ones."""
+        self.accepted += len(accepted)
+        self.wrong += sum(frame not in sent for frame in accepted)
+        self.intact += len(intact)
+        got = set(accepted)
+        self.lost += sum(frame not in got for frame in intact)
+
+
+def passes_control(frame: bytes | memoryview) -> bool:
+    """Say whether a control lets a frame through: by a hash of it, in which any error shows."""
+    return zlib.crc32(frame, zlib.crc32(b"control")) % 2**CONTROL_BITS == 0
 
 
 def counted(got: Outcome) -> dict[str, Figure]:

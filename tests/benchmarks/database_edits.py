@@ -1,8 +1,6 @@
 """Edit a database past the station: is it noticed?
 
-Edits are drawn from the schema itself, of every column of every table: `edited_databases.row_edits`. Whoever does
-them may write to the file: triggers are out of the way, and put back. Beside them stand edits with all hashes made
-to fit, the newest entries cut off, triggers, declarations, and the files of SQLite. Each is looked at without an
+Whoever edits may write to the file: triggers are out of the way, and put back. Each edit is looked at without an
 anchor, and with one that was written before it; databases that nobody edited are looked at too.
 """
 
@@ -13,20 +11,20 @@ from collections import Counter
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
-from sqlalchemy import Connection, text
+from sqlalchemy import Column, Connection, Table
 from sqlalchemy.exc import DBAPIError
 from sqlalchemy.orm import Session
 
-from fixtures_db.append_only_rows import append_only_tables, on_sqlite
 from fixtures_db.database import Database, open_db
-from fixtures_db.verification import NO_ROW, alterations, take_anchor
-from tests.benchmarks.edited_databases.declaration_edits import edit_declaration
+from fixtures_db.verification import alterations, take_anchor
+from tests.benchmarks.edited_databases.declaration_edits import edit_declaration, edit_trigger
 from tests.benchmarks.edited_databases.file_edits import try_file_edits
 from tests.benchmarks.edited_databases.honest_databases import false_alarms
 from tests.benchmarks.edited_databases.rewriting import cut, rewrite
 from tests.benchmarks.edited_databases.row_edits import EDITS, edits
-from tests.benchmarks.edited_databases.trigger_edits import edit_trigger
+from tests.fixtures_db.edited import free_to_write, put_back
 from tests.fixtures_db.filled_database import fill
 from tests.proof.evidence import Figure, zero
 from tests.with_postgres import URL
@@ -36,47 +34,24 @@ REWRITTEN, CUT, TRIGGER, DECLARED = OTHERS = ("rewritten", "cut off", "trigger",
 
 @dataclass
 class Tally:
-    """How many edits of a kind were made, refused by the database, noticed alone and with an anchor."""
+    """How many edits of a kind were made and noticed without an anchor; those missed with one too."""
 
     made: Counter[str] = field(default_factory=Counter)
     alone: Counter[str] = field(default_factory=Counter)
-    anchored: Counter[str] = field(default_factory=Counter)
     missed: list[str] = field(default_factory=list)
-    unnamed: list[str] = field(default_factory=list)
 
     def add(self, other: "Tally") -> None:
         """Count another's too."""
         self.made += other.made
         self.alone += other.alone
-        self.anchored += other.anchored
         self.missed += other.missed
 
     def tell(self, kind: str, said: str, is_alone: bool, is_anchored: bool) -> None:
         """Count an edit."""
         self.made[kind] += 1
         self.alone[kind] += is_alone
-        self.anchored[kind] += is_anchored
         if not is_anchored and "read as before" not in kind:
             self.missed.append(f"{kind}: {said}")
-
-
-def free_to_write(connection: Connection) -> None:
-    """Put triggers and references out of the way, as whoever owns the database can."""
-    if connection.dialect.name == "postgresql":
-        connection.execute(text("SET LOCAL session_replication_role = replica"))
-        return
-    connection.execute(text("PRAGMA defer_foreign_keys = ON"))
-    for table in append_only_tables():
-        for name in on_sqlite(table):
-            connection.execute(text(f"DROP TRIGGER {name}"))
-
-
-def put_back(connection: Connection) -> None:
-    """Put the triggers back."""
-    if connection.dialect.name == "sqlite":
-        for table in append_only_tables():
-            for statement in on_sqlite(table).values():
-                connection.execute(text(statement))
 
 
 def try_edits(database: Database, count: int, seed: int) -> Tally:
@@ -91,14 +66,7 @@ def try_edits(database: Database, count: int, seed: int) -> Tally:
         kind = OTHERS[number // 10 % len(OTHERS)] if number % 10 == 9 else name
         with database.engine.connect() as connection:
             try:
-                if kind == TRIGGER:
-                    said: str | None = edit_trigger(connection, chance)
-                elif kind == DECLARED:
-                    said = edit_declaration(connection, chance)
-                else:
-                    free_to_write(connection)
-                    said = _edited(connection, kind, every, number, chance)
-                    put_back(connection)
+                said = _edited(connection, kind, table, column, chance)
             except DBAPIError:
                 tally.tell(f"{kind}, refused", f"{table.name}.{column.key}", True, True)
                 continue
@@ -108,17 +76,25 @@ def try_edits(database: Database, count: int, seed: int) -> Tally:
                 found = alterations(session)
                 session.expire_all()
                 tally.tell(kind, said, bool(found), bool(found or alterations(session, anchor)))
-                tally.unnamed += [f"{said}: {fault}" for fault in found if fault.row == NO_ROW]
     return tally
 
 
-def _edited(connection: Connection, kind: str, every: list, number: int, chance: random.Random) -> str | None:  # type: ignore[type-arg]
-    name, table, column = every[number % len(every)]
+def _edited(
+    connection: Connection, kind: str, table: Table, column: Column[Any], chance: random.Random
+) -> str | None:
+    if kind == TRIGGER:
+        return edit_trigger(connection, chance)
+    if kind == DECLARED:
+        return edit_declaration(connection, chance)
+    free_to_write(connection)
     if kind == CUT:
-        return cut(connection, chance)
-    if kind == REWRITTEN:
-        return rewrite(connection, table, column, chance)
-    return EDITS[name](connection, table, column, chance)
+        said: str | None = cut(connection, chance)
+    elif kind == REWRITTEN:
+        said = rewrite(connection, table, column, chance)
+    else:
+        said = EDITS[kind](connection, table, column, chance)
+    put_back(connection)
+    return said
 
 
 def filled(where: str | Path) -> AbstractContextManager[Database]:

@@ -11,7 +11,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -25,30 +25,13 @@ from procedures.diagnosis.diagnose import diagnose
 from procedures.effects import EFFECTS
 from procedures.evidence.linear_model import Term
 from procedures.evidence.residual_rows import Evidence
-from tests.benchmarks.diagnosing.coefficients import errors_of
+from tests.benchmarks.diagnosing.coefficients import Cause, errors_of
 from tests.benchmarks.diagnosing.planted_worlds import APART, HELD_BY_THE_MODEL, World, worlds
 from tests.benchmarks.discovering.judged import SAME, likeness
 from tests.proof.evidence import Figure, spread, zero
 
 KINDS: dict[str, str] = {each.name: each.kind for each in EFFECTS}
 BINS = (0.5, 0.8, 0.95, 0.99, 1.0)
-
-
-@dataclass(frozen=True)
-class Cause:
-    """A name with its probability, the group it cannot be separated from, its columns and coefficients."""
-
-    effect: str
-    probability: float
-    group: tuple[str, ...] = ()
-    group_probability: float = 0.0
-    terms: tuple[Term, ...] = ()
-    coefficients: tuple[str, ...] = ()
-    value: np.ndarray = field(default_factory=lambda: np.zeros(0))
-    std: np.ndarray = field(default_factory=lambda: np.zeros(0))
-    unit: str = ""
-    where: Mapping[str, object] = field(default_factory=dict)
-    shape: str = ""
 
 
 @dataclass(frozen=True)

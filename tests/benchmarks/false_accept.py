@@ -1,9 +1,8 @@
 """Is a dwell ever accepted that should not be, or one refused that should not be?
 
-Each trial is a random unit whose cube is put down somewhere: flat, tilted by 0 to 45 deg, on another face, tapped,
-shaken by a machine nearby, or slipping slowly. The guide has a minute of device time. An accepted
-dwell is *tilted* if the cube was more than the face limit off the vertical, *mistaken* if it was accepted for
-another position than it is in. Refusing is wrong only of a flat cube, tapped or not.
+Each trial is a random unit whose cube is put down in one of `KINDS`; the guide has a minute of device time. An
+accepted dwell is *tilted* if the cube was more than the face limit off the vertical, *mistaken* if in another
+position. Refusing is wrong only of a flat cube, tapped or not.
 """
 
 from collections import Counter
@@ -14,16 +13,12 @@ import numpy as np
 
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray
-from procedures.campaign.campaign import Fixture
 from procedures.campaign.plan_steps import Dwell, Step
 from procedures.positions import face_normal, face_of
-from station.guide.campaign.checklist import Checklist
 from station.guide.checks.face_and_stillness import LIMIT_DEG
-from station.guide.stages.guide import Guide
-from station.guide.stages.stage_context import BenchFacts, StageContext
-from station.stream.live.live_feed import open_feed
 from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
 from tests.proof.evidence import Figure, spread, zero
+from tests.station.guide.rig import plain_guide
 from tests.station.stream.live.bench_in_memory import Source
 
 KINDS = ("flat", "tilted", "tilted a little", "wrong face", "tapped", "shaken", "creeping")
@@ -53,12 +48,9 @@ def trial(seed: int) -> tuple[str, str]:
     """Return the kind of a trial and what came of it, one of `OUTCOMES`."""
     rng = np.random.default_rng([seed, 0xACC])
     source, accepted = Source(Truth.example(seed % 997), seed=seed), Accepted()
-    feed = open_feed(source)
-    feed.identify()
     kind, position = KINDS[seed % len(KINDS)], int(rng.integers(1, 13))
     wanted = [Dwell(p, DWELL_S) for p in range(1, 13)] if rng.random() < 0.5 else [Dwell(position, DWELL_S)]
-    facts = BenchFacts(float(np.radians(31.17)), 1e-3, 2e-4, Fixture(), asks=False)
-    guide = Guide(StageContext(feed, Checklist(wanted), facts, accepted), warms_up=False)
+    feed, guide = plain_guide(source, wanted, accepted)
     stands = position if kind != "wrong face" else int(rng.choice([p for p in range(1, 13) if p != position]))
     tilt_deg = {"tilted": rng.uniform(0, 45), "tilted a little": rng.uniform(0, 6)}.get(kind, 0.0)
     tilt = tilt_deg * level_direction(stands, rng)
@@ -75,8 +67,7 @@ def trial(seed: int) -> tuple[str, str]:
 def level_direction(position: int, rng: np.random.Generator) -> FloatArray:
     """Return a random unit vector (3,) in the cube's axes, level where the cube stands."""
     vector = rng.standard_normal(3) * (np.abs(face_normal(face_of(position))) < 0.5)
-    unit: FloatArray = vector / np.linalg.norm(vector)
-    return unit
+    return vector / np.linalg.norm(vector)
 
 
 def disturb(kind: str, position: int, source: Source, rng: np.random.Generator) -> tuple[float, float, FloatArray]:
@@ -120,10 +111,10 @@ def proof(size: int, seed: int) -> dict[str, Figure]:
         "accepted for another position, cube at rest": zero(
             sum(count["mistaken"] for kind, count in found.items() if kind != "creeping")
         ),
-        "accepted for another position, cube slipping": Figure(
-            found["creeping"]["mistaken"],
-            of=found["creeping"].total(),
-            at_most=found["creeping"].total() / 100,
-        ),
-        "flat cube refused": Figure(right["refused"], of=right.total(), at_most=right.total() / 100),
+        "accepted for another position, cube slipping": _rare(found["creeping"], "mistaken"),
+        "flat cube refused": _rare(right, "refused"),
     }
+
+
+def _rare(found: Counter[str], outcome: str) -> Figure:
+    return Figure(found[outcome], of=found.total(), at_most=found.total() / 100)

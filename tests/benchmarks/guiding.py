@@ -39,8 +39,7 @@ def looked_at(rng: np.random.Generator, latitude: float, draw: str, is_known: bo
 
     def rate(position: int, quarter: int) -> FloatArray:
         C = nominal_C_lb(position).T @ vertical_rotation(-(quarter * np.pi / 2 + 1e-2 * rng.standard_normal()))
-        seen: FloatArray = k * (C @ earth_rate_n(latitude) + bias) + std * rng.standard_normal(3)
-        return seen
+        return k * (C @ earth_rate_n(latitude) + bias) + std * rng.standard_normal(3)
 
     first, quarter, other = 2 * int(rng.integers(6)) + 1, int(rng.integers(4)), int(rng.integers(1, 13))
     known = [CertainDwell(other, rate(other, 0), std)] if is_known else []
@@ -70,7 +69,6 @@ def proof_heading(size: int, seed: int) -> dict[str, Figure]:
 
 def rates(series: CountSeries, seconds: float) -> tuple[FloatArray, FloatArray]:
     """Return accelerometer rates (3,) and 1 sigma (3,) of a recording's first seconds."""
-    assert series.accel is not None
     n = round(seconds / series.period)
     found = [estimate_counts([series.accel[:n, i]], series.period)[0] for i in range(3)]
     return np.array([each.rate for each in found]), np.array([each.std for each in found])

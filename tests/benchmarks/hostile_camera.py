@@ -1,14 +1,11 @@
 """Feed damaged parts of MJPEG to the camera's decoder.
 
-As `hostile_frames`: every damaged part is followed by an intact one with chance 1/8. Counted: crashes, accepted
-images whose length is no image's (cut, spliced, with bytes lost or added), and intact ones not found. JPEG has no
-check: an image of the right length may be altered within, and is counted beside. Without Content-Length, or any
-header, only markers are left to say what is whole: there images of wrong length must come out, or this proof could
-not see any.
+JPEG has no check: wrong are accepted images whose length is no image's (cut, spliced, with bytes lost or added);
+one of the right length may be altered within, and is counted beside. Without Content-Length, or any header, only
+markers are left to say what is whole: there images of wrong length must come out, or this proof could see none.
 """
 
 import random
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
@@ -18,7 +15,7 @@ import numpy as np
 from drivers.camera import CameraDecoder
 from drivers.camera.decoder import part
 from procedures.optional_libraries import opencv
-from tests.benchmarks.damage import DAMAGES, Shape, cuts, damaged
+from tests.benchmarks.damage import DAMAGES, Outcome, Shape, damaged
 from tests.proof.evidence import Figure, zero
 
 BATCH, IMAGES = 100, 200
@@ -31,16 +28,10 @@ ROWS: dict[str, Callable[[bytes], bytes]] = {
 
 
 @dataclass
-class CameraOutcome:
-    """What came of a run."""
+class CameraOutcome(Outcome):
+    """What came of a run; ``altered`` have the length of an image, ``wrong`` have not."""
 
-    damaged: int = 0
-    intact: int = 0
-    accepted: int = 0
     altered: int = 0
-    wrong: int = 0
-    lost: int = 0
-    crashes: int = 0
 
 
 @cache
@@ -56,41 +47,32 @@ def some_jpegs(seed: int) -> tuple[bytes, ...]:
 
 def attack(parts: int, seed: int, as_sent: Callable[[bytes], bytes]) -> CameraOutcome:
     """Feed ``parts`` damaged parts to one decoder and return what was counted."""
-    outcome, rng, decoder = CameraOutcome(), random.Random(seed), CameraDecoder()
-    known = {jpeg: number for number, jpeg in enumerate(some_jpegs(seed))}
-    lengths = {len(jpeg) for jpeg in known}
-    while outcome.damaged < parts:
-        chosen = rng.sample(some_jpegs(seed), min(BATCH, parts - outcome.damaged))
+    got, rng, decoder = CameraOutcome("camera", bits=0), random.Random(seed), CameraDecoder()
+    jpegs = some_jpegs(seed)
+    known, lengths = set(jpegs), {len(jpeg) for jpeg in jpegs}
+    while got.mutated < parts:
+        chosen = rng.sample(jpegs, min(BATCH, parts - got.mutated))
         pieces, intact = damaged(rng, [as_sent(jpeg) for jpeg in chosen], SHAPE, DAMAGES)
-        outcome.damaged += len(chosen)
-        got = list[bytes]()
-        try:
-            for data in cuts(rng, b"".join(pieces) + as_sent(chosen[0]) * 45):  # 64 kB: a segment's longest lead
-                got += [image.jpeg for image in decoder.feed(data, 0)]
-        except Exception as error:  # whatever it is, it is a crash
-            outcome.crashes += 1
-            print(f"camera: {error!r}", file=sys.stderr)
-        strangers = [jpeg for jpeg in got if jpeg not in known]
-        outcome.accepted += len(got)
-        outcome.altered += sum(len(jpeg) in lengths for jpeg in strangers)
-        outcome.wrong += sum(len(jpeg) not in lengths for jpeg in strangers)
-        outcome.intact += len(intact)
-        outcome.lost += sum(chosen[index] not in got for index in intact)
-    return outcome
+        got.mutated += len(chosen)
+        found = list[bytes]()
+        stream = b"".join(pieces) + as_sent(chosen[0]) * 45  # 64 kB: a segment's longest lead
+        got.feed(rng, stream, lambda data: found.extend(one.jpeg for one in decoder.feed(data, 0)))  # noqa: B023
+        got.count(found, known, [chosen[index] for index in intact])
+        altered = sum(jpeg not in known and len(jpeg) in lengths for jpeg in found)
+        got.altered += altered
+        got.wrong -= altered
+    return got
 
 
 def proof(size: int, seed: int) -> dict[str, Figure]:
     """Feed ``size`` damaged parts in each of three forms."""
     result = dict[str, Figure]()
     for name, as_sent in ROWS.items():
-        got, most = (
-            attack(size, seed, as_sent),
-            size / 10_000,
-        )  # header and image of one part damaged: no length left
+        got = attack(size, seed, as_sent)
+        most = size / 10_000  # header and image of one part damaged: no length left
         result[f"{name}: crashes"] = zero(got.crashes)
-        is_long = name == "with Content-Length"
-        wrong = Figure(got.wrong, at_most=most) if is_long else Figure(got.wrong, at_least=most)
-        result[f"{name}: images of a wrong length"] = wrong
+        limit = {"at_most" if name == "with Content-Length" else "at_least": most}
+        result[f"{name}: images of a wrong length"] = Figure(got.wrong, **limit)
         result[f"{name}: images altered within"] = Figure(got.altered, of=got.accepted)
         result[f"{name}: intact images not found"] = Figure(got.lost, of=got.intact)
     return result

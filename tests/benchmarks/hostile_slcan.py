@@ -1,10 +1,9 @@
 """Feed damaged slcan text to the CAN port.
 
-The text goes through python-can's own slcan, the port's records and the joiner. Counted: crashes, frames that
-pass identifier, length and CRC-8 and equal none that was sent, samples that equal none, those of them that the
-second look at the step does not mark, and intact lines not found. Beside the wrong frames stands what eight bits
-let through: 1 in 256 of those whose check was computed and that were damaged. A line may be lost honestly: where
-the one before lost its CR, both are one line that is none.
+The text goes through python-can's own slcan, the port's records and the joiner. Wrong are frames that pass
+identifier, length and CRC-8 and equal none that was sent; counted too are samples that equal none, and those of
+them that the second look at the step does not mark. A line may be lost honestly: where the one before lost its CR,
+both are one line that is none.
 """
 
 import os
@@ -104,23 +103,19 @@ def attack(lines: int, seed: int) -> LinesOutcome:
         first += BATCH
         sent = [frame for frame in unpack(wire.encode(block)) if frame[0] in IDS]
         texts = [text_of(*frame) for frame in sent]
-        pieces, intact = [], set[int]()
+        pieces, intact = list[bytes](), list[Sent]()
         for i, text in enumerate(texts):
             if rng.random() < 0.5:
                 pieces.append(rng.choice(WAYS)(rng, text, texts[i - 1], SHAPE))
                 outcome.mutated += 1
             else:
                 pieces.append(text)
-                intact.add(i)
+                intact.append(sent[i])
         records = read(bus, b"".join([*pieces, b"\r"]), rng, outcome)
         got = [frame for frame in unpack(records) if frame[0] in IDS and len(frame[1]) == 8]
-        known, accepted = set(sent), passes(got)
-        wrong = sum(frame not in known for frame in accepted)
-        outcome.checks_failed += sum(frame not in known for frame in got) - wrong
-        outcome.accepted += len(accepted)
-        outcome.wrong += wrong
-        outcome.intact += len(intact)
-        outcome.lost += len({sent[i] for i in intact} - set(got))
+        accepted = passes(got)
+        outcome.checks_failed += len(got) - len(accepted)
+        outcome.count(accepted, set(sent), intact)
         judge(decoder.feed(records), block, outcome)
     bus.shutdown()
     for descriptor in (far, near):
@@ -140,8 +135,8 @@ def judge(found: SampleBlock, block: CountBlock, outcome: LinesOutcome) -> None:
 
 def read(bus: can.BusABC, text: bytes, rng: random.Random, outcome: Outcome) -> bytes:
     """Return the records that the port makes of text."""
-    real = bus.serialPortOrig  # type: ignore[attr-defined]
-    line = bus.serialPortOrig = MemoryLine(real, iter(cuts(rng, text)))  # type: ignore[attr-defined]
+    real = bus.serialPortOrig
+    line = bus.serialPortOrig = MemoryLine(real, iter(cuts(rng, text)))
     port, records = CanPort(bus, "text", 0.0, line), list[bytes]()
     while not line.is_over or line.in_waiting:
         try:
@@ -149,7 +144,7 @@ def read(bus: can.BusABC, text: bytes, rng: random.Random, outcome: Outcome) -> 
         except Exception as error:  # whatever it is, it is a crash
             print(repr(error))
             outcome.crashes += 1
-    bus.serialPortOrig = real  # type: ignore[attr-defined]
+    bus.serialPortOrig = real
     return b"".join(records)
 
 

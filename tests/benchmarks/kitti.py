@@ -1,6 +1,6 @@
 """A fusion folder of the KITTI recording that lies inside the gtsam wheel.
 
-469 s and 3.7 km of a car in Karlsruhe, IMU at 100 Hz, a GNSS position a second, no GNSS velocity (Geiger, Lenz,
+469 s of a car in Karlsruhe, IMU at 100 Hz, a GNSS position a second, no GNSS velocity (Geiger, Lenz,
 Stiller, Urtasun 2013; CC BY-NC-SA, so that it is read there and not kept here). There is no independent truth: of
 the fixes only every tenth is used, and the others are what the trajectory is measured against.
 """

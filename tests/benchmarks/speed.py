@@ -26,7 +26,7 @@ from tests.benchmarks.hostile_mavlink import a_sender, some_frames
 from tests.benchmarks.hostile_slcan import block_of
 from tests.drivers.simulated.flight import paper_flight
 from tests.drivers.wire.blocks import a_block
-from tests.proof.evidence import Figure, ratio
+from tests.proof.evidence import Figure
 
 REPEATS, READ = 7, 65536
 BATCH = 20_000  # distinct frames
@@ -71,7 +71,7 @@ def can(frames: int, seed: int) -> dict[str, Figure]:
         return frames * (sum(bool(database.decode_message(*each)) for each in every) == len(every))
 
     ours, cantools = seconds([partial(decode, wire, stream), theirs], frames)
-    return {"CAN: frames a second": ratio(cantools / ours, "cantools", 0.8)}
+    return {"CAN: frames a second": Figure(cantools / ours, "times cantools", at_least=0.8)}
 
 
 def mavlink(frames: int, seed: int) -> dict[str, Figure]:
@@ -88,7 +88,7 @@ def mavlink(frames: int, seed: int) -> dict[str, Figure]:
         return sum(len(mav.parse_buffer(read) or ()) for read in reads)
 
     station, pymavlink = seconds([ours, theirs], frames)
-    return {"MAVLink: messages a second": ratio(pymavlink / station, "pymavlink", 0.8)}
+    return {"MAVLink: messages a second": Figure(pymavlink / station, "times pymavlink", at_least=0.8)}
 
 
 def attitudes(seed: int) -> dict[str, Figure]:
@@ -101,10 +101,10 @@ def attitudes(seed: int) -> dict[str, Figure]:
     ]
     for work in works:
         work()
-    filter_, kalman, vqf = seconds(works, None)  # type: ignore[arg-type]
+    filter_, kalman, vqf = seconds(works, None)
     return {
-        "complementary filter: samples a second": ratio(vqf / filter_, "vqf"),
-        "Kalman filter: samples a second": ratio(vqf / kalman, "vqf"),
+        "complementary filter: samples a second": Figure(vqf / filter_, "times vqf"),
+        "Kalman filter: samples a second": Figure(vqf / kalman, "times vqf"),
     }
 
 

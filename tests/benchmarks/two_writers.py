@@ -27,7 +27,7 @@ WRITERS = ("A", "B")
 
 
 def write(url: str, name: str, transactions: int) -> None:
-    """Write as one of the two does; it waits for the lock however long the other one, or the machine, takes."""
+    """Write as one of the two does; it waits for the lock however long that takes."""
     database.BUSY_TIMEOUT_S = HANG_S
     with open_db(url) as opened:
         for i in range(transactions):

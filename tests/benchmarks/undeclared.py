@@ -1,9 +1,10 @@
 """What becomes of laws outside the catalogue, of kinds of the literature, and of a good instrument on a bench.
 
-Each of thirty laws is planted by plain numpy at 8 to 20 sigma of what it does; each trial is another unit, surface
-plate, cube and order of steps. The diagnosis shall say that something is unexplained, or name an effect that does
-the same to the campaign; the search for terms shall find the law.
+Each trial is another unit, surface plate, cube and order of steps. The diagnosis shall say that something is
+unexplained, or name an effect that does the same to the campaign; the search for terms shall find the law.
 """
+
+from collections.abc import Sequence
 
 from procedures.diagnosis.diagnose import diagnose
 from procedures.discovery.discover import discover
@@ -14,6 +15,7 @@ from tests.benchmarks.undeclared_kinds.literature import LITERATURE
 from tests.proof.evidence import Figure, spread
 
 APART = 10_000  # seeds between kinds
+OPEN = {"unexplained", "partly"}
 Item = tuple[int, int]
 
 
@@ -29,7 +31,8 @@ def kind(item: Item) -> Outcome:
 
 def good(item: Item) -> tuple[bool, bool]:
     """Return whether an effect of the instrument was claimed of a good one, and whether a term was proposed."""
-    found = diagnose(innocent(list(INNOCENT)[item[0]], item[1]))
+    _, campaigns = innocent(list(INNOCENT)[item[0]], item[1])
+    found = diagnose(campaigns)
     claims = [each for each in found.findings if each.kind == "instrument" and each.confidence != "possible"]
     return bool(claims), bool(discover(found).proposals)
 
@@ -39,39 +42,30 @@ def proof(size: int, seed: int) -> dict[str, Figure]:
     laws = spread(law, _items(len(LAWS), size, seed))
     benches = spread(good, _items(len(INNOCENT), size, seed + APART * len(LAWS)))
     kinds = spread(kind, _items(len(LITERATURE), size, seed + APART * (len(LAWS) + len(INNOCENT))))
-    honest = [one for one in laws if one.is_same or (one.verdict in {"unexplained", "partly"} and not one.wrong)]
+    honest = [one.is_same or (one.verdict in OPEN and not one.wrong) for one in laws]
     return {
-        "law: unexplained, partly explained, or a name that does the same": _share(
-            len(honest), len(laws), at_least=95
-        ),
-        "law: a wrong name, established": _share(
-            sum(x.wrong == "established" for x in laws), len(laws), at_most=1
-        ),
-        "law: a wrong name, established or likely": _share(sum(x.wrong != "" for x in laws), len(laws), at_most=3),
-        "law: found by the search for terms": _share(
-            sum(x.word in {"named", "a reading"} for x in laws), len(laws)
-        ),
-        "law: another term proposed": _share(sum(x.word == "other" for x in laws), len(laws)),
+        "law: unexplained, partly explained, or a name that does the same": _share(honest, at_least=95),
+        "law: a wrong name, established": _share([x.wrong == "established" for x in laws], at_most=1),
+        "law: a wrong name, established or likely": _share([x.wrong != "" for x in laws], at_most=3),
+        "law: found by the search for terms": _share([x.word in {"named", "a reading"} for x in laws]),
+        "law: another term proposed": _share([x.word == "other" for x in laws]),
         "kind: its name, one that does the same, or unexplained where it has none": _share(
-            sum(_is_right(x) for x in kinds), len(kinds), at_least=95
+            [_is_right(x) for x in kinds], at_least=95
         ),
-        "kind: a wrong name, established or likely": _share(
-            sum(x.wrong != "" for x in kinds), len(kinds), at_most=3
-        ),
-        "good instrument: an effect claimed": _share(sum(claim for claim, _ in benches), len(benches), at_most=2),
-        "good instrument: a term proposed": _share(sum(term for _, term in benches), len(benches), at_most=5),
+        "kind: a wrong name, established or likely": _share([x.wrong != "" for x in kinds], at_most=3),
+        "good instrument: an effect claimed": _share([claim for claim, _ in benches], at_most=2),
+        "good instrument: a term proposed": _share([term for _, term in benches], at_most=5),
     }
 
 
 def _is_right(one: Outcome) -> bool:
     has_name = bool(LITERATURE[one.law].truth)
-    is_open = not has_name and one.verdict in {"unexplained", "partly"}
-    return not one.wrong and (one.is_same or is_open)
+    return not one.wrong and (one.is_same or (one.verdict in OPEN and not has_name))
 
 
 def _items(kinds: int, size: int, seed: int) -> list[Item]:
     return [(number, seed + APART * number + i) for number in range(kinds) for i in range(size)]
 
 
-def _share(count: int, of: int, at_least: float | None = None, at_most: float | None = None) -> Figure:
-    return Figure(100 * count / of, "%", at_most, at_least, of)
+def _share(marks: Sequence[bool], at_least: float | None = None, at_most: float | None = None) -> Figure:
+    return Figure(100 * sum(marks) / len(marks), "%", at_most, at_least, len(marks))

@@ -3,17 +3,16 @@
 import pytest
 
 from drivers.wire import FORMATS
-from tests.benchmarks.damage import CONTROL_BITS
-from tests.benchmarks.hostile_frames import attack, with_weak_check
+from tests.benchmarks.hostile_frames import CONTROL, attack
 
 
 @pytest.mark.parametrize("name", FORMATS)
 def test_damaged_frames_neither_crash_a_decoder_nor_become_data(name: str) -> None:
     wire = FORMATS[name]
-    got = attack(wire, 10_000, 7, wire.check_bits)
+    got = attack(wire, 10_000, 7)
     assert got.crashes == 0
     assert got.wrong == 0 if wire.check_bits >= 32 else got.wrong <= got.expected
 
 
 def test_a_check_cut_to_8_bits_lets_wrong_frames_through_so_that_they_would_be_seen() -> None:
-    assert attack(with_weak_check(FORMATS["rawimusx"]), 10_000, 7, CONTROL_BITS).wrong > 0
+    assert attack(CONTROL, 10_000, 7).wrong > 0

@@ -8,7 +8,7 @@ import pytest
 from procedures.effects import EFFECTS
 from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, truth_of
 from tests.benchmarks.undeclared_kinds.literature import LITERATURE, Drawn, floor_tilts, lagged, played, unit_slips
-from tests.benchmarks.undeclared_kinds.signal_to_noise import shown
+from tests.drivers.signal_to_noise import shown
 
 FORM_OF_A_RESIDUAL = "accelerometer.bias_walk"  # found by a diagnosis, in no catalogue
 

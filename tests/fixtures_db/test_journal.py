@@ -17,8 +17,8 @@ from fixtures_db.journal_verification import missing_entry, speaks_since, verify
 from fixtures_db.schema import Base, ImuLimitRow, SiteRow
 from fixtures_db.stored_calibrations import accept_calibration, history
 from fixtures_db.verification import NO_ROW, alterations, declaration_faults
-from tests.benchmarks.database_edits import free_to_write, put_back
 from tests.benchmarks.edited_databases.declaration_edits import REBUILT, rebuilt, unreferenced
+from tests.fixtures_db.edited import free_to_write, put_back
 from tests.fixtures_db.factory import facts, protect_again, solution, unprotect
 from tests.fixtures_db.filled_database import JUDGED, WIDE, record
 from tests.paths import ROOT

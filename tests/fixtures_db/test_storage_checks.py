@@ -8,8 +8,7 @@ from sqlalchemy import text
 from fixtures_db.database import Database, open_db
 from fixtures_db.hash_chain import ChainFault
 from fixtures_db.verification import declaration_faults, verify_storage
-from tests.benchmarks.database_edits import put_back
-from tests.fixtures_db.edited import edited
+from tests.fixtures_db.edited import edited, put_back
 
 
 @pytest.mark.parametrize(

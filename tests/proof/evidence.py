@@ -3,6 +3,7 @@
 import json
 import os
 import platform
+import re
 import subprocess
 import time
 from collections.abc import Callable, Iterable, Mapping
@@ -46,11 +47,6 @@ Result = Mapping[str, Figure]
 def zero(count: int) -> Figure:
     """Return a count of what must not happen."""
     return Figure(count, at_most=0)
-
-
-def ratio(found: float, beside: str, at_least: float | None = None) -> Figure:
-    """Return a number of times a peer, which ran in the same process just before."""
-    return Figure(found, f"times {beside}", at_least=at_least)
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,9 +134,6 @@ def program_commit() -> str:
 
 def cpu_model() -> str:
     """Return the name of the processor."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        lines = []
-    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.machine()
+    file = Path("/proc/cpuinfo")  # of Linux
+    named = re.search(r"model name\s*: (.*)", file.read_text(encoding="utf-8")) if file.exists() else None
+    return named[1] if named else platform.machine()

@@ -44,28 +44,18 @@ def _section(document: Mapping[str, Any]) -> str:
         f"| {name} | {_measured(each)} | {_asked(each)}{'' if each.is_met else ', **not met**'} |"
         for name, each in figures(document).items()
     ]
-    return "\n".join(
-        [
-            f"## {document['name']}",
-            "",
-            document["shows"],
-            "",
-            "| number | measured | asked |",
-            "|---|---|---|",
-            *rows,
-            "",
-            f"{size['value']:,} {size['unit']}, seed {document['seed']}, in {document['seconds']:g} s on "
-            f"{machine['cores']} cores of {machine['cpu']}, Python {machine['python']}; program of commit "
-            f"{document['commit']}, {document['date']}: `{document['command']}`",
-        ]
-    )
+    return "\n".join([
+        f"## {document['name']}\n\n{document['shows']}\n\n| number | measured | asked |\n|---|---|---|",
+        *rows,
+        f"\n{size['value']:,} {size['unit']}, seed {document['seed']}, in {document['seconds']:g} s on "
+        f"{machine['cores']} cores of {machine['cpu']}, Python {machine['python']}; program of commit "
+        f"{document['commit']}, {document['date']}: `{document['command']}`",
+    ])  # fmt: skip
 
 
 def _measured(figure: Figure) -> str:
     of = "" if figure.of is None else f" of {figure.of:,}"
-    if figure.unit:
-        return f"{_number(figure.value)} {figure.unit}{of}"
-    return f"{_number(figure.value)}{of}"
+    return f"{_number(figure.value)} {figure.unit}".rstrip() + of
 
 
 def _asked(figure: Figure) -> str:

@@ -1,12 +1,13 @@
 """How far a finding's coefficients are from what was planted, in their own sigma."""
 
 from collections.abc import Mapping
-from typing import Protocol
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from drivers.simulated.bench_in_memory import SETTLING_S
 from drivers.simulated.truth import Truth
+from procedures.evidence.linear_model import Term
 from procedures.frames import AXES
 from procedures.positions import FACES, cross_axes
 from tests.benchmarks.diagnosing.plants import Sizes
@@ -15,26 +16,24 @@ from tests.benchmarks.diagnosing.sigmas import catalogued
 NOTHING = 1e-12
 
 
-class FittedEffect(Protocol):
-    """A named effect with its coefficients (k,), as a diagnosis reports it."""
+@dataclass(frozen=True)
+class Cause:
+    """A name with its probability, the group it cannot be separated from, its columns and coefficients."""
 
-    @property
-    def effect(self) -> str: ...
-    @property
-    def coefficients(self) -> tuple[str, ...]: ...
-    @property
-    def value(self) -> np.ndarray: ...
-    @property
-    def std(self) -> np.ndarray: ...
-    @property
-    def unit(self) -> str: ...
-    @property
-    def where(self) -> Mapping[str, object]: ...
-    @property
-    def shape(self) -> str: ...
+    effect: str
+    probability: float
+    group: tuple[str, ...] = ()
+    group_probability: float = 0.0
+    terms: tuple[Term, ...] = ()
+    coefficients: tuple[str, ...] = ()
+    value: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    std: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    unit: str = ""
+    where: Mapping[str, object] = field(default_factory=dict)
+    shape: str = ""
 
 
-def errors_of(finding: FittedEffect, sizes: Sizes, truth: Truth) -> np.ndarray:
+def errors_of(finding: Cause, sizes: Sizes, truth: Truth) -> np.ndarray:
     """Return the error (k,) of every coefficient over its sigma, infinite where it is about something else.
 
     nan where planter and catalogue speak of two things: a cubic where ``u |u|`` was planted.
@@ -52,7 +51,7 @@ def errors_of(finding: FittedEffect, sizes: Sizes, truth: Truth) -> np.ndarray:
     return found
 
 
-def _expected(finding: FittedEffect, sizes: Sizes, truth: Truth, key: str) -> float:
+def _expected(finding: Cause, sizes: Sizes, truth: Truth, key: str) -> float:
     """Return what a coefficient should be: as planted, in the finding's words."""
     effect = finding.effect
     if effect == "accelerometer.cross_product":
@@ -74,7 +73,7 @@ def _expected(finding: FittedEffect, sizes: Sizes, truth: Truth, key: str) -> fl
     return sizes.get(key, 0.0)
 
 
-def first_of(finding: FittedEffect) -> object:
+def first_of(finding: Cause) -> object:
     """Return the position that a finding's coefficients are about, of two that cannot be told."""
     position = finding.where.get("position")
     return position[0] if isinstance(position, list) else position

@@ -189,7 +189,6 @@ WARM = {
     "temperature_swing_k": 2.0,
     "temperature_swing_period_s": 1300.0,
 }
-CERTIFIED = ("certified", "certified free", "certified warm")
 DESIGNS: dict[str, Design] = {
     "plain": Design(plain, {}),
     "repeated": Design(repeated, {}),

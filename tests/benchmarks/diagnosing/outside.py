@@ -5,8 +5,6 @@ import numpy as np
 from drivers.simulated.effects import Planted, PlantedEffect, Stimulus, TriadInput
 from drivers.simulated.truth import Sizes
 
-AXES = ("x", "y", "z")
-
 
 def heading(stimulus: Stimulus) -> np.ndarray:
     """Return (n, 1) the angle from magnetic north of the IMU axis that is most level to the east, [rad]."""

@@ -16,9 +16,9 @@ from tests.benchmarks.diagnosing.outside import outside
 from tests.benchmarks.diagnosing.plants import PLANTS, drawn_sizes
 from tests.benchmarks.diagnosing.sigmas import Sigmas, sigmas_of
 from tests.benchmarks.discovering.laws import LAWS
-from tests.benchmarks.discovering.planting import Drawn, bare_evidence, size_of
-from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, truth_of
-from tests.benchmarks.undeclared_kinds.innocent import INNOCENT, as_it_is
+from tests.benchmarks.discovering.planting import bare_evidence, with_law
+from tests.benchmarks.undeclared_kinds.campaigns import truth_of
+from tests.benchmarks.undeclared_kinds.innocent import INNOCENT, as_it_is, innocent
 from tests.benchmarks.undeclared_kinds.literature import LITERATURE, Kind
 
 OUTSIDE = ("heading, accelerometers", "heading, all", "dead zone", "temperature rate times temperature")
@@ -98,10 +98,7 @@ def _differs(campaigns: Sequence[Campaign], bare: Callable[[], Sequence[Campaign
 
 
 def _law(law: Any, seed: int) -> World:
-    truth, drawn = truth_of(law.design, seed), Drawn.of(law, seed)
-    size = size_of(drawn, bare_evidence(campaigns_of(truth, law.design, seed).campaigns), seed)
-    also = drawn.planted(size, np.array(truth.magnetic_enu_ut))
-    campaigns = campaigns_of(truth, law.design, seed, also, stated=truth).campaigns
+    drawn, truth, campaigns = with_law(law, seed)
     named = NAMED_LAWS.get(law.name)
     return World(
         "catalogue" if named else "outside", campaigns, truth, frozenset(filter(None, [named])), drawn.done
@@ -123,10 +120,7 @@ def _of_literature(kind: Kind, seed: int) -> World:
 
 
 def _innocent(name: str, seed: int) -> World:
-    one = INNOCENT[name]
-    stated = truth_of(one.design, seed)
-    truth = one.changed(stated, np.random.default_rng([seed, 47]))
-    campaigns = campaigns_of(truth, one.design, seed, stated=stated).campaigns
+    one, (truth, campaigns) = INNOCENT[name], innocent(name, seed)
     right = frozenset(filter(None, [one.effect]))
     return World("null" if one.changed is as_it_is or not right else "bench", campaigns, truth, right)
 

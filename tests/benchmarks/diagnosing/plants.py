@@ -86,10 +86,8 @@ PLANTS: dict[str, Plant] = {
 }
 
 
-def drawn_sizes(
-    name: str, sigmas: Sigmas, rng: np.random.Generator, least: float = LEAST, most: float = MOST
-) -> dict[str, float]:
-    """Draw what the simulator is to plant: one coefficient or several, of ``least`` to ``most`` sigmas each."""
+def drawn_sizes(name: str, sigmas: Sigmas, rng: np.random.Generator) -> dict[str, float]:
+    """Draw what the simulator is to plant: one coefficient or several, of `LEAST` to `MOST` sigmas each."""
     plant = PLANTS[name]
     if plant.effect == "placement.label":
         return _label(rng)
@@ -106,9 +104,9 @@ def drawn_sizes(
         position = int(rng.integers(1, 13))
         chosen = ["xyz"[i] for i in cross_axes(face_of(position))]
     tau = float(np.exp(rng.uniform(np.log(5), np.log(45))))
-    sizes = {str(k): _drawn(rng, least, most) * sigmas.of(str(k), position, tau) for k in chosen}
+    sizes = {str(k): _drawn(rng) * sigmas.of(str(k), position, tau) for k in chosen}
     if plant.effect == "gyroscope.sagnac_sine":  # fitted is its square, and a sine has no sign
-        sizes = {k: float(np.sqrt(rng.uniform(least, most) * sigmas.of(k))) for k in sizes}
+        sizes = {k: float(np.sqrt(rng.uniform(LEAST, MOST) * sigmas.of(k))) for k in sizes}
     if plant.effect.endswith(".jump"):  # at any time, the most within a dwell
         sizes["after_s"] = float(rng.uniform(*JUMPS_S))
     if plant.effect == "accelerometer.relaxation":  # the cube has rested for a while before the step begins
@@ -116,8 +114,8 @@ def drawn_sizes(
     return sizes | ({"position": float(position)} if position else {})
 
 
-def _drawn(rng: np.random.Generator, least: float, most: float) -> float:
-    return float(rng.choice([-1, 1]) * rng.uniform(least, most))
+def _drawn(rng: np.random.Generator) -> float:
+    return float(rng.choice([-1, 1]) * rng.uniform(LEAST, MOST))
 
 
 def _label(rng: np.random.Generator) -> dict[str, float]:

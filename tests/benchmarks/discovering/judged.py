@@ -11,8 +11,7 @@ from procedures.effects.effect import INSTRUMENT
 from procedures.evidence.linear_model import Term, fit_linear
 from procedures.evidence.residual_rows import Evidence
 from tests.benchmarks.discovering.laws import Law
-from tests.benchmarks.discovering.planting import Drawn, bare_evidence, beside_model, size_of
-from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, truth_of
+from tests.benchmarks.discovering.planting import beside_model, with_law
 from tests.benchmarks.undeclared_kinds.literature import Kind
 
 SAME = 0.98  # correlation of what was planted with what the term can do at its best
@@ -28,7 +27,6 @@ class Outcome:
     """
 
     law: str
-    seed: int
     verdict: str
     is_same: bool
     wrong: str
@@ -37,19 +35,15 @@ class Outcome:
 
 def trial(law: Law, seed: int) -> Outcome:
     """Plant a law in another unit, diagnose and search."""
-    truth, drawn = truth_of(law.design, seed), Drawn.of(law, seed)
-    size = size_of(drawn, bare_evidence(campaigns_of(truth, law.design, seed).campaigns), seed)
-    also = drawn.planted(size, np.array(truth.magnetic_enu_ut))
-    found = diagnose(campaigns_of(truth, law.design, seed, also, stated=truth).campaigns)
+    drawn, _, campaigns = with_law(law, seed)
+    found = diagnose(campaigns)
     more = discover(found)
     does = drawn.done(more.evidence)
     own = [each for each in found.findings if each.kind == "instrument"]
     added = [each.term for each in found.added if each.effect.name.split(".")[0] in INSTRUMENT]
     is_same = bool(added) and likeness(more.evidence, added, does) > SAME
     sure = [word for word in SURE if any(each.confidence == word for each in own)]
-    return Outcome(
-        law.name, seed, found.verdict, is_same, "" if is_same or not sure else sure[0], _word(more, does)
-    )
+    return Outcome(law.name, found.verdict, is_same, "" if is_same or not sure else sure[0], _word(more, does))
 
 
 def named(kind: Kind, seed: int) -> Outcome:
@@ -57,7 +51,7 @@ def named(kind: Kind, seed: int) -> Outcome:
     found = diagnose(kind.campaigns(seed))
     is_same = any(each.effect in kind.acceptable for each in found.findings)
     wrong = {f.confidence for f in found.findings if f.kind == "instrument" and f.effect not in kind.acceptable}
-    return Outcome(kind.name, seed, found.verdict, is_same, next((word for word in SURE if word in wrong), ""), "")
+    return Outcome(kind.name, found.verdict, is_same, next((word for word in SURE if word in wrong), ""), "")
 
 
 def _word(more: Discovery, does: np.ndarray) -> str:

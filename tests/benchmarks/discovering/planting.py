@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from drivers.simulated.effects import Planted, PlantedEffect, Stimulus, TriadInput
+from drivers.simulated.truth import Truth
 from procedures.calibration.joint_calibration import fit_reduced
 from procedures.calibration.reduced_steps import reduce_steps
 from procedures.campaign.campaign import Campaign
@@ -13,6 +14,7 @@ from procedures.effects.excitation import Columns, Excitation
 from procedures.evidence.linear_model import fit_linear
 from procedures.evidence.residual_rows import Evidence, evidence_of
 from tests.benchmarks.discovering.laws import Law, Seen
+from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, level_axes, truth_of
 
 HEAT_TAU_S = 200.0
 LEAST, MOST = 8.0, 20.0  # sigmas of what a law does, all rows together
@@ -41,7 +43,6 @@ class Memory:
             begin + np.cumsum(power * np.exp(since / HEAT_TAU_S)) * step / HEAT_TAU_S
         )
         self.now, self.last_s, self.heat = here, float(t[-1]), float(heat[-1])
-        assert self.before is not None
         return self.before[None], heat[:, None]
 
 
@@ -49,12 +50,7 @@ def of_stimulus(seen: Stimulus, memory: Memory, enu: np.ndarray) -> Seen:
     """Return what acts on a simulated unit; North and East by the magnetic field ``enu`` (3,) [uT]."""
     n = len(seen.t)
     f, w, B = (np.broadcast_to(v, (n, 3)) for v in (seen.f, seen.omega, seen.magnetic))
-    up = f / np.linalg.norm(f, axis=1, keepdims=True)
-    flat = B - np.sum(B * up, axis=1, keepdims=True) * up
-    flat = flat / np.linalg.norm(flat, axis=1, keepdims=True)
-    e, north_part = enu[:2] / np.hypot(*enu[:2])
-    left = np.cross(up, flat)  # 90 deg to the left of the field, seen from above
-    north, east = north_part * flat + e * left, e * flat - north_part * left
+    north, east = level_axes(f, B, enu)
     before, heat = memory.of(seen)
     T = np.broadcast_to(seen.temperature, (n, 1)) - 25.0
     rest = np.where(np.isfinite(seen.rest_s), seen.rest_s, 0.0)
@@ -64,7 +60,6 @@ def of_stimulus(seen: Stimulus, memory: Memory, enu: np.ndarray) -> Seen:
 
 def of_excitation(x: Excitation) -> Seen:
     """Return the same at the nodes of a campaign's rows."""
-    assert x.C_sn is not None
     campaign = x.per_step("campaign")
     heat, order, kept = np.zeros(len(x.t)), np.lexsort((x.t, campaign)), 0.0
     for before, here in itertools.pairwise(order.tolist()):
@@ -119,8 +114,7 @@ class Drawn:
         """Return what a size of 1 does to the rows (n,), in sigmas."""
         value = self.values(of_excitation(evidence.excitation))[:, :, None]
         columns = Columns(("",), accel=value) if self.law.triad == "accelerometer" else Columns(("",), gyro=value)
-        found: np.ndarray = evidence.column(columns)[:, 0] / evidence.sigma
-        return found
+        return evidence.column(columns)[:, 0] / evidence.sigma
 
 
 def bare_evidence(campaigns: tuple[Campaign, ...]) -> Evidence:
@@ -139,5 +133,12 @@ def beside_model(Q: np.ndarray, does: np.ndarray) -> np.ndarray:
     """Return what rows (n,) do beside the columns of Q."""
     wide = np.zeros(len(Q))
     wide[: len(does)] = does
-    left: np.ndarray = wide - Q @ (Q.T @ wide)
-    return left
+    return wide - Q @ (Q.T @ wide)
+
+
+def with_law(law: Law, seed: int) -> tuple[Drawn, Truth, tuple[Campaign, ...]]:
+    """Return a law as it is drawn by a seed, the unit that has it, and the unit's campaigns."""
+    truth, drawn = truth_of(law.design, seed), Drawn.of(law, seed)
+    size = size_of(drawn, bare_evidence(campaigns_of(truth, law.design, seed).campaigns), seed)
+    also = drawn.planted(size, np.array(truth.magnetic_enu_ut))
+    return drawn, truth, campaigns_of(truth, law.design, seed, also, stated=truth).campaigns

@@ -1,10 +1,11 @@
-"""Edits of what is declared, not of a value: the schema version, tables built anew that take more or less."""
+"""Edits of what is declared, not of a value: the schema version, tables that take more or less, triggers."""
 
 import random
 import re
 
 from sqlalchemy import Connection, Table, text
 
+from fixtures_db.append_only_rows import append_only_tables, on_postgresql, on_sqlite
 from fixtures_db.schema import Base
 
 VERSION = {
@@ -90,3 +91,26 @@ def rebuilt(connection: Connection, table: Table, how: str) -> str | None:
         if kind != "table":
             connection.exec_driver_sql(statement)
     return f"{table.name}: {how}"
+
+
+def edit_trigger(connection: Connection, chance: random.Random) -> str:
+    """Drop a trigger that keeps rows from being changed, weaken it, switch it off, or put another beside it."""
+    table = chance.choice(append_only_tables())
+    is_sqlite = connection.dialect.name == "sqlite"
+    name, statement = chance.choice(list((on_sqlite if is_sqlite else on_postgresql)(table).items()))
+    how = chance.choice(("drop", "weaken", "another", "off"))
+    on_table = "" if is_sqlite else f" ON {table}"
+    if how == "off" and not is_sqlite:
+        connection.execute(text(f"ALTER TABLE {table} DISABLE TRIGGER {name}"))
+        return f"{name} switched off"
+    if how == "another":
+        does = "BEGIN SELECT 1; END" if is_sqlite else "FOR EACH ROW EXECUTE FUNCTION refuse_change()"
+        connection.execute(text(f"CREATE TRIGGER mine AFTER INSERT ON {chance.choice(('sites', table))} {does}"))
+        return "a trigger added"
+    connection.execute(text(f"DROP TRIGGER {name}{on_table}"))
+    if how == "weaken":
+        weaker = statement.replace("BEFORE", "AFTER", 1)
+        if is_sqlite:
+            weaker = re.sub(r"RAISE\(ABORT, '[^']*'\)", "RAISE(IGNORE)", statement)
+        connection.execute(text(weaker))
+    return f"{name}: {how}"

@@ -4,6 +4,7 @@ import random
 import shutil
 import sqlite3
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 
 from fixtures_db.database import open_db
@@ -33,20 +34,17 @@ class Copies:
                     for bias in (1e-3, 2e-3):
                         accept_calibration(session, solution(bias + number * 1e-4), facts("S1"))
                 (home / str(number)).mkdir()
-                for name in NAMES:
-                    shutil.copy(home / name, home / str(number) / name)
+                _copy(home, home / str(number))
             with database.read() as session:
                 self.anchor = take_anchor(session)
 
     def edited(self, where: Path, how: str, chance: random.Random) -> None:
         """Put an edited copy of the last state into a folder."""
-        for name in NAMES:
-            shutil.copy(self.home / "2" / name, where / name)
+        _copy(self.home / "2", where)
         older = self.home / str(chance.randrange(2))
         match how:
             case "older copy":
-                for name in NAMES:
-                    shutil.copy(older / name, where / name)
+                _copy(older, where)
             case "-wal removed":
                 (where / NAMES[1]).unlink()
             case "older -wal":
@@ -60,11 +58,14 @@ class Copies:
                 content[chance.randrange(100, len(content))] ^= 1 << chance.randrange(8)
                 file.write_bytes(content)
             case "version":
-                with sqlite3.connect(where / NAMES[0]) as connection:
-                    connection.execute(
-                        "UPDATE alembic_version SET version_num = ?", (f"{chance.randrange(20):04d}",)
-                    )
-                connection.close()
+                version = f"{chance.randrange(20):04d}"
+                with closing(sqlite3.connect(where / NAMES[0])) as connection, connection:
+                    connection.execute("UPDATE alembic_version SET version_num = ?", (version,))
+
+
+def _copy(home: Path, to: Path) -> None:
+    for name in NAMES:
+        shutil.copy(home / name, to / name)
 
 
 HOW = ("older copy", "-wal removed", "older -wal", "-wal cut", "byte of -wal", "byte of file", "version")
@@ -72,11 +73,8 @@ HOW = ("older copy", "-wal removed", "older -wal", "-wal cut", "byte of -wal", "
 
 def meaning(file: Path) -> list[str]:
     """Return all that a database says."""
-    connection = sqlite3.connect(file)
-    try:
+    with closing(sqlite3.connect(file)) as connection:
         return list(connection.iterdump())
-    finally:
-        connection.close()
 
 
 def look(file: Path, anchor: Anchor) -> tuple[bool, bool]:
@@ -95,10 +93,9 @@ def try_file_edits(
     """Edit files ``count`` times, and tell each kind with what it did and whether it was found."""
     (home / "copies").mkdir()
     copies = Copies(home / "copies")
-    whole = home / "whole.db"
-    shutil.copy(copies.home / "2" / NAMES[0], whole)
-    shutil.copy(copies.home / "2" / NAMES[1], f"{whole}-wal")
-    before = meaning(whole)
+    (home / "whole").mkdir()
+    _copy(copies.home / "2", home / "whole")
+    before = meaning(home / "whole" / NAMES[0])
     for number in range(count):
         how = HOW[number % len(HOW)]
         where = home / f"file_{number}"

@@ -3,23 +3,23 @@
 import random
 import shutil
 import sqlite3
+from contextlib import closing
 from pathlib import Path
 
 import pytest
-from alembic import command
 from sqlalchemy import select
 
 from fixtures_db import stored_calibrations
 from fixtures_db.campaigns import accept_step, in_state, remove_campaign, set_state
-from fixtures_db.database import Database, open_db, sqlite_engine
+from fixtures_db.database import Database, open_db
 from fixtures_db.fixture_measurements import dump, restore
 from fixtures_db.hash_chain import ChainFault
 from fixtures_db.imu_models import add_effect, all_in_force, set_limits, withdraw_effect
 from fixtures_db.journal import columns_there, journalled_tables
 from fixtures_db.migrations import KNOWN
-from fixtures_db.migrations.upgrade import config
 from fixtures_db.stored_calibrations import accept_calibration
 from fixtures_db.verification import alterations, take_anchor
+from tests.empty_database import of_schema
 from tests.fixtures_db.factory import LATER, facts, solution
 from tests.fixtures_db.filled_database import WIDE, fill
 
@@ -36,22 +36,17 @@ def of_version(version: str, home: Path) -> Path:
         fill(session, digital=version >= XML_SINCE)
     if version == KNOWN[-1]:
         return source
-    with open_db(source) as database, database.engine.connect() as filled:
-        engine = sqlite_engine(database.engine.url.set(database=str(file)), 10.0)
-        with engine.begin() as connection:
-            made = config()
-            made.attributes["connection"] = connection
-            command.upgrade(made, version)
-            connection.exec_driver_sql("DELETE FROM tolerance_items")
-            connection.exec_driver_sql("DELETE FROM cubes")
-            for table in journalled_tables():
-                if columns := columns_there(connection, table):
-                    rows = [dict(row) for row in filled.execute(select(*columns)).mappings()]
-                    if version < EXAMPLE_SINCE:
-                        rows = [row for row in rows if EXAMPLE not in {row["id"], row.get("cube_id")}]
-                    if rows:
-                        connection.execute(table.insert().values(dict.fromkeys(columns)), rows)
-        engine.dispose()
+    made = of_schema(version, file)
+    with open_db(source) as database, database.engine.connect() as filled, made as connection:
+        connection.exec_driver_sql("DELETE FROM tolerance_items")
+        connection.exec_driver_sql("DELETE FROM cubes")
+        for table in journalled_tables():
+            if columns := columns_there(connection, table):
+                rows = [dict(row) for row in filled.execute(select(*columns)).mappings()]
+                if version < EXAMPLE_SINCE:
+                    rows = [row for row in rows if EXAMPLE not in {row["id"], row.get("cube_id")}]
+                if rows:
+                    connection.execute(table.insert().values(dict.fromkeys(columns)), rows)
     return file
 
 
@@ -78,38 +73,25 @@ def worked_with(database: Database, chance: random.Random) -> None:
 
 def moved(file: Path, to: Path, how: str) -> Path:
     """Return a database that was compacted, moved, copied or restored."""
-    match how:
-        case "VACUUM":
-            with sqlite3.connect(file) as connection:
+    if how in {"stays", "moved"}:
+        return file if how == "stays" else Path(shutil.move(file, to))
+    if how == "export":
+        with open_db(file) as database, database.read() as session:
+            rows = dump(session)
+        with open_db(to) as database, database.write() as session:
+            restore(session, rows)
+        return to
+    with closing(sqlite3.connect(file)) as connection, closing(sqlite3.connect(to)) as copy:
+        match how:
+            case "VACUUM":
                 connection.execute("VACUUM")
-            connection.close()
-        case "VACUUM INTO":
-            with sqlite3.connect(file) as connection:
+            case "VACUUM INTO":
                 connection.execute("VACUUM INTO ?", (str(to),))
-            connection.close()
-            return to
-        case "backup":
-            with sqlite3.connect(file) as connection, sqlite3.connect(to) as copy:
+            case "backup":
                 connection.backup(copy)
-            connection.close()
-            copy.close()
-            return to
-        case "SQL dump":
-            with sqlite3.connect(file) as connection, sqlite3.connect(to) as copy:
+            case "SQL dump":
                 copy.executescript("\n".join(connection.iterdump()))
-            connection.close()
-            copy.close()
-            return to
-        case "moved":
-            shutil.move(file, to)
-            return to
-        case "export":
-            with open_db(file) as database, database.read() as session:
-                rows = dump(session)
-            with open_db(to) as database, database.write() as session:
-                restore(session, rows)
-            return to
-    return file
+    return file if how == "VACUUM" else to
 
 
 WAYS = ("stays", "VACUUM", "VACUUM INTO", "backup", "SQL dump", "moved", "export")

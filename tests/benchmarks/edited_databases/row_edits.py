@@ -135,13 +135,10 @@ def exchange(connection: Connection, table: Table, column: Column[Any], chance: 
         return None
     one, other = chance.sample(rows, 2)
     between = _new(one[column.key], rows, column.key)
-    for was, now in (
-        (one[column.key], between),
-        (other[column.key], one[column.key]),
-        (between, other[column.key]),
-    ):
+    here, there = one[column.key], other[column.key]
+    for was, now in ((here, between), (there, here), (between, there)):
         connection.execute(table.update().where(column == was).values({column.key: now}))
-    return f"{table.name} {one[column.key]} and {other[column.key]} exchanged"
+    return f"{table.name} {here} and {there} exchanged"
 
 
 EDITS: dict[str, Edit] = {

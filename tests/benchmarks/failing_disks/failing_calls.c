@@ -32,7 +32,6 @@ static void __attribute__((constructor)) slow_from_the_beginning(void) {
     const char *folder = getenv("SLOW_DISK_BELOW"), *wait = getenv("SLOW_DISK_S");
     if (folder && wait) arm_disk(folder, WRITES | SYNCS | NAMES, 0, 0, 0, atof(wait));
 }
-long calls_counted(void) { return counted; }
 long calls_failed(void) { return failed; }
 
 static int is_below(const char *path) { return below[0] && !strncmp(path, below, strlen(below)); }

@@ -7,39 +7,20 @@ sample of the line be missing.
 import os
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
-from unittest.mock import patch
 
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from station.files.mcap_files import read_step
 from station.files.sha256sums import verify_folder
 from station.stream.recorder.plain_recording import RECORDING_FILE
-from tests.benchmarks.failing_disks.failing_disk import NAMES, SHIM, SYNCS, WRITES, FailingDisk
-from tests.benchmarks.failing_disks.trials import JOBS, Wrong
+from tests.benchmarks.failing_disks import SHIM
+from tests.benchmarks.failing_disks.trials import JOBS, NAMES, SYNCS, WRITES, FailingDisk, Wrong
 from tests.station.commands.program import STATION
 
 RECORDED_S, PERIOD_S = 12.0, 0.01
-
-
-@dataclass(slots=True)
-class Slow:
-    """What came of a job: how long it took [s], what was wrong."""
-
-    seconds: float = 0.0
-    wrong: Wrong = field(default_factory=list)
-
-
-@contextmanager
-def slowed(home: Path, delay_s: float) -> Iterator[None]:
-    """Let each process that is started meanwhile wait at each change of what lies below ``home``."""
-    more = {"LD_PRELOAD": os.environ[SHIM], "SLOW_DISK_BELOW": str(home), "SLOW_DISK_S": str(delay_s)}
-    with patch.dict(os.environ, more):
-        yield
 
 
 def in_this_process(job: str) -> Callable[[Path, float], Wrong]:
@@ -56,10 +37,10 @@ def in_this_process(job: str) -> Callable[[Path, float], Wrong]:
 
 
 def station(home: Path, delay_s: float, *arguments: object) -> tuple[int, str]:
-    """Run a command on the slow disk; return its exit code and what it said on stderr."""
-    with slowed(home, delay_s):
-        command = [sys.executable, "-P", "-c", STATION, *map(str, arguments)]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
+    """Run a command, slow at each change of what lies below ``home``; return its exit code and its stderr."""
+    slow = {"LD_PRELOAD": os.environ[SHIM], "SLOW_DISK_BELOW": str(home), "SLOW_DISK_S": str(delay_s)}
+    command = [sys.executable, "-P", "-c", STATION, *map(str, arguments)]
+    done = subprocess.run(command, env=os.environ | slow, capture_output=True, text=True, check=False)
     return done.returncode, done.stderr
 
 
@@ -85,13 +66,11 @@ SLOW_JOBS: Mapping[str, Callable[[Path, float], Wrong]] = {
 }  # fmt: skip
 
 
-def tried_slow(job: str, scratch: Path, delay_s: float) -> Slow:
-    """Do a job on a disk that takes ``delay_s`` for each change."""
-    home, began, found = scratch / job, time.monotonic(), Slow()
+def tried_slow(job: str, scratch: Path, delay_s: float) -> Wrong:
+    """Do a job on a disk that takes ``delay_s`` for each change; return what was wrong."""
+    home = scratch / job
     home.mkdir()
     try:
-        found.wrong += SLOW_JOBS[job](home, delay_s)
+        return SLOW_JOBS[job](home, delay_s)
     except Exception as error:
-        found.wrong.append(f"{type(error).__name__}: {error}")
-    found.seconds = time.monotonic() - began
-    return found
+        return [f"{type(error).__name__}: {error}"]

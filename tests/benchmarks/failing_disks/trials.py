@@ -1,12 +1,12 @@
 """One thing done on a disk that fails at its n-th call; then the disk is whole again, and all is looked at."""
 
+import ctypes
 import errno
+import os
 import shutil
 from collections import Counter
 from collections.abc import Callable
-from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass, field
-from io import StringIO
 from itertools import count
 from pathlib import Path
 
@@ -15,17 +15,18 @@ from sqlalchemy import text
 from fixtures_db.campaigns import campaign, verify_steps
 from fixtures_db.database import open_db
 from fixtures_db.stored_calibrations import accept_calibration, verify_chain
-from station import cli
 from station.errors import BUG, explain
 from station.files.sha256sums import verify_folder
 from station.guide.campaign.folder_recorder import FolderRecorder
 from station.guide.campaign.interrupted_campaigns import reopen
 from station.stream.recorder.accepted_step_writer import CampaignRecorder, open_campaign
-from tests.benchmarks.failing_disks.failing_disk import NAMES, SYNCS, WRITES, FailingDisk
+from tests.benchmarks.failing_disks import SHIM
 from tests.fixtures_db.factory import facts, solution
 from tests.station.applying import inputs
+from tests.station.commands.program import quietly
 from tests.station.guide.recorded import SITE, TAPE, UNIT, step
 
+WRITES, SYNCS, NAMES = 1, 2, 4
 FAULTS = {
     "disk full": (errno.ENOSPC, WRITES | NAMES, True),
     "quota": (errno.EDQUOT, WRITES | NAMES, True),
@@ -44,6 +45,28 @@ class Outcome:
     trials: int = 0
     refused: int = 0
     wrong: Counter[str] = field(default_factory=Counter)
+
+
+class FailingDisk:
+    """What lies below a folder, as if on a disk that fails when told; ``has_failed``, by the last `heal`."""
+
+    has_failed = False
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = os.fsencode(folder)
+        self._shim = ctypes.CDLL(os.environ[SHIM])
+        self._shim.arm_disk.argtypes = (
+            ctypes.c_char_p, ctypes.c_int, ctypes.c_long, ctypes.c_int, ctypes.c_int, ctypes.c_double,
+        )  # fmt: skip
+
+    def arm(self, kinds: int, nth: int, error: int, *, stays: bool = False, delay_s: float = 0.0) -> None:
+        """Let the ``nth`` call of ``kinds`` from now on fail with ``error``, with ``stays`` all after it too."""
+        self._shim.arm_disk(self._folder, kinds, nth, error, stays, delay_s)
+
+    def heal(self) -> None:
+        """Let all calls succeed again."""
+        self.has_failed |= self._shim.calls_failed() > 0
+        self._shim.arm_disk(b"", 0, 0, 0, 0, 0.0)
 
 
 class Refused(Exception):
@@ -140,10 +163,9 @@ def apply(home: Path, disk: FailingDisk, arm: Callable[[], None]) -> Wrong:
 
 
 def _run(arguments: list[str]) -> None:
-    with redirect_stdout(StringIO()), redirect_stderr(StringIO()) as said:
-        code = cli.run(arguments)
+    code, said = quietly(*arguments)
     if code:
-        raise Refused(code, "\n".join(x for x in said.getvalue().splitlines() if not x.startswith("inferred")))
+        raise Refused(code, "\n".join(x for x in said.splitlines() if not x.startswith("inferred")))
 
 
 def _with(error: Exception, wrong: Wrong) -> Exception:
@@ -156,8 +178,8 @@ JOBS: dict[str, Callable[[Path, FailingDisk, Callable[[], None]], Wrong]] = {
 }
 
 
-def tried(job: str, fault: str, scratch: Path, every: int = 1) -> Outcome:
-    """Let a fault come at each call, or each so manieth, of a job."""
+def tried(job: str, fault: str, scratch: Path, every: int) -> Outcome:
+    """Let a fault come at each so manieth call of a job, until it has no more calls."""
     outcome, home = Outcome(), scratch / "home"
     for nth in count(1, every):
         shutil.rmtree(home, ignore_errors=True)
@@ -167,19 +189,9 @@ def tried(job: str, fault: str, scratch: Path, every: int = 1) -> Outcome:
     return outcome
 
 
-class _Watched(FailingDisk):
-    """Knows still after it was healed whether it failed."""
-
-    has_failed = False
-
-    def heal(self) -> None:
-        self.has_failed |= self.failed > 0
-        super().heal()
-
-
 def _came(outcome: Outcome, job: str, fault: str, home: Path, nth: int) -> bool:
     """Do the job with the fault at its ``nth`` call; return whether it came to that."""
-    (error, kinds, stays), disk = FAULTS[fault], _Watched(home)
+    (error, kinds, stays), disk = FAULTS[fault], FailingDisk(home)
     wrong, line, code = list[str](), "", 0
     try:
         wrong = JOBS[job](home, disk, lambda: disk.arm(kinds, nth, error, stays=stays))
@@ -189,14 +201,10 @@ def _came(outcome: Outcome, job: str, fault: str, home: Path, nth: int) -> bool:
     finally:
         disk.heal()
     if disk.has_failed:
-        _count(outcome, wrong, code, line.replace(str(home), "").strip())
-    return disk.has_failed
-
-
-def _count(outcome: Outcome, wrong: Wrong, code: int, said: str) -> None:
-    outcome.trials += 1
-    if said:
-        outcome.refused += 1
-        if code == BUG or "\n" in said:
+        said = line.replace(str(home), "").strip()
+        if said and (code == BUG or "\n" in said):
             wrong.append(f"code {code}: {said}")
-    outcome.wrong.update(one[:300] for one in wrong)
+        outcome.trials += 1
+        outcome.refused += bool(said)
+        outcome.wrong.update(one[:300] for one in wrong)
+    return disk.has_failed

@@ -3,7 +3,7 @@
 import shutil
 import sys
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
 from functools import partial
@@ -17,10 +17,9 @@ from station.files.limits_file import example_limits
 from station.files.scenario import read_scenario
 from station.files.scenario_schema import read_faults
 from station.results.certificate.laboratory import read_laboratory
+from tests.paths import ROOT
 from tests.station.effect_examples import DEAD_ZONE, WARMING
 from tests.station.results.certificate.factory import EXAMPLE
-
-REPOSITORY = Path(__file__).resolve().parents[3]
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,98 +44,55 @@ def _by(read: Callable[[Path], object]) -> Callable[[Path], int]:
     return take
 
 
-def _command(*before: str, after: tuple[str, ...] = ()) -> Callable[[Path], int]:
-    return lambda path: cli.run([*before, str(path), *after])
+def _command(*before: str, after: Sequence[str] = (), database: Path | None = None) -> Callable[[Path], int]:
+    """Return what runs a command on the file; with a copy of a ``database``, another one each time."""
+
+    def take(path: Path) -> int:
+        if database is None:
+            return cli.run([*before, str(path), *after])
+        copy = shutil.copyfile(database, path.with_name("copy.db"))
+        return cli.run([*before, str(path), *after, "--db", str(copy)])
+
+    return take
 
 
-PLAN = """
-format = "plan/1"
-[fixture]
-imu_axes = ["+x", "+y", "+z"]
-[[dwell]]
-seconds = 100.0
-position = 1
-[[dwell]]
-seconds = 100.0
-position = 2
-[[turn]]
-axis = "x"
-direction = "+"
-revolutions = 1
-start_position = 1
-seconds = 5.0
-speed_deg_s = 30.0
-[[soak]]
-seconds = 100.0
-position = 1
-[[monitor]]
-seconds = 60.0
-position = 1
-laws = ["mixer"]
-"""
-ITEMS = "side_mm = 400.0\n[tolerance_mm]\n" + "".join(
-    f"{name} = 0.04\n" for name in ("t1", "t2", "t3", "t4-1", "t4-2", "t5", "t6", "t7", "t8", "t9", "t10")
-)
-FAULTS = """
-[[fault]]
-kind = "frame_lost"
-at_s = 15.0
-every_s = 20.0
-[[fault]]
-kind = "unplug"
-at_s = 70.0
-seconds = 4.0
-"""
+HERE, SCENARIOS = Path(__file__).parent, ROOT / "docs" / "scenarios"
 
 
-def _text(name: str) -> dict[str, Any]:
-    return tomllib.loads((REPOSITORY / "docs" / name).read_text())
+def _read(path: Path) -> dict[str, Any]:
+    return tomllib.loads(path.read_text(encoding="utf-8"))
 
 
 def _drive() -> dict[str, Any]:
-    tables = _text("scenarios/drive.toml")
-    tables["imu"]["track"] = str(REPOSITORY / "docs/scenarios/drive.csv")
+    tables = _read(SCENARIOS / "drive.toml")
+    tables["imu"]["track"] = str(SCENARIOS / "drive.csv")
     return tables
 
 
 def kinds(folder: Path, campaign: dict[str, Any], fixtures: dict[str, Any]) -> dict[str, Kind]:
     """Return all kinds; ``campaign`` of a folder that lies in ``folder``, ``fixtures`` as exported."""
-    db = ("--db", str(folder / "hostile.db"))
-    laboratory = tomllib.loads(EXAMPLE.read_text()) | {
-        "item": {"received": date(2026, 3, 2), "condition": "no damage"}
-    }
-
-    def limits(path: Path) -> int:
-        return cli.run(["fixtures", "limits", "FOG-3", "--import", str(path), *db])
+    laboratory = _read(EXAMPLE) | {"item": {"received": date(2026, 3, 2), "condition": "no damage"}}
+    limits = ("fixtures", "limits", "FOG-3", "--db", str(folder / "hostile.db"), "--import")
+    effect = _command("effects", "add", after=("--model", "FOG-3"), database=folder / "empty.db")
 
     def solve(path: Path) -> int:
         return cli.run(["solve", str(path.parent), "--json", str(folder / "o.json")])
 
-    def tolerance(path: Path) -> int:
-        return cli.run(["fixtures", "tolerance", "--items", str(path), "--cubes", "1000"])
-
+    plan, faults = _read(HERE / "plan.toml"), _read(HERE / "faults.toml")
+    sizes = ("t1", "t2", "t3", "t4-1", "t4-2", "t5", "t6", "t7", "t8", "t9", "t10")
+    items = {"side_mm": 400.0, "tolerance_mm": dict.fromkeys(sizes, 0.04)}
     scenario = partial(Kind, "scenario.toml", take=_by(read_scenario))
     return {
         "campaign": Kind("campaign.toml", campaign, solve),
-        "plan": Kind("plan.toml", tomllib.loads(PLAN), _by(lambda path: (read_plan(path), read_mounting(path)))),
-        "limits": Kind("limits.toml", tomllib.loads(example_limits("FOG-3")), limits),
-        "fixtures": Kind("fixtures.toml", fixtures, lambda path: _fresh(path, folder)),
-        "effect": Kind("effect.toml", tomllib.loads(DEAD_ZONE), lambda path: _fresh_effect(path, folder)),
-        "lagging_effect": Kind("effect.toml", tomllib.loads(WARMING), lambda path: _fresh_effect(path, folder)),
+        "plan": Kind("plan.toml", plan, _by(lambda path: (read_plan(path), read_mounting(path)))),
+        "limits": Kind("limits.toml", tomllib.loads(example_limits("FOG-3")), _command(*limits)),
+        "fixtures": Kind("fixtures.toml", fixtures, _command("fixtures", "import", database=folder / "empty.db")),
+        "effect": Kind("effect.toml", tomllib.loads(DEAD_ZONE), effect),
+        "lagging_effect": Kind("effect.toml", tomllib.loads(WARMING), effect),
         "laboratory": Kind("laboratory.toml", laboratory, _by(read_laboratory)),
-        "faults": Kind("faults.toml", tomllib.loads(FAULTS), _by(lambda path: read_faults(path, is_on_can=True))),
-        "scenario": scenario(_text("scenarios/troubles.toml")),
+        "faults": Kind("faults.toml", faults, _by(lambda path: read_faults(path, is_on_can=True))),
+        "scenario": scenario(_read(SCENARIOS / "troubles.toml")),
         "drive": scenario(_drive()),
-        "calibration_scenario": scenario(_text("scenarios/calibration.toml")),
-        "tolerance": Kind("items.toml", tomllib.loads(ITEMS), tolerance),
+        "calibration_scenario": scenario(_read(SCENARIOS / "calibration.toml")),
+        "tolerance": Kind("items.toml", items, _command("fixtures", "tolerance", "--cubes", "1000", "--items")),
     }
-
-
-def _fresh(path: Path, folder: Path) -> int:
-    shutil.copyfile(folder / "empty.db", folder / "f.db")
-    return cli.run(["fixtures", "import", str(path), "--db", str(folder / "f.db")])
-
-
-def _fresh_effect(path: Path, folder: Path) -> int:
-    shutil.copyfile(folder / "empty.db", folder / "e.db")
-    return cli.run(["effects", "add", str(path), "--model", "FOG-3", "--db", str(folder / "e.db")])

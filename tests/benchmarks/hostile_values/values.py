@@ -1,6 +1,7 @@
-"""What is put in the place of a value, and where in parsed TOML it can be put."""
+"""What is put in the place of a value, where in parsed TOML it can be put, and any value as TOML."""
 
 import copy
+import json
 from collections.abc import Iterator
 from datetime import UTC, date, datetime
 from typing import Any
@@ -21,7 +22,7 @@ SHAPES: tuple[Any, ...] = (
     datetime(1, 1, 1, tzinfo=UTC), [[[[[[[[1]]]]]]]],
 )  # fmt: skip
 VALUES = NUMBERS + WORDS + SHAPES
-_LEFT_OUT = object()
+LEFT_OUT = object()
 
 
 def places(table: Any, at: Place = ()) -> Iterator[Place]:
@@ -39,14 +40,11 @@ def altered(table: dict[str, Any], at: Place, value: Any) -> dict[str, Any]:
     inner: Any = changed
     for key in at[:-1]:
         inner = inner[key]
-    if value is _LEFT_OUT:
+    if value is LEFT_OUT:
         del inner[at[-1]]
     else:
         inner[at[-1]] = value
     return changed
-
-
-LEFT_OUT = _LEFT_OUT
 
 
 def mutants(table: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
@@ -55,3 +53,26 @@ def mutants(table: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
         for value in (LEFT_OUT, *VALUES):
             said = "left out" if value is LEFT_OUT else repr(value)[:40]
             yield f"{'.'.join(map(str, at))} = {said}", altered(table, at, value)
+
+
+def toml_of(tables: Any) -> str:
+    """Return tables as TOML, a line a key of the file: also what the program would not write."""
+    return "".join(f"{_key(name)} = {_value(value)}\n" for name, value in tables.items())
+
+
+def _key(name: str) -> str:
+    return json.dumps(name).replace("\x7f", "\\u007f")
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{_key(name)} = {_value(each)}" for name, each in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_value, value)) + "]"
+    if isinstance(value, date | datetime):
+        return value.isoformat()
+    return repr(value)

@@ -1,16 +1,14 @@
 """What must hold in every state of the disk after a power cut, for each of the workloads.
 
-A check is given the folder as the cut left it, and what the program had said by then; it returns what is wrong,
-and says what the station says of the damage, if it says anything.
+A check is given the folder as the cut left it, and what the program had said by then; it adds what is wrong.
 """
 
 import json
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
-from contextlib import redirect_stderr, redirect_stdout
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from functools import partial
-from io import StringIO
+from io import BufferedReader, BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -20,57 +18,37 @@ from fixtures_db.campaigns import campaign, verify_steps
 from fixtures_db.database import Database, open_db
 from fixtures_db.migrations import HEAD
 from fixtures_db.verification import alterations
-from station import cli
-from station.errors import exit_code
+from station.errors import BUG, exit_code
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.mcap_files import read_step
+from station.files.mcap_files.reader import read_stream
 from station.files.sha256sums import SHA256SUMS, verify_folder
 from station.guide.campaign.folder_recorder import FolderRecorder
 from station.guide.campaign.interrupted_campaigns import reopen
 from station.stream.recorder.accepted_step_writer import CampaignRecorder
 from tests.benchmarks.kills import STEPS, record
-from tests.benchmarks.power_cuts.more_workloads import GUIDED
-from tests.benchmarks.power_cuts.saying import CAMPAIGN, DATABASE, sha256
+from tests.benchmarks.power_cuts.workloads import CAMPAIGN, DATABASE, GUIDED, sha256
+from tests.station.commands.program import quietly
 from tests.station.guide.recorded import TAPE, step
 
-Bilingual = list[dict[str, Any]]
-
-
-@dataclass(slots=True)
-class Findings:
-    """What a state showed: ``wrong`` breaks a promise, ``told`` is what the station said of the state."""
-
-    wrong: list[str] = field(default_factory=list)
-    told: list[str] = field(default_factory=list)
+Said = list[dict[str, Any]]
+Wrong = list[str]
 
 
 @dataclass(frozen=True, slots=True)
 class Known:
     """What a check may know beside the folder: what was said by the cut, in the end, and what was synced."""
 
-    said: Bilingual
-    in_the_end: Bilingual
+    said: Said
+    in_the_end: Said
     synced: Mapping[str, bytes]
     goes_on: bool = False
 
 
-def refusal(error: Exception) -> str:
-    """Return the line of what is refused on purpose; anything else is a bug and is raised again."""
+def refused(error: Exception) -> None:
+    """Pass what is refused on purpose; anything else is a bug and is raised again."""
     if exit_code(error) is None:
         raise error
-    return str(error)
-
-
-def station(found: Findings, *arguments: object) -> int:
-    """Run a command on the state; a bug or more than a line on stderr is wrong, a refusal is told."""
-    with redirect_stdout(StringIO()), redirect_stderr(StringIO()) as said:
-        code = cli.run([str(one) for one in arguments])
-    line = said.getvalue()
-    if code == 70 or line.count("\n") > 1:
-        found.wrong.append(f"{arguments[0]}: {line}")
-    elif code:
-        found.told.append(f"{arguments[0]}: code {code}: {line.strip()}")
-    return code
 
 
 def _from_tape(recorder: CampaignRecorder) -> str:
@@ -84,68 +62,70 @@ def _by_guide(recorder: CampaignRecorder) -> str:
 
 
 def check_campaign(
-    home: Path, known: Known, found: Findings, go_on: Callable[[CampaignRecorder], str] = _from_tape
+    home: Path, known: Known, wrong: Wrong, go_on: Callable[[CampaignRecorder], str] = _from_tape
 ) -> None:
     """No accepted step is lost or there twice, and the campaign goes on, by ``go_on``."""
     folder, accepted = home / CAMPAIGN, [one for one in known.said if "step" in one]
     begun = any("begun" in one for one in known.said)
     if not (home / DATABASE).exists() or not folder.exists():
         if begun:
-            found.wrong.append("lost: no database or no folder")
+            wrong.append("lost: no database or no folder")
         return
     with open_db(home / DATABASE) as database:
-        _whole(database, found)
+        _whole(database, wrong)
         if folder.exists() and accepted:
-            code = station(found, "verify", folder, "--db", home / DATABASE)
+            code, line = quietly("verify", folder, "--db", home / DATABASE)
+            if code == BUG or line.count("\n") > 1:
+                wrong.append(f"verify: {line}")
             if code and not begun:
-                found.wrong.append("verify")
+                wrong.append("verify")
         try:
             recorder = reopen(folder, database)
         except Exception as error:
-            found.told.append(f"resume: {refusal(error)}")
+            refused(error)
             if begun:
-                found.wrong.append(f"cannot be resumed: {error}")
+                wrong.append(f"cannot be resumed: {error}")
             return
         if known.goes_on:
             accepted.append({"step": go_on(recorder)})
-        _steps(database, folder, accepted, found, full=known.goes_on)
+        _steps(database, folder, accepted, wrong, full=known.goes_on)
 
 
-def _steps(database: Database, folder: Path, accepted: Bilingual, found: Findings, *, full: bool) -> None:
+def _steps(database: Database, folder: Path, accepted: Said, wrong: Wrong, *, full: bool) -> None:
     with database.read() as session:
         rows = [(one.name, one.file, one.sha256, one.superseded) for one in campaign(session, str(folder)).steps]
         faults = verify_steps(session, str(folder))
-    found.wrong += [f"chain: {fault.row}" for fault in faults]
+    wrong += [f"chain: {fault.row}" for fault in faults]
     promised, there = Counter(one["step"] for one in accepted), Counter(row[0] for row in rows)
-    found.wrong += [f"{name} lost" for name in promised if there[name] < promised[name]]
+    wrong += [f"{name} lost" for name in promised if there[name] < promised[name]]
     if (there - promised).total() > 1:  # one may have been on its way
-        found.wrong.append(f"twice: {there - promised}")
+        wrong.append(f"twice: {there - promised}")
     valid = Counter(name for name, _, _, superseded in rows if not superseded)
-    found.wrong += [f"{name} is valid {number} times" for name, number in valid.items() if number != 1]
+    wrong += [f"{name} is valid {number} times" for name, number in valid.items() if number != 1]
     hashes = {(file, sha) for _, file, sha, _ in rows}
-    found.wrong += [
+    wrong += [
         f"{one['file']} is another"
         for one in accepted
         if "file" in one and (one["file"], one["sha256"]) not in hashes
     ]
     verified = verify_folder(folder) if rows else []
-    found.wrong += [f"{file} not verified" for _, file, _, _ in rows if file not in verified]
+    wrong += [f"{file} not verified" for _, file, _, _ in rows if file not in verified]
     if rows and accepted and full:
         named = {one.name for one in read_campaign(folder).campaign.dwells}
         wanted = {file for _, file, _, superseded in rows if not superseded}
         if named != wanted:
-            found.wrong.append(f"campaign.toml names {sorted(named)}, the database {sorted(wanted)}")
+            wrong.append(f"campaign.toml names {sorted(named)}, the database {sorted(wanted)}")
 
 
-def _whole(database: Database, found: Findings) -> None:
+def _whole(database: Database, wrong: Wrong) -> None:
     with database.read() as session:
         said = session.execute(text("PRAGMA integrity_check")).scalar()
         if said != "ok":
-            found.wrong.append(f"integrity_check: {said}")
-        found.wrong += [f"chain: {fault.row}: {fault.found}" for fault in alterations(session, None)]
+            wrong.append(f"integrity_check: {said}")
+        wrong += [f"chain: {fault.row}: {fault.found}" for fault in alterations(session, None)]
 
 
-def check_recording(home: Path, known: Known, found: Findings) -> None:
+def check_recording(home: Path, known: Known, wrong: Wrong) -> None:
     """What was synced is read, and nothing that was not recorded."""
     final = {name: one for said in known.in_the_end for name, one in said.get("files", {}).items()}
     for path, content in known.synced.items():
@@ -154,20 +134,20 @@ def check_recording(home: Path, known: Known, found: Findings) -> None:
         there = home / path
         if not there.exists():
             if _bytes_in(content):
-                found.wrong.append(f"{there.name} is not there")
+                wrong.append(f"{there.name} is not there")
             continue
         try:
             read = read_step(there)
         except Exception as error:
-            found.told.append(f"{there.name}: {refusal(error)}")
+            refused(error)
             if _bytes_in(content):
-                found.wrong.append(f"{there.name} cannot be read: {error}")
+                wrong.append(f"{there.name} cannot be read: {error}")
             continue
         if len(read.raw) < _bytes_in(content):
-            found.wrong.append(f"{there.name}: {len(read.raw)} of {_bytes_in(content)} synced chunks")
+            wrong.append(f"{there.name}: {len(read.raw)} of {_bytes_in(content)} synced chunks")
         if read.damage is None and sha256(there) != final.get(there.name):
-            found.wrong.append(f"{there.name}: other than recorded, and not said")
-    check_files(home, known, found)
+            wrong.append(f"{there.name}: other than recorded, and not said")
+    check_files(home, known, wrong)
 
 
 _CHUNKS: dict[bytes, int] = {}
@@ -175,20 +155,16 @@ _CHUNKS: dict[bytes, int] = {}
 
 def _bytes_in(content: bytes) -> int:
     """Return how many chunks of raw bytes can be read of what is certain."""
-    from io import BufferedReader, BytesIO
-
-    from station.files.mcap_files.reader import read_stream
-
     if content not in _CHUNKS:
         try:
-            _CHUNKS[content] = len(read_stream(BufferedReader(BytesIO(content)), Path("x.mcap")).raw)  # type: ignore[arg-type]
+            _CHUNKS[content] = len(read_stream(BufferedReader(BytesIO(content)), Path("x.mcap")).raw)
         except Exception as error:
-            refusal(error)
+            refused(error)
             _CHUNKS[content] = 0
     return _CHUNKS[content]
 
 
-def check_files(home: Path, known: Known, found: Findings) -> None:
+def check_files(home: Path, known: Known, wrong: Wrong) -> None:
     """Each file is whole or not there; said to be written, it is there."""
     ever: dict[str, list[str]] = {}
     for one in known.in_the_end:
@@ -201,14 +177,14 @@ def check_files(home: Path, known: Known, found: Findings) -> None:
             continue  # it grows
         if sha not in ever[name]:
             if not name.endswith(".mcap") or name.startswith("out"):
-                found.wrong.append(f"{name} is neither old nor new")
+                wrong.append(f"{name} is neither old nor new")
         elif name in must and ever[name].index(sha) < ever[name].index(must[name]):
-            found.wrong.append(f"{name} is an old one")
-    found.wrong += [f"{name} is lost" for name in must if name not in there and not _is_on_its_way(name, ever)]
+            wrong.append(f"{name} is an old one")
+    wrong += [f"{name} is lost" for name in must if name not in there and not _is_on_its_way(name, ever)]
     for name in there:
         beside = f"{name}.json"
         if beside in there and ever[name].index(there[name]) != ever[beside].index(there[beside]):
-            found.wrong.append(f"{beside} is not of {name}")
+            wrong.append(f"{beside} is not of {name}")
 
 
 def _is_on_its_way(name: str, ever: Mapping[str, list[str]]) -> bool:
@@ -221,49 +197,42 @@ def _final_files(home: Path) -> Iterable[Path]:
     return (one for one in hidden if not any(part.startswith(".") for part in one.relative_to(home).parts))
 
 
-def check_database(home: Path, known: Known, found: Findings) -> None:
+def check_database(home: Path, known: Known, wrong: Wrong) -> None:
     """What was stored is there, whole, at the newest schema; files beside it as in `check_files`."""
     rows = {table: number for one in known.said for table, number in one.get("rows", {}).items()}
     if not (home / DATABASE).exists():
         if rows:
-            found.wrong.append("lost: no database")
+            wrong.append("lost: no database")
         return
     with open_db(home / DATABASE) as database:
-        _whole(database, found)
+        _whole(database, wrong)
         with database.read() as session:
             for table, number in rows.items():
                 there = session.execute(text(f"SELECT count(*) FROM {table}")).scalar()
                 if there < number:
-                    found.wrong.append(f"{number - there} of {table} lost")
+                    wrong.append(f"{number - there} of {table} lost")
             if session.execute(text("SELECT version_num FROM alembic_version")).scalar() != HEAD:
-                found.wrong.append("not migrated")
-    check_files(home, known, found)
+                wrong.append("not migrated")
+    check_files(home, known, wrong)
 
 
-def check_migration(home: Path, known: Known, found: Findings) -> None:
-    """As `check_database`; what the old database held is there in any case."""
-    before = [{"rows": {"slabs": 40, "imus": 40}}]
-    check_database(home, Known([*before, *known.said], known.in_the_end, known.synced), found)
+def check_upgrade(home: Path, known: Known, wrong: Wrong, before: Mapping[str, int]) -> None:
+    """As `check_database`; the rows that the old database held are there in any case."""
+    check_database(home, replace(known, said=[{"rows": before}, *known.said]), wrong)
 
 
-def check_journal(home: Path, known: Known, found: Findings) -> None:
-    """As `check_database`; what the database held before its journal is there in any case."""
-    before = [{"rows": {"calibrations": 2, "steps": 12, "certificates": 2}}]
-    check_database(home, Known([*before, *known.said], known.in_the_end, known.synced), found)
-
-
-CHECKS: dict[str, Callable[[Path, Known, Findings], None]] = {
+CHECKS: dict[str, Callable[[Path, Known, Wrong], None]] = {
     "campaign": check_campaign,
     "recording": check_recording,
     "files": check_files,
     "fixtures": check_database,
-    "migration": check_migration,
+    "migration": partial(check_upgrade, before={"slabs": 40, "imus": 40}),
     "guided": partial(check_campaign, go_on=_by_guide),
-    "journal_begun": check_journal,
+    "journal_begun": partial(check_upgrade, before={"calibrations": 2, "steps": 12, "certificates": 2}),
 }
 
 
-def read_said(texts: Iterable[str]) -> Bilingual:
+def read_said(texts: Iterable[str]) -> Said:
     """Return what was said, a line of JSON each; other lines are left out."""
     lines = (line for one in texts for line in one.splitlines())
     return [json.loads(line) for line in lines if line.startswith('{"')]

@@ -11,26 +11,79 @@ Linux kernel documentation, ext4 general information, data mode.
 """
 
 import random
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 
-from tests.benchmarks.power_cuts.file_operations import (
-    ROOT,
-    Entries,
-    FileLog,
-    Operation,
-    Resize,
-    Say,
-    Sync,
-    Write,
-    changed,
-)
-
+ROOT = 0  # the node of a folder that was there, and on the disk, before; a node is a file or a folder
 SECTOR, PAGE = 512, 4096
 MODELS = ("weak", "ordered")
 SETTLED = '"settled"'
+
+
+@dataclass(frozen=True, slots=True)
+class Write:
+    """Bytes put into a file."""
+
+    node: int
+    offset: int
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Resize:
+    """A file cut or extended by zeros to a size."""
+
+    node: int
+    size: int
+
+
+@dataclass(frozen=True, slots=True)
+class Entries:
+    """Names set in folders, all at once: (folder, name, node), the node None where the name goes."""
+
+    changes: tuple[tuple[int, str, int | None], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Sync:
+    """A file or folder that is on the disk with all that was done to it before operation ``began``."""
+
+    node: int
+    began: int
+
+
+@dataclass(frozen=True, slots=True)
+class Say:
+    """What the program said on its standard output: from here on people rely on it."""
+
+    text: str
+
+
+Operation = Write | Resize | Entries | Sync | Say
 Change = Write | Resize
 Names = dict[tuple[int, str], int | None]
+
+
+@dataclass(frozen=True, slots=True)
+class FileLog:
+    """Operations, and which nodes are folders."""
+
+    operations: tuple[Operation, ...]
+    folders: frozenset[int]
+
+
+def changed(content: bytes, operations: Iterable[Change]) -> bytes:
+    """Return a file's content after operations."""
+    made = bytearray(content)
+    for one in operations:
+        size = one.size if isinstance(one, Resize) else one.offset
+        if len(made) < size:
+            made.extend(bytes(size - len(made)))
+        if isinstance(one, Resize):
+            del made[size:]
+        else:
+            made[size : size + len(one.data)] = one.data
+    return bytes(made)
 
 
 @dataclass(slots=True)
@@ -39,14 +92,11 @@ class Disk:
 
     content: dict[int, bytes] = field(default_factory=dict)
     waiting: dict[int, list[tuple[int, Change]]] = field(default_factory=dict)
-    names: Names = field(default_factory=dict)
-    renamed: list[tuple[int, Entries]] = field(default_factory=list)
-    ordered_names: Names = field(default_factory=dict)
-    ordered_renamed: list[tuple[int, Entries]] = field(default_factory=list)
+    names: dict[str, Names] = field(default_factory=lambda: {model: {} for model in MODELS})
+    renamed: dict[str, list[tuple[int, Entries]]] = field(default_factory=lambda: {model: [] for model in MODELS})
     live: Names = field(default_factory=dict)
-    promised: dict[int, bytes] = field(
-        default_factory=dict
-    )  # as of the sync before the last: that of its folder is over too
+    # as of the sync before the last: that of its folder is over too
+    promised: dict[int, bytes] = field(default_factory=dict)
 
     def take(self, number: int, operation: Operation, folders: frozenset[int]) -> None:
         """Take an operation, the ``number``-th."""
@@ -54,17 +104,15 @@ class Disk:
             case Write(node) | Resize(node):
                 self.waiting.setdefault(node, []).append((number, operation))
             case Entries():
-                self.renamed.append((number, operation))
-                self.ordered_renamed.append((number, operation))
+                for waiting in self.renamed.values():
+                    waiting.append((number, operation))
                 _apply(self.live, [(number, operation)])
             case Sync(node, began):
                 self._sync(node, began, folders)
 
     def _sync(self, node: int, began: int, folders: frozenset[int]) -> None:
         if node in folders:
-            kept = [one for one in self.renamed if one[0] < began and any(f == node for f, _, _ in one[1].changes)]
-            _apply(self.names, kept)
-            self.renamed = [one for one in self.renamed if one not in kept]
+            self._keep("weak", lambda one: one[0] < began and any(f == node for f, _, _ in one[1].changes))
         else:
             waiting = self.waiting.pop(node, [])
             if node in self.content:
@@ -73,8 +121,12 @@ class Disk:
             self.content[node] = changed(self.content.get(node, b""), done)
             if len(done) < len(waiting):
                 self.waiting[node] = [one for one in waiting if one[0] >= began]
-        _apply(self.ordered_names, [one for one in self.ordered_renamed if one[0] < began])
-        self.ordered_renamed = [one for one in self.ordered_renamed if one[0] >= began]
+        self._keep("ordered", lambda one: one[0] < began)
+
+    def _keep(self, model: str, is_kept: Callable[[tuple[int, Entries]], bool]) -> None:
+        waiting = self.renamed[model]
+        _apply(self.names[model], filter(is_kept, waiting))
+        self.renamed[model] = [one for one in waiting if not is_kept(one)]
 
     def settle(self, number: int, folders: frozenset[int]) -> None:
         """Put everything on the disk."""
@@ -84,10 +136,10 @@ class Disk:
     @property
     def is_settled(self) -> bool:
         """Say whether nothing is left to lose."""
-        return not (self.waiting or self.renamed or self.ordered_renamed)
+        return not (self.waiting or any(self.renamed.values()))
 
 
-def _apply(names: Names, changes: list[tuple[int, Entries]]) -> None:
+def _apply(names: Names, changes: Iterable[tuple[int, Entries]]) -> None:
     for _, entries in changes:
         for folder, name, node in entries.changes:
             names[folder, name] = node
@@ -108,9 +160,7 @@ class CrashState:
 def crash_states(log: FileLog, seed: int, draws: int, every: int = 1) -> Iterator[CrashState]:
     """Yield states after a cut behind each operation: all kept, none kept, and ``draws`` at random, each model.
 
-    ``every``: of the cuts only each so manieth, beginning anywhere.
-
-    They begin where the program says that all is settled, or at once if it never does.
+    Of the cuts only each ``every``-th, from where the program says that all is settled, if it does.
     """
     disk, said, rng = Disk(), list[str](), random.Random(seed)
     begins = next((n for n, one in enumerate(log.operations) if isinstance(one, Say) and SETTLED in one.text), 0)
@@ -152,8 +202,7 @@ def _files(
     disk: Disk, model: str, kept: str, folders: frozenset[int], rng: random.Random
 ) -> dict[str, bytes | None]:
     """Return the files of a state by path, None for a folder."""
-    names = dict(disk.names if model == "weak" else disk.ordered_names)
-    waiting = disk.renamed if model == "weak" else disk.ordered_renamed
+    names, waiting = dict(disk.names[model]), disk.renamed[model]
     _apply(names, waiting if kept == "all" else [] if kept == "none" else _some_names(waiting, model, rng))
     found = dict[str, bytes | None]()
     for path, node in _paths(names, folders):

@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from tests.benchmarks.power_cuts.file_operations import ROOT, Entries, FileLog, Operation, Resize, Say, Sync, Write
+from tests.benchmarks.power_cuts.disk_models import ROOT, Entries, FileLog, Operation, Resize, Say, Sync, Write
 
 CALLS = (
     "openat,open,creat,write,pwrite64,writev,pwritev,pwritev2,ftruncate,truncate,fallocate,fsync,fdatasync,"
@@ -82,35 +82,30 @@ class _Replay:
     sizes: dict[int, int] = field(default_factory=dict)
     opened: dict[int, dict[int, _Opened]] = field(default_factory=dict)
 
-    def files_of(self, thread: int) -> dict[int, _Opened]:
-        return self.opened.setdefault(thread, {})
-
     def call(self, thread: int, name: str, given: list[str], result: int, began: int) -> None:
         """Take one call that succeeded."""
-        files = self.files_of(thread)
+        files = self.opened.setdefault(thread, {})
+        opened = files.get(int(given[0])) if given[0].isdigit() else None
         match name:
             case "openat" | "open" | "creat":
                 where = given if name == "openat" else [HERE, *given]
                 self._open(files, where, result, creates=name == "creat")
             case "write":
-                self._write(thread, int(given[0]), _bytes(given[1])[:result])
-            case "pwrite64":
-                if opened := files.get(int(given[0])):
-                    self._put(opened.node, int(given[3]), _bytes(given[1])[:result])
-            case "lseek":
-                if opened := files.get(int(given[0])):
-                    opened.at = result
-            case "ftruncate":
-                if opened := files.get(int(given[0])):
-                    self._resize(opened.node, int(given[1]))
-            case "fsync" | "fdatasync":
-                if opened := files.get(int(given[0])):
-                    self.operations.append(Sync(opened.node, began))
+                self._write(opened, int(given[0]), _bytes(given[1])[:result])
             case "dup" | "dup2" | "dup3":
-                if opened := files.get(int(given[0])):
+                files.pop(result, None)
+                if opened:
                     files[result] = opened
-                else:
-                    files.pop(result, None)
+            case "pwrite64" if opened:
+                self._put(opened.node, int(given[3]), _bytes(given[1])[:result])
+            case "lseek" if opened:
+                opened.at = result
+            case "ftruncate" if opened:
+                self._resize(opened.node, int(given[1]))
+            case "fsync" | "fdatasync" if opened:
+                self.operations.append(Sync(opened.node, began))
+            case "pwrite64" | "lseek" | "ftruncate" | "fsync" | "fdatasync":
+                pass  # of a file elsewhere
             case "clone" | "clone3" | "fork" | "vfork":
                 shares = "CLONE_FILES" in "".join(given)
                 self.opened[result] = files if shares else dict(files)
@@ -156,8 +151,7 @@ class _Replay:
             self._resize(node, 0)
         files[result] = _Opened(node, appends="O_APPEND" in flags)
 
-    def _write(self, thread: int, number: int, data: bytes) -> None:
-        opened = self.files_of(thread).get(number)
+    def _write(self, opened: _Opened | None, number: int, data: bytes) -> None:
         if opened is None:
             if number == 1:
                 self.operations.append(Say(data.decode("utf-8", "replace")))

@@ -3,46 +3,24 @@
 import hashlib
 import re
 import shutil
-import tempfile
+import sqlite3
+import sys
 import traceback
 from collections import Counter
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
-from dataclasses import dataclass, field
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 
-from tests.benchmarks.power_cuts.crash_checks import CHECKS, Bilingual, Findings, Known, read_said
-from tests.benchmarks.power_cuts.disk_models import MODELS, CrashState, crash_states
-from tests.benchmarks.power_cuts.file_operations import FileLog, Say
-from tests.benchmarks.power_cuts.meaning import MEMORY_MAPPED, Meaning
+from tests.benchmarks.power_cuts.crash_checks import CHECKS, Known, Wrong, read_said
+from tests.benchmarks.power_cuts.disk_models import MODELS, CrashState, FileLog, Say, crash_states
 from tests.benchmarks.power_cuts.strace_log import read_log, traced
 from tests.benchmarks.power_cuts.workloads import WORKLOADS
+from tests.paths import disk_in_memory
 from tests.proof.evidence import Figure, zero
 
-IN_MEMORY = Path("/dev/shm")
+DATA, MEMORY_MAPPED = "data/", "-shm"
 MOST_ROUNDS, MOST_DIGESTS = 1000, 100
 GOES_ON_EVERY = 20  # states until a campaign is gone on with, and read whole
-
-
-@dataclass(slots=True)
-class Tally:
-    """What came of the states of a workload."""
-
-    operations: int = 0
-    drawn: int = 0
-    states: int = 0
-    kinds: int = 0
-    told: Counter[str] = field(default_factory=Counter)
-    wrong: Counter[str] = field(default_factory=Counter)
-    first: dict[str, str] = field(default_factory=dict)
-
-
-@contextmanager
-def disk_in_memory() -> Iterator[Path]:
-    """Yield a new folder on a disk in memory, where there is one."""
-    with tempfile.TemporaryDirectory(dir=IN_MEMORY if IN_MEMORY.is_dir() else None, prefix="cut") as folder:
-        yield Path(folder).resolve()
 
 
 def recorded(workload: str, scratch: Path) -> tuple[FileLog, Path]:
@@ -72,22 +50,16 @@ def _compare(log: FileLog, home: Path) -> None:
             raise ValueError(f"the trace differs from the disk in the bytes of {name}")
 
 
-class Placer:
-    """Puts states into a folder."""
-
-    def __init__(self, home: Path) -> None:
-        self._home = home
-
-    def place(self, files: Mapping[str, bytes | None]) -> None:
-        """Put a state there in place of what is there."""
-        shutil.rmtree(self._home)
-        self._home.mkdir()
-        for name in sorted(files):
-            content, path = files[name], self._home / name
-            if content is None:
-                path.mkdir()
-            else:
-                path.write_bytes(content)
+def place(files: Mapping[str, bytes | None], home: Path) -> None:
+    """Put a state into a folder in place of what is there."""
+    shutil.rmtree(home)
+    home.mkdir()
+    for name in sorted(files):
+        content, path = files[name], home / name
+        if content is None:
+            path.mkdir()
+        else:
+            path.write_bytes(content)
 
 
 def state_key(state: CrashState, digests: dict[int, tuple[bytes, bytes]]) -> bytes:
@@ -108,79 +80,124 @@ def state_key(state: CrashState, digests: dict[int, tuple[bytes, bytes]]) -> byt
     return whole.digest()
 
 
-def tried(workload: str, states: int, seed: int) -> Tally:
+class Meaning:
+    """Finds what states mean to whoever reads them: two states of one meaning need one check.
+
+    A database means the rows that SQLite recovers from file and log, once for each of their contents. A file whose
+    name begins with a dot is aside or a lock: it is taken away unread, so that its name alone counts.
+    """
+
+    def __init__(self, home: Path) -> None:
+        self._folder = home.parent / "recovered"
+        self._rows: dict[bytes, bytes] = {}
+
+    def of(self, state: CrashState) -> bytes:
+        """Return a hash of a state's meaning."""
+        whole = hashlib.blake2b(f"{len(state.said)}".encode(), digest_size=16)
+        database = {
+            name: content for name, content in state.files.items() if name.startswith(DATA) and content is not None
+        }
+        for name in sorted(set(state.files) - set(database)):
+            content = state.files[name]
+            whole.update(name.encode() + (b"/" if content is None else b"\0"))
+            if content is not None and not name.rpartition("/")[2].startswith("."):
+                whole.update(hashlib.blake2b(content, digest_size=16).digest())
+        key = hashlib.blake2b(digest_size=16)
+        for name in sorted(database):
+            if not name.endswith(MEMORY_MAPPED):  # truncated by whoever opens first
+                key.update(name.encode() + b"\0" + database[name])
+        if key.digest() not in self._rows:
+            self._rows[key.digest()] = self._recovered({name[len(DATA) :]: one for name, one in database.items()})
+        whole.update(self._rows[key.digest()])
+        return whole.digest()
+
+    def _recovered(self, files: dict[str, bytes]) -> bytes:
+        """Return a hash of all rows of a database, and of what its own check says."""
+        if not files:
+            return b"none"
+        shutil.rmtree(self._folder, ignore_errors=True)
+        self._folder.mkdir()
+        for name, content in files.items():
+            (self._folder / name).write_bytes(content)
+        path, found = self._folder / "station.db", hashlib.blake2b(digest_size=16)
+        if not path.exists():
+            return b"no database"
+        connection = sqlite3.connect(path)
+        try:
+            found.update(repr(connection.execute("PRAGMA integrity_check").fetchall()).encode())
+            schema = connection.execute("SELECT name, sql FROM sqlite_master ORDER BY name").fetchall()
+            found.update(repr(schema).encode())
+            tables = connection.execute("SELECT name FROM sqlite_master WHERE type = 'table'").fetchall()
+            for (name,) in sorted(tables):
+                found.update(repr(connection.execute(f"SELECT * FROM {name}").fetchall()).encode())
+        except sqlite3.DatabaseError as error:
+            found.update(repr(error).encode())
+        finally:
+            connection.close()
+        return found.digest()
+
+
+def tried(workload: str, states: int, seed: int) -> "Trial":
     """Record a workload and check about ``states`` different states of it, from all of its length."""
-    tally = Tally()
     with disk_in_memory() as scratch:
         log, home = recorded(workload, scratch)
-        tally.operations = len(log.operations)
-        trial = _Trial(
-            workload, home, read_said(one.text for one in log.operations if isinstance(one, Say)), tally
-        )
-        least = len(MODELS) * 2 * len(log.operations)  # at each cut all kept, and none
+        trial = Trial(workload, home, log)
+        least = len(MODELS) * 2 * trial.operations  # at each cut all kept, and none
         every, draws = max(1, least // states), max(1, 2 * states // least)
         for number in range(MOST_ROUNDS):
-            before = tally.states
+            before = trial.states
             for state in crash_states(log, seed + number, draws, every):
                 trial.look(state)
-            if tally.states >= states or tally.states - before < states // 100:
+            if trial.states >= states or trial.states - before < states // 100:
                 break
-    return tally
+    return trial
+
+
+class Trial:
+    """Checks states that were not seen before, each meaning once, and counts what came of it."""
+
+    def __init__(self, workload: str, home: Path, log: FileLog) -> None:
+        self.operations, self.states, self.kinds = len(log.operations), 0, 0
+        self.wrong, self.first = Counter[str](), dict[str, str]()
+        self._check, self._home, self._meaning = CHECKS[workload], home, Meaning(home)
+        self._in_the_end = read_said(one.text for one in log.operations if isinstance(one, Say))
+        self._seen, self._checked = set[bytes](), set[bytes]()
+        self._digests: dict[int, tuple[bytes, bytes]] = {}
+
+    def look(self, state: CrashState) -> None:
+        """Take a state: count it, recover its database, check what it means."""
+        if len(self._digests) > MOST_DIGESTS:
+            self._digests.clear()
+        if (key := state_key(state, self._digests)) in self._seen:
+            return
+        self._seen.add(key)
+        self.states += 1
+        if (alike := self._meaning.of(state)) in self._checked:
+            return
+        self._checked.add(alike)
+        self.kinds += 1
+        place(state.files, self._home)
+        goes_on = self.kinds % GOES_ON_EVERY == 0
+        wrong: Wrong = []
+        try:
+            self._check(self._home, Known(read_said(state.said), self._in_the_end, state.synced, goes_on), wrong)
+        except Exception as error:
+            at = traceback.extract_tb(error.__traceback__)[-1]
+            wrong.append(f"{type(error).__name__}: {error} ({Path(at.filename).name}:{at.lineno})")
+        for one in wrong:
+            said = re.sub(r"[0-9a-f]{12,}", "...", one.replace(str(self._home), ""))[:200]
+            self.wrong[said] += 1
+            self.first.setdefault(said, f"cut {state.cut}, {state.model}, {state.kept}")
 
 
 def proof(size: int, seed: int) -> dict[str, Figure]:
     """Check ``size`` different states, over all workloads."""
     result, states = {}, 0
     for left, name in zip(range(len(WORKLOADS), 0, -1), WORKLOADS, strict=True):
-        tally = tried(name, max(1, (size - states) // left), seed)  # what the short ones have not
-        states += tally.states
-        result[f"{name}: wrong, of {tally.states} states of {tally.operations} operations"] = zero(
-            tally.wrong.total()
+        trial = tried(name, max(1, (size - states) // left), seed)  # what the short ones have not
+        states += trial.states
+        sys.stderr.writelines(f"{name}: {text}, first {at}\n" for text, at in trial.first.items())
+        result[f"{name}: wrong, of {trial.states} states of {trial.operations} operations"] = zero(
+            trial.wrong.total()
         )
     return {"different states": Figure(states), **result}
-
-
-class _Trial:
-    """Checks states that were not seen before, each meaning once."""
-
-    def __init__(self, workload: str, home: Path, in_the_end: Bilingual, tally: Tally) -> None:
-        self._workload, self._home, self._in_the_end, self._tally = workload, home, in_the_end, tally
-        self._placer, self._meaning = Placer(home), Meaning(home)
-        self._seen, self._checked = set[bytes](), set[bytes]()
-        self._digests: dict[int, tuple[bytes, bytes]] = {}
-
-    def look(self, state: CrashState) -> None:
-        """Take a state: count it, recover its database, check what it means."""
-        tally = self._tally
-        tally.drawn += 1
-        if len(self._digests) > MOST_DIGESTS:
-            self._digests.clear()
-        if (key := state_key(state, self._digests)) in self._seen:
-            return
-        self._seen.add(key)
-        tally.states += 1
-        if (alike := self._meaning.of(state)) in self._checked:
-            return
-        self._checked.add(alike)
-        tally.kinds += 1
-        self._placer.place(state.files)
-        goes_on = tally.kinds % GOES_ON_EVERY == 0
-        known = Known(read_said(state.said), self._in_the_end, state.synced, goes_on)
-        _check(self._workload, self._home, state, known, tally)
-
-
-def _check(workload: str, home: Path, state: CrashState, known: Known, tally: Tally) -> None:
-    found = Findings()
-    try:
-        CHECKS[workload](home, known, found)
-    except Exception as error:
-        at = traceback.extract_tb(error.__traceback__)[-1]
-        found.wrong.append(f"{type(error).__name__}: {error} ({Path(at.filename).name}:{at.lineno})")
-    tally.told.update(_shortened(one, home) for one in found.told)
-    for one in found.wrong:
-        tally.wrong[key := _shortened(one, home)] += 1
-        tally.first.setdefault(key, f"cut {state.cut}, {state.model}, {state.kept}")
-
-
-def _shortened(text: str, home: Path) -> str:
-    return re.sub(r"[0-9a-f]{12,}", "...", text.replace(str(home), ""))[:200]

@@ -1,16 +1,22 @@
-"""What is cut: children that work in an empty folder and say whenever something may be relied upon."""
+"""What is cut: children that work in an empty folder and say whenever something may be relied upon.
 
+They say a line of JSON: `{"settled": 1}`, all before is on the disk; `{"step": name, "file": ..., "sha256": ...}`,
+accepted; `{"files": {path: sha256}}`, written whole; `{"rows": {table: count}}`, stored.
+"""
+
+import hashlib
+import json
+import os
 from collections.abc import Callable
 from pathlib import Path
-
-from alembic import command
-from sqlalchemy.engine import URL
+from tempfile import TemporaryDirectory
+from typing import Any
 
 from drivers.simulated.truth import Truth
-from fixtures_db.database import open_db, sqlite_engine
+from fixtures_db.database import open_db
 from fixtures_db.fixture_measurements import dump
-from fixtures_db.migrations.upgrade import config
 from fixtures_db.stored_calibrations import accept_calibration
+from procedures.campaign.plan_steps import Step
 from station.errors import CannotWrite
 from station.files.atomic_file import new_folder
 from station.files.database_files import write_csv
@@ -23,16 +29,42 @@ from station.stream.reader import Chunk, StreamGap, journal
 from station.stream.reader.journal import Journal
 from station.stream.recorder import plain_recording
 from station.stream.recorder.accepted_step_writer import CampaignRecorder, MovedFrom, open_campaign
-from tests.benchmarks.power_cuts.more_workloads import guided, journal_begun
-from tests.benchmarks.power_cuts.saying import CAMPAIGN, DATABASE, say, sha256, station, written
+from tests.benchmarks.edited_databases.honest_databases import of_version
+from tests.benchmarks.kills import STEPS, TRUTH, record
+from tests.empty_database import of_schema
 from tests.fixtures_db.factory import facts, fill_fixtures, solution
 from tests.station.applying import inputs
+from tests.station.commands.program import quietly
 from tests.station.guide.recorded import SITE, TAPE, UNIT, step
 from tests.station.results.certificate.factory import accepted
 from tests.station.stream.live.bench_in_memory import Source
 
-OLDEST = "0001"
+DATABASE, CAMPAIGN = "data/station.db", "campaigns/day"
+OLDEST, BEFORE_JOURNAL = "0001", "0010"
+GUIDED, CARRIED = 4, 55
 EVERY = 80  # samples from step to step
+
+
+def say(**what: Any) -> None:
+    """Say what may be relied upon from now on."""
+    os.write(1, (json.dumps(what) + "\n").encode())  # past a captured stdout
+
+
+def sha256(path: Path) -> str:
+    """Return a file's hash."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def station(*arguments: object) -> None:
+    """Run a command; leave with what it says if it fails."""
+    code, said = quietly(*arguments)
+    if code:
+        raise SystemExit(f"station {arguments[0]}: exit code {code}, {said}")
+
+
+def written(*paths: Path) -> None:
+    """Say that files are written whole."""
+    say(files={path.name: sha256(path) for path in paths})
 
 
 def campaign(home: Path) -> None:
@@ -137,25 +169,46 @@ def fixtures(home: Path) -> None:
 
 
 def migration(home: Path) -> None:
-    """Open a database of the first schema."""
-    old_database(home / DATABASE)
+    """Open a database of the first schema, with slabs and IMUs."""
+    (home / DATABASE).parent.mkdir()
+    with of_schema(OLDEST, home / DATABASE) as connection:
+        for number in range(40):
+            connection.exec_driver_sql(f"INSERT INTO slabs (id) VALUES ('SLAB-{number:03d}{'x' * 60}')")
+            connection.exec_driver_sql(f"INSERT INTO imus (model, serial) VALUES ('FOG', 'S{number}')")
     say(settled=1)
     open_db(home / DATABASE).close()
     say(rows={"slabs": 40, "alembic_version": 1}, upgraded=1)
 
 
-def old_database(path: Path) -> None:
-    """Make a database of the oldest schema with slabs, IMUs and a campaign."""
-    path.parent.mkdir()
-    engine = sqlite_engine(URL.create("sqlite", database=str(path)), 10.0)
-    made = config()
-    with engine.begin() as connection:
-        made.attributes["connection"] = connection
-        command.upgrade(made, OLDEST)
-        for number in range(40):
-            connection.exec_driver_sql(f"INSERT INTO slabs (id) VALUES ('SLAB-{number:03d}{'x' * 60}')")
-            connection.exec_driver_sql(f"INSERT INTO imus (model, serial) VALUES ('FOG', 'S{number}')")
-    engine.dispose()
+class _Saying(FolderRecorder):
+    """Says what it has accepted."""
+
+    def accept(self, step: Step, *args: object, **notes: object) -> str:
+        name = super().accept(step, *args, **notes)
+        say(step=step.name, file=name, sha256=sha256(self._recorder.folder / name))
+        return name
+
+
+def guided(home: Path) -> None:
+    """Let the guide itself see steps and accept them, from a device in memory."""
+    folder = home / CAMPAIGN
+    with open_db(home / DATABASE) as database, new_folder(folder, "campaign.toml"), folder_lock(folder):
+        recorder = open_campaign(folder, open_feed(Source(TRUTH)).identify(), SITE, database)
+        say(begun=1)
+        for number, step in enumerate(STEPS[:GUIDED]):
+            record(number, step, recorder, _Saying)
+        recorder.finish()
+        say(finished=1)
+
+
+def journal_begun(home: Path) -> None:
+    """Open a filled database from before the journal."""
+    (home / DATABASE).parent.mkdir()
+    with TemporaryDirectory() as made:
+        (home / DATABASE).write_bytes(of_version(BEFORE_JOURNAL, Path(made)).read_bytes())
+    say(settled=1)
+    open_db(home / DATABASE).close()
+    say(rows={"calibrations": 2, "journal": CARRIED}, upgraded=1)
 
 
 WORKLOADS: dict[str, Callable[[Path], None]] = {

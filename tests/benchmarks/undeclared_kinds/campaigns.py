@@ -1,6 +1,6 @@
 """The innocent part of a campaign: another unit, slab, cube and order each time, by the simulator of a bench."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -73,26 +73,18 @@ def truth_of(design: str, seed: int) -> Truth:
 
 def campaigns_of(truth: Truth, design: str, seed: int, also: Planted = (), stated: Truth | None = None) -> Made:
     """Return what a bench records of a unit; ``stated`` is what its files say, if not ``truth``."""
-    first = carried_out(truth, design, None, seed, also, stated)
+    first = _carried_out(truth, design, seed, also, stated or truth)
     if not (warmer := DESIGNS[design].warmer_k):
         return first
     warm = replace(truth, temperature_start_c=truth.temperature_start_c + warmer)
-    second = carried_out(warm, design, None, seed + 1_000_000, also, stated)
+    second = _carried_out(warm, design, seed + 1_000_000, also, stated or warm)
     return Made((*first.campaigns, *second.campaigns), (*first.steps, *second.steps))
 
 
-def carried_out(
-    truth: Truth,
-    name: str,
-    steps: Sequence[Step] | None,
-    seed: int,
-    also: Planted = (),
-    stated: Truth | None = None,
-) -> Made:
-    """Return a campaign of the steps of a plan, or of a design's own where there is none."""
-    design, rng, stated = DESIGNS[name], np.random.default_rng([seed, 79]), stated or truth
+def _carried_out(truth: Truth, name: str, seed: int, also: Planted, stated: Truth) -> Made:
+    design, rng = DESIGNS[name], np.random.default_rng([seed, 79])
     bench = SimulatedBench(truth, seed, float(rng.uniform(30, 60)), world_with_effects(truth), also)
-    done = [(step, _performed(bench, step, rng)) for step in steps or _steps(design, rng)]
+    done = [(step, _performed(bench, step, rng)) for step in _steps(design, rng)]
     east, north, up = truth.magnetic_enu_ut.tolist()
     off = CERTIFICATE * rng.standard_normal((6, 2))
     faces = {
@@ -110,6 +102,16 @@ def carried_out(
         soaks=tuple(SoakRecord(s.name, s.position, None, r) for s, r in done if isinstance(s, Soak)),
     )  # fmt: skip
     return Made((campaign,), tuple(done))
+
+
+def level_axes(f: np.ndarray, magnetic: np.ndarray, enu: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return North and East (n, 3) in IMU axes, by what acts on it and the magnetic field ``enu`` (3,)."""
+    up = f / np.linalg.norm(f, axis=1, keepdims=True)
+    flat = magnetic - np.sum(magnetic * up, axis=1, keepdims=True) * up
+    flat = flat / np.linalg.norm(flat, axis=1, keepdims=True)
+    e, n = enu[:2] / np.hypot(*enu[:2])
+    left = np.cross(up, flat)  # 90 deg to the left of the field, seen from above
+    return n * flat + e * left, e * flat - n * left
 
 
 def _steps(design: Design, rng: np.random.Generator) -> list[Step]:

@@ -86,9 +86,9 @@ INNOCENT = {
 }
 
 
-def innocent(name: str, seed: int) -> tuple[Campaign, ...]:
-    """Return campaigns of a good instrument on such a bench."""
+def innocent(name: str, seed: int) -> tuple[Truth, tuple[Campaign, ...]]:
+    """Return a good instrument on such a bench, and its campaigns."""
     one = INNOCENT[name]
     stated = truth_of(one.design, seed)
     truth = one.changed(stated, np.random.default_rng([seed, 47]))
-    return campaigns_of(truth, one.design, seed, stated=stated).campaigns
+    return truth, campaigns_of(truth, one.design, seed, stated=stated).campaigns

@@ -21,7 +21,7 @@ import numpy as np
 from drivers.simulated.effects import Planted, PlantedEffect, Stimulus, TriadInput
 from drivers.simulated.truth import Truth
 from procedures.campaign.campaign import Campaign
-from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, truth_of
+from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, level_axes, truth_of
 
 DPH, UG, PPM, URAD = 1 / 3600.0, 1e-6, 1e-6, 1e-6  # deg/s of a deg/h, g, 1, rad
 REFERENCE_C = 25.0
@@ -261,15 +261,10 @@ def floor_tilts(drawn: Drawn) -> Adds:
     Gyroscopes see 15 deg/h times some 1e-5 of it, which is nothing.
     """
     azimuth, phase = drawn.rng.uniform(0, 2 * np.pi), drawn.rng.choice([0.0, 0.5]) + drawn.rng.uniform(-0.1, 0.1)
-    east_part, north_part = drawn.truth.magnetic_enu_ut[:2] / np.hypot(*drawn.truth.magnetic_enu_ut[:2])
 
     def add(seen: Stimulus, triad: TriadInput) -> np.ndarray:
         size = np.linalg.norm(seen.f, axis=1, keepdims=True)
-        up = seen.f / size
-        flat = seen.magnetic - np.sum(seen.magnetic * up, axis=1, keepdims=True) * up
-        flat = flat / np.linalg.norm(flat, axis=1, keepdims=True)
-        left = np.cross(up, flat)
-        north, east = north_part * flat + east_part * left, east_part * flat - north_part * left
+        north, east = level_axes(seen.f, seen.magnetic, drawn.truth.magnetic_enu_ut)
         swing = np.sin(2 * np.pi * (seen.t / DAY_S + phase)) - np.sin(2 * np.pi * phase)
         leans = drawn.size * URAD * swing * size * (np.sin(azimuth) * east + np.cos(azimuth) * north)
         return np.asarray(leans @ drawn.truth.accel_e.T)

@@ -1,12 +1,22 @@
-"""The program as a process of its own, its output read line by line."""
+"""The program as a process of its own, its output read line by line; a command within this process."""
 
 import subprocess
 import sys
+from contextlib import redirect_stderr, redirect_stdout
+from io import StringIO
 from types import TracebackType
+
+from station import cli
 
 # A shell starts what it runs in the background with Ctrl-C ignored; a program under test must react to it.
 INTERRUPTIBLE = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
 STATION = f"{INTERRUPTIBLE}; from station.cli import main; main()"
+
+
+def quietly(*arguments: object) -> tuple[int, str]:
+    """Run a command in this process; return its exit code and what it says on stderr."""
+    with redirect_stdout(StringIO()), redirect_stderr(StringIO()) as said:
+        return cli.run([str(one) for one in arguments]), said.getvalue()
 
 
 class Program:

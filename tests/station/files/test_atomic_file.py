@@ -3,8 +3,6 @@
 import errno
 import os
 import shutil
-import subprocess
-import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -19,8 +17,8 @@ from station.errors import CannotWrite, DiskFails, exit_code
 from station.files.atomic_file import FlushInterval, replace_file, write_file_pair
 from station.files.calibrated_sample_writers import Ros2Samples, SampleColumns
 from station.files.mcap_files import StepWriter
+from tests.benchmarks import failing_disks
 from tests.benchmarks.power_cuts.trial import tried
-from tests.paths import ROOT
 from tests.refusals import refused
 
 
@@ -47,22 +45,17 @@ needs_compiler = pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc 
 @needs_compiler
 @pytest.mark.parametrize("every", [101, pytest.param(5, marks=pytest.mark.proof)])
 def test_wherever_the_disk_fails_nothing_accepted_is_lost_and_a_line_says_it(every: int) -> None:
-    command = [sys.executable, "-m", "tests.benchmarks.failing_disks", "--every", str(every)]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
-    rows = [line.split() for line in done.stdout.splitlines()[1:]]
-    assert "WRONG" not in done.stdout, done.stdout
-    assert len(rows) == JOBS * FAULTS, done.stdout
-    assert all(int(row[-3]) >= 1 for row in rows)  # each fault came
+    rows = failing_disks.tried("--every", str(every))
+    assert not [row for row in rows if row["wrong"]]
+    assert len(rows) == JOBS * FAULTS
+    assert all(row["calls"] >= 1 for row in rows)  # each fault came
 
 
 @needs_compiler
 @pytest.mark.proof
 def test_on_a_slow_disk_nothing_is_lost_and_no_sample_lacks() -> None:
-    asked = ["--slow", "0.03", "--jobs", "accept", "record"]
-    command = [sys.executable, "-m", "tests.benchmarks.failing_disks", *asked]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
-    rows = [line.split() for line in done.stdout.splitlines()[1:]]
-    assert [(row[0], row[-1]) for row in rows] == [("accept", "0"), ("record", "0")], done.stdout
+    rows = failing_disks.tried("--slow", "0.03", "--jobs", "accept", "record")
+    assert rows == [{"job": "accept", "wrong": {}}, {"job": "record", "wrong": {}}]
 
 
 def test_a_failed_fsync_is_no_success(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -102,10 +95,10 @@ Synced = Callable[[], list[str]]
 def test_after_a_power_cut_nothing_that_was_said_is_lost(workload: str, number: int) -> None:
     if shutil.which("strace") is None:
         pytest.skip("no strace here")
-    tally = tried(workload, number, seed=1)
-    assert not tally.wrong, tally.first
-    assert tally.states >= min(number, LEAST_KINDS[workload])  # a short workload leaves no more states than that
-    assert tally.kinds >= (LEAST_KINDS[workload] if number >= 80 else 2)
+    trial = tried(workload, number, seed=1)
+    assert not trial.wrong, trial.first
+    assert trial.states >= min(number, LEAST_KINDS[workload])  # a short workload leaves no more states than that
+    assert trial.kinds >= (LEAST_KINDS[workload] if number >= 80 else 2)
 
 
 @pytest.fixture

@@ -15,10 +15,9 @@ from station import cli
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import read_campaign_toml
 from station.files.toml_file import checked_name, checked_text, line_of, line_of_keys
-from tests.benchmarks.hostile_values.__main__ import judged
+from tests.benchmarks.hostile_values import judged
 from tests.benchmarks.hostile_values.files import kinds
-from tests.benchmarks.hostile_values.toml_of import toml_of
-from tests.benchmarks.hostile_values.values import mutants
+from tests.benchmarks.hostile_values.values import mutants, toml_of
 
 
 @pytest.mark.parametrize("name", ["FOG-3", "S0103", "Prüfling 7", "測定-1", "a.b", "x" * 64, "№ 5 (left)"])

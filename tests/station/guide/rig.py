@@ -19,7 +19,7 @@ from station.guide.campaign.sequential_campaign import SequentialCampaign, seque
 from station.guide.stages.guide import Guide
 from station.guide.stages.stage_context import BenchFacts, StageContext
 from station.guide.view import CalibrationView, OperatorCommand
-from station.stream.live.live_feed import open_feed
+from station.stream.live.live_feed import LiveFeed, open_feed
 from station.stream.recorder.accepted_step_writer import open_campaign
 from tests.empty_database import empty_db
 from tests.station.stream.live.bench_in_memory import SITE, Source
@@ -29,6 +29,14 @@ Watch = Callable[[CalibrationView], None]
 
 def ignore(_: CalibrationView) -> None:
     pass
+
+
+def plain_guide(source: Source, steps: Sequence[Step], recorder: FolderRecorder) -> tuple[LiveFeed, Guide]:
+    """Return the feed of a device that is known by now, and a guide that asks nothing and knows no folder."""
+    feed = open_feed(source)
+    feed.identify()
+    facts = BenchFacts(float(np.radians(SITE.latitude_deg)), 1e-3, 2e-4, Fixture(), asks=False)
+    return feed, Guide(StageContext(feed, Checklist(steps), facts, recorder), warms_up=False)
 
 
 class GuideRig:

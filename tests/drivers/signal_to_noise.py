@@ -1,11 +1,10 @@
-"""How far each kind of the literature stands out of the recorded counts: ``python -m`` this module prints a table.
+"""How far a kind of error of the literature stands out of the recorded counts.
 
 A campaign is simulated twice with the same noise, with the kind and without it. A row is a channel's mean over a
 step, or its slope within a rest, in units of the noise. Nothing here is the diagnosis's: what a calibration and
 the bench absorb is projected off by columns in plain numpy, which are written again here.
 """
 
-import sys
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,10 +13,9 @@ from drivers.simulated.truth import Truth
 from procedures.campaign.plan_steps import Dwell, FreePosition, Step, Turn
 from procedures.counts.sample_records import CountSeries
 from tests.benchmarks.undeclared_kinds.campaigns import DESIGNS, Made, campaigns_of, truth_of
-from tests.benchmarks.undeclared_kinds.literature import LITERATURE, Kind
+from tests.benchmarks.undeclared_kinds.literature import Kind
 
 DPH = 1 / 3600.0  # deg/s of a deg/h
-APART = 10_000  # seeds between kinds: no two share a draw
 FREE = 1e3  # prior of what a calibration is free to take, far beyond any
 
 
@@ -118,17 +116,3 @@ def _absorbed(made: Made, truth: Truth, is_certified: bool) -> np.ndarray:
             to[:, 36:38] = FREE * turned @ np.stack((np.cross(north, up), north), axis=1)
         to /= mean[:, None]
     return whole.reshape(12 * count, -1)
-
-
-def main(seeds: int) -> None:
-    """Print each kind's signal to noise, the least of so many seeds and the median."""
-    print(f"{'kind':42} {'best row':>9} {'median':>7} {'beside':>7} {'median':>7}  in the row (first seed)")
-    for i, kind in enumerate(LITERATURE.values()):
-        found = [shown(kind, APART * i + seed) for seed in range(seeds)]
-        best, left = [each.best for each in found], [each.left for each in found]
-        print(f"{kind.name:42} {min(best):9.1f} {np.median(best):7.1f} {min(left):7.1f} {np.median(left):7.1f}"
-              f"  {found[0].row}", flush=True)  # fmt: skip
-
-
-if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 5)
