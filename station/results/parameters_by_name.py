@@ -18,6 +18,35 @@ _SMALL_ANGLES = ("misalignment",)  # dimensionless in files, small angles to peo
 
 
 @dataclass(frozen=True, slots=True)
+class ParameterKind:
+    """A kind of a triad's parameters: its field in files, symbol, name, how it was estimated, a remark."""
+
+    field: str
+    symbol: str
+    name: str
+    method: str = ""
+    remark: str = ""
+
+    @property
+    def heading(self) -> str:
+        """Name and symbol, as a table has them."""
+        return f"{self.name.capitalize()} {self.symbol}{self.method}"
+
+
+_TEXTBOOK = "for comparison, Yao, Hu, He 2018, {}; its u includes counting noise only"
+KINDS = (
+    ParameterKind("scale_factor", "K", "scale factor"),
+    ParameterKind(
+        "misalignment", "E", "misalignment", "",
+        "off-diagonal, as an angle; first index sensor, second body axis",
+    ),
+    ParameterKind("bias", "D", "bias"),
+    ParameterKind("bias_12_position", "D", "bias", ", 12 positions", _TEXTBOOK.format("eq. 8")),
+    ParameterKind("bias_two_direction", "D", "bias", ", two directions", _TEXTBOOK.format("eq. 9\u201311")),
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
 class Parameter:
     """A value and its standard uncertainty (None where it has none) in ``unit``, both as in the document."""
 

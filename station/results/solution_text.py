@@ -8,6 +8,7 @@ import numpy as np
 
 from procedures.frames import AXES
 from procedures.units import RAD_PER_ARCSEC
+from station.results.parameters_by_name import KINDS
 from station.text import plural, unit_in_words
 
 TOO_LONG = 1e12  # to be read digit by digit
@@ -58,13 +59,9 @@ def _triad(name: str, part: Mapping[str, Any] | None, unseen: Sequence[str]) -> 
     if part is None:
         return [f"{name}: {NOT_SOLVED}"]
     lines = [name]
-    for key, title in (
-        ("scale_factor", "scale factor"),
-        ("bias", "bias"),
-        ("bias_12_position", "bias, 12 positions"),
-        ("bias_two_direction", "bias, two directions"),
-    ):
-        lines += _vector(title, part.get(key))
+    for kind in KINDS:
+        if kind.field != "misalignment":
+            lines += _vector(kind.name + kind.method, part.get(kind.field))
     if misalignment := part.get("misalignment"):
         lines.append("  misalignment minus identity, row = sensor [1e-6]")
         excess = np.array(misalignment["value"]) - np.eye(3)

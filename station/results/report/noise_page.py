@@ -8,7 +8,6 @@ import numpy as np
 from markupsafe import Markup
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from procedures.frames import TRIADS
 from procedures.statistics.allan_deviation import noise_shapes
@@ -21,8 +20,7 @@ from station.results.report.noise_document import (
     line_text,
     units_of,
 )
-from station.results.report.report_figures import decade
-from station.results.report.svg import AXIS_STYLE, RULE, draw_png, draw_svg
+from station.results.report.svg import AXIS_STYLE, draw_png, draw_svg, log_axes
 
 WIDTH_IN, ROW_IN = 7.0, 2.7
 
@@ -57,23 +55,13 @@ def _by_triad(channels: Channels) -> list[Channels]:
 
 def _draw(figure: Figure, rows: Sequence[Channels]) -> None:
     for row, (left, right) in zip(rows, figure.subplots(len(rows), 2, squeeze=False), strict=True):
-        for axes in (left, right):
-            axes.set_xscale("log")
-            axes.set_yscale("log")
-            axes.grid(which="major", color=RULE, linewidth=0.4, alpha=0.5)
         for each in row:
             _allan(left, each)
             _spectrum(right, each)
-        triad, unit = row[0]["channel"].split()[0], row[0]["allan"]["unit"].replace("ug", "\u00b5g")
-        left.set_title(triad.capitalize(), fontsize=9, fontweight="bold", loc="left", y=1.0)  # nothing above
-        left.set_xlabel("averaging time \u03c4 [s]")
-        left.set_ylabel(f"Allan deviation [{unit}]")
-        right.set_xlabel("frequency [Hz]")
-        right.set_ylabel(f"density [{unit}/\u221aHz]")
+        triad, unit = row[0]["channel"].split()[0], row[0]["allan"]["unit"]
+        log_axes(left, "averaging time \u03c4 [s]", f"Allan deviation [{unit}]", triad.capitalize())
+        log_axes(right, "frequency [Hz]", f"density [{unit}/\u221aHz]")
         left.legend(loc="best", handlelength=1.6)
-        for scale in (left.xaxis, left.yaxis, right.xaxis, right.yaxis):
-            scale.set_major_formatter(FuncFormatter(decade))
-            scale.set_minor_formatter(NullFormatter())
         _widen(right)
 
 

@@ -1,17 +1,12 @@
-"""The plots of a report: drawn when first asked for, and once for all reports of the same solution.
-
-Among them is the Allan deviation of the longest dwell, all six channels, in natural units.
-"""
+"""The plots of a report: residuals over sigma, and the Allan deviation of the longest dwell, all six channels."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from markupsafe import Markup
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from procedures.calibration.solution_values import Solution, StepResidual, TriadCalibration
 from procedures.campaign.campaign import Campaign, DwellRecord
@@ -24,23 +19,10 @@ from procedures.statistics.allan_deviation import (
     noise_terms,
     overlapping_deviation,
 )
-from procedures.units import DEG_H_PER_DEG_S, STANDARD_GRAVITY, UG_PER_G
+from station.results.report.noise_document import units_of
 from station.results.report.result_tables import LIMIT_SIGMAS, NOTICE_SIGMAS, normalised
-from station.results.report.svg import AXIS_STYLE, INK, PALE, RULE, draw_svg
-from station.text import fixed, power_of_ten, significant
-
-_GYROSCOPE = {  # from deg/h: name, symbol, unit, factor
-    "quantisation": ("Quantisation", "Q", "arcsec", 1.0),
-    "random_walk": ("Angle random walk", "N", "deg/\u221ah", 1 / 60),
-    "bias_instability": ("Bias instability", "B", "deg/h", 1.0),
-    "rate_random_walk": ("Rate random walk", "K", "deg/h/\u221ah", 60.0),
-}
-_ACCELEROMETER = {  # from ug
-    "quantisation": ("Quantisation", "Q", "\u00b5m/s", STANDARD_GRAVITY),
-    "random_walk": ("Velocity random walk", "N", "\u00b5g/\u221aHz", 1.0),
-    "bias_instability": ("Bias instability", "B", "\u00b5g", 1.0),
-    "rate_random_walk": ("Random walk of the bias", "K", "\u00b5g/\u221ah", 60.0),
-}
+from station.results.report.svg import AXIS_STYLE, INK, PALE, RULE, draw_svg, log_axes
+from station.text import significant
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,22 +75,20 @@ def _triad(name: str, dwell: DwellRecord, part: slice, calibration: TriadCalibra
     if output is None:
         return None
     counts = isinstance(series, CountSeries)
-    if calibration is None:
-        factor, unit, units = np.ones(3), "count/s" if counts else "output", {}
-    elif name == "gyroscope":
-        factor, unit, units = DEG_H_PER_DEG_S / calibration.scale_factor.value, "deg/h", _GYROSCOPE
-    else:
-        factor, unit, units = UG_PER_G / calibration.scale_factor.value, "\u00b5g", _ACCELEROMETER
+    units = units_of(name, calibration is not None)
+    factor, unit = np.ones(3), "count/s" if counts else units.unit
+    if calibration is not None:
+        factor, unit = units.factor / calibration.scale_factor.value, units.unit
     if counts:
         factor = factor / series.period
     curves = tuple(
         overlapping_deviation(output[part, i] * abs(np.float64(factor[i])), series.period) for i in range(3)
     )
     quantum = abs(factor) * series.period if counts else np.zeros(3)
-    terms = [noise_terms(curve, float(one)) for curve, one in zip(curves, quantum, strict=True)]
+    found = [noise_terms(curve, float(one)) for curve, one in zip(curves, quantum, strict=True)]
     rows = [
-        (title, symbol, shown, [_cell(term[key], scale) for term in terms])
-        for key, (title, symbol, shown, scale) in units.items()
+        (title, symbol, shown, [_cell(one[key], scale) for one in found])
+        for key, (title, symbol, shown, scale) in (units.terms if calibration is not None else {}).items()
     ]
     return TriadNoise(name, unit, curves, rows)
 
@@ -134,9 +114,6 @@ def allan_svg(noise: DwellNoise) -> str:
 
 
 def _panel(axes: Axes, noise: TriadNoise) -> None:
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    axes.grid(which="major", color=RULE, linewidth=0.4, alpha=0.5)
     for axis, curve in zip(AXES, noise.curves, strict=True):
         colour, marker = AXIS_STYLE[axis]
         seen = curve.deviation > 0
@@ -148,19 +125,8 @@ def _panel(axes: Axes, noise: TriadNoise) -> None:
             label=f"{noise.triad[0]}{axis}",
         )  # fmt: skip
     _slope(axes, noise)
-    axes.set_title(noise.triad.capitalize(), fontsize=9, fontweight="bold", loc="left", y=1.0)  # nothing above
-    axes.set_xlabel("averaging time \u03c4 [s]")
-    axes.set_ylabel(f"Allan deviation [{noise.unit}]")
-    for scale in (axes.xaxis, axes.yaxis):
-        scale.set_major_formatter(FuncFormatter(decade))
-        scale.set_minor_formatter(NullFormatter())
+    log_axes(axes, "averaging time \u03c4 [s]", f"Allan deviation [{noise.unit}]", noise.triad.capitalize())
     axes.legend(loc="lower left", handlelength=1.6)
-
-
-def decade(value: float, _position: int | None = None) -> str:
-    """Return a power of ten as an axis shows it."""
-    exponent = round(float(np.log10(value)))
-    return fixed(value, max(-exponent, 0)) if -3 <= exponent <= 3 else power_of_ten(exponent)
 
 
 def _slope(axes: Axes, noise: TriadNoise) -> None:
@@ -236,25 +202,12 @@ def _tick(residual: StepResidual) -> str:
     return name.replace("_plus", "+").replace("_minus", "\u2212")
 
 
-@dataclass(frozen=True, eq=False)
-class ReportFigures:
-    """What a report shows of a solution and its campaigns; a report that only adds a hash shows the same."""
+def allan_plot(noise: DwellNoise | None) -> Markup:
+    """Return the Allan deviation as an ``<svg>`` element; empty where there is none."""
+    return Markup(allan_svg(noise)) if noise is not None and noise.triads else Markup("")
 
-    solution: Solution
-    campaigns: Sequence[Campaign]
 
-    @cached_property
-    def noise(self) -> DwellNoise | None:
-        """The noise of the longest dwell; None where none is long enough."""
-        return longest_dwell_noise(self.campaigns, self.solution)
-
-    @cached_property
-    def allan(self) -> Markup:
-        """Its Allan deviation as an ``<svg>`` element; empty where there is none."""
-        return Markup(allan_svg(self.noise)) if self.noise is not None and self.noise.triads else Markup("")
-
-    @cached_property
-    def residuals(self) -> list[tuple[str, Markup]]:
-        """Each triad that has residuals, and these as an ``<svg>`` element."""
-        drawn = ((triad, residual_svg(triad, self.solution.residuals)) for triad in TRIADS)
-        return [(triad, Markup(svg)) for triad, svg in drawn if svg]
+def residual_plots(residuals: Sequence[StepResidual]) -> list[tuple[str, Markup]]:
+    """Return each triad that has residuals, and these as an ``<svg>`` element."""
+    drawn = ((triad, residual_svg(triad, residuals)) for triad in TRIADS)
+    return [(triad, Markup(svg)) for triad, svg in drawn if svg]
