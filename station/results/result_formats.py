@@ -4,7 +4,16 @@
 A key whose value is not known is absent, never zero. Readers should ignore keys that they do not know.
 """
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+
+def document_of(result: "DataclassInstance") -> dict[str, Any]:
+    """Return a result as JSON has it: the fields by name, without those that are None."""
+    return asdict(result, dict_factory=lambda fields: {name: one for name, one in fields if one is not None})
 
 
 @dataclass(frozen=True, slots=True)
