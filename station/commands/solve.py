@@ -141,8 +141,7 @@ def report(
 
     It lists every parameter with standard uncertainty u and unit (count/(g s), count/deg, ug, deg/h, arcsec), its
     uncertainty budget (expanded uncertainty U, coverage factor k, largest contributions), the residual of every
-    step against its limit, the Allan deviation of the longest dwell, conditions, warnings and the hashes of the
-    inputs.
+    step against its limit, the noise of every channel, conditions, warnings and the hashes of the inputs.
 
     Exit code 3 if a folder breaks a rule of campaign/1, 5 if neither triad can be solved.
 

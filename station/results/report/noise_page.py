@@ -21,8 +21,10 @@ from station.results.report.noise_document import (
     units_of,
 )
 from station.results.report.svg import AXIS_STYLE, draw_png, draw_svg, log_axes
+from station.text import significant
 
 WIDTH_IN, ROW_IN = 7.0, 2.7
+DIGITS = 3  # of a term
 
 Channels = Sequence[Mapping[str, Any]]
 
@@ -148,5 +150,6 @@ def _cell(term: Mapping[str, Any]) -> str:
     if is_undetermined(term):
         return "not determined"
     if "below" in term:
-        return f"< {term['below']:.3g}"
-    return f"{term['value']:.3g} [{term['low']:.3g}, {term['high']:.3g}]"
+        return f"< {significant(term['below'], DIGITS)}"
+    value, low, high = (significant(term[key], DIGITS) for key in ("value", "low", "high"))
+    return f"{value} [{low}, {high}]"

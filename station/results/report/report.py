@@ -15,6 +15,8 @@ from procedures.calibration.undetectable_tilt import ANY_TILT_RAD, UndetectableT
 from procedures.campaign.campaign import Campaign, Fixture
 from procedures.frames import AXES
 from procedures.positions import FACES
+from procedures.samples.channel_noise import channel_noise
+from procedures.samples.held_samples import known_scales
 from procedures.uncertainty.budget import ParameterBudget
 from procedures.units import ARCSEC_PER_RAD, RAD_PER_ARCSEC, UG_PER_G
 from station.files.atomic_file import replace_file
@@ -24,7 +26,9 @@ from station.results.diagnosis.diagnosis_wording import verdict_sentence
 from station.results.diagnosis.model_refinement import ModelRefinement, budget_document
 from station.results.html_templates import html_template
 from station.results.parameters_by_name import ParameterKind
-from station.results.report.report_figures import DwellNoise, allan_plot, longest_dwell_noise, residual_plots
+from station.results.report.noise_document import channel_document
+from station.results.report.noise_page import noise_section
+from station.results.report.report_figures import residual_plots
 from station.results.report.result_tables import (
     LIMIT_SIGMAS,
     ParameterGroup,
@@ -140,8 +144,7 @@ class CalibrationReport:
     residual_tables: Sequence[ResidualTable]
     residual_plots: Sequence[tuple[str, Markup]]
     diagnosis: Markup
-    noise: DwellNoise | None
-    noise_plot: Markup
+    noise: Markup
     conditions: Lines
     seating: str
     not_observable: Sequence[str]
@@ -169,7 +172,7 @@ def calibration_report(
     ``truth`` (simulated campaigns) is keyed as `Solution.names`, in the units of files; ``bench`` adds conditions.
     """
     origin, known = document["provenance"], truth or {}
-    noise = longest_dwell_noise(campaigns, solution)
+    noise = [channel_document(one) for one in channel_noise(campaigns, known_scales(campaigns, solution))]
     return CalibrationReport(
         model=origin["model"],
         serial=origin["serial"],
@@ -185,8 +188,7 @@ def calibration_report(
         residual_tables=residual_tables(solution.residuals),
         residual_plots=residual_plots(solution.residuals),
         diagnosis=Markup(diagnosis.section),
-        noise=noise,
-        noise_plot=allan_plot(noise),
+        noise=Markup(noise_section(noise)),
         conditions=[*condition_lines(campaigns, solution), *(bench or {}).items()],
         seating=_detectable_seating(solution.undetectable_tilts),
         not_observable=document["not_observable"],

@@ -13,12 +13,11 @@ import pytest
 from pytest_regressions.file_regression import FileRegressionFixture
 
 from procedures.calibration.solution_values import StepResidual
-from procedures.statistics.allan_deviation import AllanDeviation
 from procedures.tolerance.drawing_items import ITEMS
 from station.results.fixtures.tolerance_text import tolerance_svg
 from station.results.history.history_page import population_svgs
 from station.results.report.noise_page import noise_svg
-from station.results.report.report_figures import DwellNoise, TriadNoise, allan_svg, residual_svg
+from station.results.report.report_figures import residual_svg
 
 NUMBER = re.compile(r"-?\d+\.\d+(?:e-?\d+)?|-?\d+")
 
@@ -63,21 +62,6 @@ def residuals() -> str:
     assert residual_svg("accelerometer", steps) == ""
     calm = residual_svg("gyroscope", [step("p1.csv", "dwell", 1, 0.5, np.nan, 0.1)])
     return residual_svg("gyroscope", steps) + "\n" + calm
-
-
-def allan() -> str:
-    tau = 0.01 * 2.0 ** np.arange(12)
-
-    def triad(name: str, unit: str, size: float) -> TriadNoise:
-        curves = []
-        for i in range(3):
-            deviation = size * np.sqrt((1 + 0.3 * i) ** 2 / tau + 0.1 + 0.01 * tau)
-            deviation[0] *= i != 2
-            curves.append(AllanDeviation(tau, deviation, 0.8 * deviation, 1.3 * deviation, np.full(12, 9.0)))
-        return TriadNoise(name, unit, tuple(curves), [])
-
-    both = DwellNoise("p1", 60.0, (triad("gyroscope", "deg/h", 0.2), triad("accelerometer", "\u00b5g", 30.0)))
-    return allan_svg(both)
 
 
 def tolerance() -> str:
@@ -140,7 +124,6 @@ FIGURES = {
     "noise": noise,
     "population": population,
     "residuals": residuals,
-    "allan": allan,
     "tolerance": tolerance,
 }
 
