@@ -4,16 +4,22 @@
 A key whose value is not known is absent, never zero. Readers should ignore keys that they do not know.
 """
 
-from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, is_dataclass
+from types import MappingProxyType
+from typing import Any
 
-if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
+IS_KEY = MappingProxyType({"is_key": True})  # metadata of a field that is the key under which its value stands
 
 
-def document_of(result: "DataclassInstance") -> dict[str, Any]:
-    """Return a result as JSON has it: the fields by name, without those that are None."""
-    return asdict(result, dict_factory=lambda fields: {name: one for name, one in fields if one is not None})
+def document_of(result: Any) -> Any:
+    """Return a typed result as JSON has it: its fields by name, without those that are None or `IS_KEY`."""
+    if is_dataclass(result):
+        found = ((one.name, getattr(result, one.name)) for one in fields(result) if one.metadata != IS_KEY)
+        return {name: document_of(one) for name, one in found if one is not None}
+    if isinstance(result, Mapping):
+        return {key: document_of(one) for key, one in result.items()}
+    return [document_of(one) for one in result] if isinstance(result, list | tuple) else result
 
 
 @dataclass(frozen=True, slots=True)

@@ -63,22 +63,21 @@ def result_groups(results: Mapping[str, MeasuredParameter]) -> list[tuple[str, P
 
 
 def _rows(kind: ParameterKind, results: Sequence[MeasuredParameter]) -> list[Row]:
-    scaled = [printed_scale(one.name, one.unit) for one in results]
-    value, std, expanded = (
-        [getattr(one, what) * scale for one, (scale, _) in zip(results, scaled, strict=True)]
-        for what in ("value", "std", "expanded")
-    )
-    columns = (to_two_digits(value, expanded), to_two_digits(expanded, expanded), scaled, to_two_digits(std, std))
+    columns = (printed_column(results, *pair) for pair in (("value", "expanded"), ("expanded",) * 2, ("std",) * 2))
     return [
-        (kind.symbol, one.name.rpartition(".")[2], value, U, fixed(one.coverage_factor, 2), degrees(one.dof), unit,
-         main_parts(one), u)
-        for one, value, U, (_, unit), u in zip(results, *columns, strict=True)
+        (kind.symbol, one.name.rpartition(".")[2], value, U, fixed(one.coverage_factor, 2), degrees(one.dof),
+         printed_scale(one.name, one.unit)[1], main_parts(one), u)
+        for one, value, U, u in zip(results, *columns, strict=True)
     ]  # fmt: skip
 
 
-def to_two_digits(values: Sequence[float], by: Sequence[float]) -> list[str]:
-    """Return values to the place of two significant digits of ``by``, their points below each other."""
-    return aligned([fixed(value, decimals(each)) for value, each in zip(values, by, strict=True)])
+def printed_column(results: Sequence[Any], what: str, by: str) -> list[str]:
+    """Return an attribute of results with ``name`` and ``unit`` as printed, to two digits of another, ``by``."""
+    scales = [printed_scale(one.name, one.unit)[0] for one in results]
+    values, sizes = (
+        [getattr(one, which) * scale for one, scale in zip(results, scales, strict=True)] for which in (what, by)
+    )
+    return aligned([fixed(value, decimals(each)) for value, each in zip(values, sizes, strict=True)])
 
 
 def degrees(dof: float) -> str:
