@@ -67,6 +67,8 @@ def procedure_name(measured: Campaign) -> str:
     positions = {dwell.position for dwell in measured.dwells}
     if positions == set(range(1, len(POSITIONS) + 1)):
         dwells = "twelve-position calibration on a level surface plate"
+    elif not positions:
+        dwells = "calibration on a level surface plate"
     else:
         of = len(POSITIONS if max(positions, default=0) <= len(POSITIONS) else ATTITUDES)
         dwells = f"calibration from {len(positions)} of {of} positions on a level surface plate"

@@ -25,6 +25,7 @@ from station.results.diagnosis.diagnosis_html import section_html
 from station.results.diagnosis.diagnosis_wording import verdict_sentence
 from station.results.diagnosis.model_refinement import ModelRefinement, budget_document
 from station.results.html_templates import html_template
+from station.results.measurement_circumstances import procedure_name
 from station.results.parameters_by_name import ParameterKind
 from station.results.report.noise_document import channel_document
 from station.results.report.noise_page import noise_section
@@ -243,14 +244,12 @@ def _fits(quality: FitQuality) -> str:
 
 def _summary(campaigns: Sequence[Campaign], diagnosis: ReportedDiagnosis) -> Lines:
     """Return the first page's rows, in a customer's words: what was measured, the cause found, what to do."""
-    positions = {dwell.position for campaign in campaigns for dwell in campaign.dwells}
-    dwells, turns, moves = (
-        sum(len(getattr(campaign, kind)) for campaign in campaigns) for kind in ("dwells", "turns", "moves")
+    measured = "; ".join(dict.fromkeys(map(procedure_name, campaigns)))
+    rows = (
+        ("Measured", f"{measured[0].upper()}{measured[1:]}."),
+        ("Cause found", diagnosis.cause),
+        ("What to do", diagnosis.advice),
     )
-    parts = [f"{plural(dwells, 'rest')} in {plural(len(positions), 'position')} of the cube"] if dwells else []
-    parts += [f"{plural(turns, 'rotation')} by hand"] if turns else []
-    parts += [f"{plural(moves, 'transfer')} between positions"] if moves else []
-    rows = (("Measured", ", ".join(parts)), ("Cause found", diagnosis.cause), ("What to do", diagnosis.advice))
     return [row for row in rows if row[1]]
 
 
