@@ -60,9 +60,12 @@ def measured(value: float, std: float, unit: str = "") -> str:
 def _triad(name: str, part: Mapping[str, Any] | None, unseen: Sequence[str]) -> list[str]:
     if part is None:
         return [f"{name}: {NOT_SOLVED}"]
-    found = [one for one in parameters({name: part}).values() if ".misalignment." not in one.name]
+    vectors = {field: one for field, one in part.items() if field != "misalignment"}
     titles = {kind.field: kind.name + kind.method for kind in KINDS}
-    rows = [(titles[one.name.split(".")[1]], one.name[-1], _measured(one)) for one in found]
+    rows = [
+        (titles[one.name.split(".")[1]], one.name[-1], _measured(one))
+        for one in parameters({name: vectors}).values()
+    ]
     lines = [name, *(f"  {title:<21} {axis}  {text}" for title, axis, text in rows)]
     if misalignment := part.get("misalignment"):
         lines.append("  misalignment minus identity, row = sensor [1e-6]")
