@@ -24,7 +24,7 @@ from station.results.report.svg import AXIS_STYLE, draw_png, draw_svg, log_axes
 from station.text import significant
 
 WIDTH_IN, ROW_IN = 7.0, 2.7
-DIGITS = 3  # of a term
+DIGITS = 2  # of a term, whose interval is some percent
 
 Channels = Sequence[Mapping[str, Any]]
 
@@ -124,8 +124,7 @@ def noise_section(channels: Sequence[Mapping[str, Any]]) -> str:
     """Return plot and tables of the channels as a piece of HTML; empty without any."""
     if not channels:
         return ""
-    triads = [_triad_table([each for each in channels if each["channel"].startswith(triad)]) for triad in TRIADS]
-    tables = [each for each in triads if each["axes"]]
+    tables = [_triad_table(row) for row in _by_triad(channels)]
     return html_template("noise_section.html").render(plot=Markup(noise_svg("noise", channels)), tables=tables)
 
 
@@ -133,10 +132,11 @@ def _triad_table(channels: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """Return the rows of a triad's table: a term each, its cells, its unit; and the lines found."""
     rows = [
         (term["name"], term["symbol"], [_cell(each["terms"][name]) for each in channels], term["unit"])
-        for name, term in (channels[0]["terms"].items() if channels else ())
+        for name, term in channels[0]["terms"].items()
     ]
     return {
-        "axes": [each["channel"] for each in channels],
+        "triad": channels[0]["channel"].split()[0],
+        "axes": [each["channel"].split()[1] for each in channels],
         "recordings": sorted({f"{each['seconds']:.4g} s of {each['recording']}" for each in channels}),
         "rows": rows,
         "conditions": [(each["channel"], text) for each in channels for text in condition_texts(each)],
