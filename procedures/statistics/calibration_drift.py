@@ -85,14 +85,13 @@ CLUSTER_DAYS = 7.0
 
 @dataclass(frozen=True, slots=True)
 class Repeatability:
-    """The standard deviation tau from turn-on to turn-on; ``std`` is None where tau is 0: see the interval."""
+    """The standard deviation from turn-on to turn-on; ``std_of_std`` is None where it is 0: see the interval."""
 
-    value: float
-    std: float | None
-    low_95: float
-    high_95: float
-    runs: int
+    std: float
+    interval_95: tuple[float, float]
+    turn_ons: int
     dof: int
+    std_of_std: float | None
 
 
 def turn_on_repeatability(series: CalibrationSeries) -> Repeatability | None:
@@ -103,9 +102,9 @@ def turn_on_repeatability(series: CalibrationSeries) -> Repeatability | None:
         return None
     low, high = (_variance(together, float(chi2.ppf(q, dof))) for q in (0.975, 0.025))
     found = _variance(together, float(dof))
-    value = float(np.sqrt(found))
-    std = float(np.sqrt(2.0 / _information(together, found)) / (2.0 * value)) if value > 0 else None
-    return Repeatability(value, std, float(np.sqrt(low)), float(np.sqrt(high)), runs, dof)
+    tau = float(np.sqrt(found))
+    std = float(np.sqrt(2.0 / _information(together, found)) / (2.0 * tau)) if tau > 0 else None
+    return Repeatability(tau, (float(np.sqrt(low)), float(np.sqrt(high))), runs, dof, std)
 
 
 def clusters(day: FloatArray) -> list[list[int]]:

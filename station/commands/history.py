@@ -2,7 +2,7 @@
 
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -11,6 +11,9 @@ from station.commands._options import argument, day_option, option
 
 if TYPE_CHECKING:
     from sqlalchemy.orm import Session
+
+    from station.results.history.population import Population
+    from station.results.history.unit_history import UnitHistory
 
 
 def history(
@@ -44,28 +47,27 @@ def history(
         raise typer.BadParameter("--at belongs to a serial number, a population is not predicted")
     from fixtures_db.database import open_db
     from station.files.atomic_file import replace_file, write_json
+    from station.results.result_formats import document_of
 
     with open_db(db) as database, database.read() as session:
-        document = _of_unit(session, serial, at) if serial is not None else _of_model(session, str(population))
+        found = _of_unit(session, serial, at) if serial is not None else _of_model(session, str(population))
     if json is not None:
-        write_json(json, document)
-        typer.echo(f"{json}: {document['format']} of {serial or population}")
+        write_json(json, document_of(found))
+        typer.echo(f"{json}: {found.format} of {serial or population}")
     if html is not None:
-        from station.results.history.history_page import history_page
-
-        replace_file(html, history_page(document).encode())
+        replace_file(html, _page(found).encode())
         typer.echo(f"{html}: history of {serial or population}")
     if json is None and html is None:
-        typer.echo(_text(document))
+        typer.echo(_text(found))
 
 
-def _of_unit(session: "Session", serial: str, at: datetime | None) -> dict[str, Any]:
+def _of_unit(session: "Session", serial: str, at: datetime | None) -> "UnitHistory":
     from datetime import UTC
 
     from fixtures_db.errors import NotInDatabase
     from fixtures_db.imu_models import limits_of
     from fixtures_db.stored_calibrations import calibrated_serials, stored_runs
-    from station.results.history.unit_history import analysis, entries
+    from station.results.history.unit_history import unit_history
 
     runs = stored_runs(session, serial=serial)
     if not runs:
@@ -73,29 +75,30 @@ def _of_unit(session: "Session", serial: str, at: datetime | None) -> dict[str, 
     asked = None if at is None else at.replace(tzinfo=UTC)
     if asked is not None and asked < (newest := max(run.ended for run in runs)):
         raise typer.BadParameter(f"--at {asked:%Y-%m-%d}: expected a date after the newest, {newest:%Y-%m-%d}")
-    models = dict.fromkeys(run.model for run in runs)
-    together = [
-        analysis([run for run in runs if run.model == model], limits_of(session, model), asked) for model in models
-    ]
-    return {"format": "history/1", "serial": serial, "calibrations": entries(runs), "analysis": together}
+    limits = {model: limits_of(session, model) for model in {run.model for run in runs}}
+    return unit_history(serial, runs, limits, asked)
 
 
-def _of_model(session: "Session", model: str) -> dict[str, Any]:
+def _of_model(session: "Session", model: str) -> "Population":
     from fixtures_db.errors import NotInDatabase
     from fixtures_db.stored_calibrations import calibrated_models, stored_runs
-    from station.results.history.population import population_document
+    from station.results.history.population import population
 
     runs = stored_runs(session, model=model)
     if not runs:
         raise NotInDatabase("calibration of model", model, calibrated_models(session))
-    return population_document(model, runs)
+    return population(model, runs)
 
 
-def _text(document: dict[str, Any]) -> str:
-    if document["format"] == "history/1":
-        from station.results.history.unit_history_text import history_text
+def _text(found: "UnitHistory | Population") -> str:
+    from station.results.history.population import Population, population_text
+    from station.results.history.unit_history_text import history_text
 
-        return history_text(document)
-    from station.results.history.population import population_text
+    return population_text(found) if isinstance(found, Population) else history_text(found)
 
-    return population_text(document)
+
+def _page(found: "UnitHistory | Population") -> str:
+    from station.results.history.history_page import population_page, unit_page
+    from station.results.history.population import Population
+
+    return population_page(found) if isinstance(found, Population) else unit_page(found)

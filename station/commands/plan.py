@@ -136,7 +136,8 @@ def _plan(
     from procedures.planning.design_sigmas import as_good_as, with_all_solved
     from procedures.planning.least_time import least_time, most_in_time
     from station.files.campaign_folder.plan_file import write_plan
-    from station.results.plan_document import not_met, plan_document, plan_text
+    from station.results.plan_document import plan_of, plan_text
+    from station.results.result_formats import document_of
 
     usual = sigmas.of(usual_design())
     is_asked = bool(np.isfinite(asked.sigma).any())
@@ -146,10 +147,10 @@ def _plan(
     else:
         with refused_as("--minutes"):
             found = most_in_time(sigmas, whole, minutes, turns=turns)
-    document = plan_document(found, asked, sigmas, stated)
-    write_result(document, plan_text(document), json, "planned/1")
+    plan = plan_of(found, asked, sigmas, stated)
+    write_result(document_of(plan), plan_text(plan), json, plan.format)
     if out is not None:
         write_plan(out, found.design.steps())
         typer.echo(f"{out}: for `station calibrate --plan {out}`")
-    if not_met(document):
+    if not plan.is_met:
         raise typer.Exit(1)

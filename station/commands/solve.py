@@ -1,7 +1,6 @@
 """``station solve``, ``resolve`` and ``report``: campaigns solved, solved again, reported."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -142,8 +141,7 @@ def report(
 
     It lists every parameter with standard uncertainty u and unit (count/(g s), count/deg, ug, deg/h, arcsec), its
     uncertainty budget (expanded uncertainty U, coverage factor k, largest contributions), the residual of every
-    step against its limit, the Allan deviation of the longest dwell, conditions, warnings and the hashes of the
-    inputs.
+    step against its limit, the noise of every channel, conditions, warnings and the hashes of the inputs.
 
     Exit code 3 if a folder breaks a rule of campaign/1, 5 if neither triad can be solved.
 
@@ -154,22 +152,16 @@ def report(
 
     loaded = read_for_solve(campaigns)
     # scipy and kernels: not before the data are right
-    from station.results.diagnosis.diagnosis_html import section_html
-    from station.results.diagnosis.diagnosis_wording import verdict_sentence
     from station.results.diagnosis.model_refinement import refine_model
-    from station.results.report.report import report_context, write_report
-    from station.results.verdict import what_to_do
+    from station.results.report.report import NO_LIMITS, calibration_report, reported_diagnosis, write_report
 
-    closed = refine_model(loaded)
-    document = solution_document(closed.solution, loaded, closed.effects)
+    refined = refine_model(loaded)
+    document = solution_document(refined.solution, loaded, refined.effects)
     origin = document["provenance"]
     target = campaigns[0] / "report.html" if out is None else out
-    context = report_context(closed.solution, closed.fits.campaigns, document, closed.budgets())
-    context = replace(
-        context,
-        diagnosis=section_html(closed.document, closed.diagnosis),
-        cause=verdict_sentence(closed.document),
-        advice=what_to_do("NOT_MEASURED", closed.document["next_measurement"], has_limits=False),
+    found, budgets = reported_diagnosis(refined, NO_LIMITS), refined.budgets()
+    write_report(
+        target,
+        calibration_report(refined.solution, refined.fits.campaigns, document, budgets, diagnosis=found),
     )
-    write_report(target, context)
     typer.echo(f"{target}: calibration report of {origin['model']} {origin['serial']}")

@@ -1,6 +1,6 @@
 """From a recorded campaign to what is handed out: solution, report and, once it is stored, calibration."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -13,6 +13,7 @@ from fixtures_db.imu_models import limits_of
 from fixtures_db.journal import journal_head
 from fixtures_db.stored_calibrations import CalibrationFacts, accept_calibration, calibration
 from procedures.calibration.solution_values import Solution
+from procedures.campaign.campaign import Campaign
 from procedures.positions import FACES
 from station.errors import Altered
 from station.files.atomic_file import replace_file
@@ -22,12 +23,13 @@ from station.files.campaign_folder.plan_file import read_note
 from station.files.campaign_setup import Setup
 from station.results.contradictory_dwells import contradiction_of, kept_tilt_warning
 from station.results.measurement_circumstances import circumstances, diagnosis_kept, judged_values
-from station.results.verdict import LimitVerdict, judge, what_to_do
+from station.results.verdict import LimitVerdict, judge
 
 if TYPE_CHECKING:
     from sqlalchemy.orm import Session
 
-    from station.results.report.report import ReportContext
+    from procedures.uncertainty.budget import ParameterBudget
+    from station.results.report.report import CalibrationReport
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,10 +49,12 @@ class CampaignResults:
     doubt: str
     status: Literal["calibrated", "measured"]
     status_reason: str
-    context: "ReportContext"
+    report: "CalibrationReport"
+    budgets: Sequence["ParameterBudget"]
     solution_file: Path
     calibration_file: Path
     report_file: Path
+    campaign: Campaign
     tables: CampaignTable
     diagnosis: dict[str, Any]
     effects: tuple[Mapping[str, Any], ...]
@@ -65,13 +69,12 @@ def make_results(
     """
     loaded = read_for_solve([folder])[0]
     from station.files.atomic_file import write_json
-    from station.results.diagnosis.diagnosis_html import section_html
-    from station.results.diagnosis.diagnosis_wording import left_in_words, verdict_sentence
+    from station.results.diagnosis.diagnosis_wording import left_in_words
     from station.results.diagnosis.model_refinement import (
         NAME as DIAGNOSIS,  # scipy and kernels: not before the data are right
     )
     from station.results.diagnosis.model_refinement import refine_model
-    from station.results.report.report import report_context, write_report
+    from station.results.report.report import calibration_report, reported_diagnosis, write_report
     from station.results.solution_json import solution_document
 
     into = folder if into is None else into
@@ -90,25 +93,19 @@ def make_results(
         outcome = replace(outcome, reason=f"{doubt}. {outcome.reason[:1].upper()}{outcome.reason[1:]}")
     status_reason = "; ".join(reasons)
     status: Literal["calibrated", "measured"] = "measured" if reasons else "calibrated"
-    context = replace(
-        report_context(closed.solution, [loaded.campaign], document, budgets),
-        verdict=outcome.word,
-        has_limits=bool(limits),
-        verdict_reason=outcome.reason,
-        truth=truth or {},
+    report = calibration_report(
+        closed.solution, [loaded.campaign], document, budgets, verdict=outcome, truth=truth,
         bench={"Status": f"{status}: {status_reason}" if reasons else status},
-        diagnosis=section_html(closed.document, closed.diagnosis),
-        cause=verdict_sentence(closed.document),
-        advice=what_to_do(outcome.word, closed.document["next_measurement"], doubt=doubt, has_limits=bool(limits)),
-    )
+        diagnosis=reported_diagnosis(closed, outcome, doubt),
+    )  # fmt: skip
     results = CampaignResults(
-        folder, closed.solution, document, outcome, doubt, status, status_reason, context,
+        folder, closed.solution, document, outcome, doubt, status, status_reason, report, budgets,
         into / "solution.json", into / "calibration.json", into / "report.html",
-        loaded.tables, closed.document, closed.effects,
+        loaded.campaign, loaded.tables, closed.document, closed.effects,
     )  # fmt: skip
     write_json(results.solution_file, document)
     write_json(into / DIAGNOSIS, closed.document)
-    write_report(results.report_file, context)
+    write_report(results.report_file, report)
     return results
 
 
@@ -153,7 +150,7 @@ def _write_html(results: CampaignResults, text: str, sha256: str, journal: str) 
     replace_file(path, text.encode())
     if path.read_bytes() != text.encode():
         raise Altered(path, "other bytes than were written", sha256)
-    write_report(results.report_file, replace(results.context, calibration_sha256=sha256, journal=journal))
+    write_report(results.report_file, replace(results.report, calibration_sha256=sha256, journal=journal))
 
 
 def _facts(results: CampaignResults, session: "Session") -> CalibrationFacts:
@@ -162,7 +159,7 @@ def _facts(results: CampaignResults, session: "Session") -> CalibrationFacts:
 
     origin, now = results.document["provenance"], datetime.now(UTC)
     setup = read_note(results.folder, Setup)
-    key, measured = str(results.folder.resolve()), results.context.campaigns[0]
+    key, measured = str(results.folder.resolve()), results.campaign
     return CalibrationFacts(
         model=origin["model"],
         serial=origin["serial"],
@@ -170,13 +167,13 @@ def _facts(results: CampaignResults, session: "Session") -> CalibrationFacts:
         inputs=origin["files"],
         accepted_utc=now,
         valid_from=now,
-        temperature_range_c=temperature_range(results.context.campaigns),
+        temperature_range_c=temperature_range([measured]),
         status=results.status,
         status_reason=results.status_reason,
         operator="" if setup is None else setup.operator,
         verdict=results.outcome.word,
         limits=tuple(one.limit for one in results.outcome.judged),
-        uncertainty=budget_document(results.context.budgets),
+        uncertainty=budget_document(results.budgets),
         judged=judged_values(results.outcome.judged),
         residual=results.document.get("residual", {}),
         effects=results.effects,

@@ -25,6 +25,6 @@ def _environment() -> Environment:
 
 def _typeset(text: str) -> str:
     """Return text with the signs that a terminal may lack."""
-    for plain, sign in (("+-", "\u00b1"), ("->", "\u2192"), ("ug", "\u00b5g")):
+    for plain, sign in (("+-", "\u00b1"), ("->", "\u2192"), ("ug", "\u00b5g"), ("um", "\u00b5m")):
         text = re.sub(rf"(?<!\w){re.escape(plain)}(?!\w)", sign, text)
-    return text
+    return re.sub(r"\bsqrt\((\w+)\)", "\u221a\\1", text)

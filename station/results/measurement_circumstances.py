@@ -20,6 +20,7 @@ from procedures.units import UG_PER_G
 from station.files.campaign_folder.campaign_schema import CampaignTable
 from station.files.campaign_folder.plan_file import UnitRecord, read_note
 from station.results.verdict import JudgedLimit
+from station.text import plural
 
 NORMAL_GRAVITY = "normal gravity of WGS 84 at this latitude and height"
 
@@ -67,18 +68,20 @@ def procedure_name(measured: Campaign) -> str:
     positions = {dwell.position for dwell in measured.dwells}
     if positions == set(range(1, len(POSITIONS) + 1)):
         dwells = "twelve-position calibration on a level surface plate"
+    elif not positions:
+        dwells = "calibration"
     else:
-        of = len(POSITIONS if max(positions, default=0) <= len(POSITIONS) else ATTITUDES)
+        of = len(POSITIONS if max(positions) <= len(POSITIONS) else ATTITUDES)
         dwells = f"calibration from {len(positions)} of {of} positions on a level surface plate"
-    free = len(measured.rests) + len(measured.sequences)
     repeats = len(measured.dwells) - len(positions)
-    also = [
-        f"{repeats} repeated {'position' if repeats == 1 else 'positions'}" if repeats else "",
-        f"{len(measured.turns)} manual rotations of whole revolutions" if measured.turns else "",
-        f"{len(measured.moves)} manual transfers between positions" if measured.moves else "",
-        f"{free} recordings in free positions" if free else "",
-    ]
-    return " with ".join([dwells, *filter(None, [" and ".join(filter(None, also))])])
+    counted = (
+        (repeats, "repeated position", ""),
+        (len(measured.turns), "manual rotation", " of whole revolutions"),
+        (len(measured.moves), "manual transfer", " between positions"),
+        (len(measured.rests) + len(measured.sequences), "recording", " in free positions"),
+    )
+    also = [plural(count, noun) + more for count, noun, more in counted if count]
+    return f"{dwells} with {' and '.join(also)}" if also else dwells
 
 
 def _procedure(

@@ -1,7 +1,7 @@
 """The parameters of a `solution/1` or `calibration/1` document one by one, by name, and as people read them."""
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import reduce
 from math import hypot
 from operator import getitem
@@ -9,6 +9,7 @@ from typing import Any
 
 from procedures.frames import AXES, TRIADS
 from procedures.units import ARCSEC_PER_RAD, UG_PER_G
+from station.results.result_formats import IS_KEY
 from station.text import decimals
 
 APPLIED = ("scale_factor", "misalignment", "bias")  # what a calibration/1 holds of a triad
@@ -18,10 +19,39 @@ _SMALL_ANGLES = ("misalignment",)  # dimensionless in files, small angles to peo
 
 
 @dataclass(frozen=True, slots=True)
+class ParameterKind:
+    """A kind of a triad's parameters: its field in files, symbol, name, how it was estimated, a remark."""
+
+    field: str
+    symbol: str
+    name: str
+    method: str = ""
+    remark: str = ""
+
+    @property
+    def heading(self) -> str:
+        """Name and symbol, as a table has them."""
+        return f"{self.name.capitalize()} {self.symbol}{self.method}"
+
+
+_TEXTBOOK = "for comparison, Yao, Hu, He 2018, {}; its u includes counting noise only"
+KINDS = (
+    ParameterKind("scale_factor", "K", "scale factor"),
+    ParameterKind(
+        "misalignment", "E", "misalignment", "",
+        "off-diagonal, as an angle; first index sensor, second body axis",
+    ),
+    ParameterKind("bias", "D", "bias"),
+    ParameterKind("bias_12_position", "D", "bias", ", 12 positions", _TEXTBOOK.format("eq. 8")),
+    ParameterKind("bias_two_direction", "D", "bias", ", two directions", _TEXTBOOK.format("eq. 9\u201311")),
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
 class Parameter:
     """A value and its standard uncertainty (None where it has none) in ``unit``, both as in the document."""
 
-    name: str
+    name: str = field(metadata=IS_KEY)
     value: float
     std: float | None
     unit: str
@@ -79,6 +109,13 @@ def shown_sigma(parameter: Parameter) -> str:
     return "" if parameter.std is None else shown(parameter, parameter.std)[0]
 
 
+def shown_shift(change: Parameter) -> str:
+    """Return a change with its sign, +- its sigma if it has one, and its unit."""
+    text, unit = shown(change)
+    std = "" if change.std is None else f" +- {shown_sigma(change)}"
+    return f"{text if text.startswith('-') else '+' + text}{std} {unit}"
+
+
 @dataclass(frozen=True, slots=True)
 class ParameterShift:
     """By how much a parameter changed between two calibrations, and that over their combined uncertainty u."""
@@ -131,8 +168,8 @@ _ESTIMATES = (  # part and field of a document, what its parameters' names begin
 
 
 def _estimates(document: Mapping[str, Any]) -> Iterator[Parameter]:
-    for part, field, name, places in _ESTIMATES:
-        if found := document.get(part, {}).get(field):
+    for part, estimate, name, places in _ESTIMATES:
+        if found := document.get(part, {}).get(estimate):
             for end, place in places.items():
                 value, std = (reduce(getitem, place, found[key]) for key in ("value", "std"))
                 yield Parameter(f"{name}.{end}", value, std, found["unit"])
@@ -140,6 +177,6 @@ def _estimates(document: Mapping[str, Any]) -> Iterator[Parameter]:
 
 def _residual(document: Mapping[str, Any]) -> Iterator[Parameter]:
     found = document.get("residual", {})
-    for field, unit in (("accelerometer_rms_g", "g"), ("gyroscope_rms_deg_h", "deg/h"), ("p_value", "1")):
-        if field in found:
-            yield Parameter(f"residual.{field}", found[field], None, unit)
+    for key, unit in (("accelerometer_rms_g", "g"), ("gyroscope_rms_deg_h", "deg/h"), ("p_value", "1")):
+        if key in found:
+            yield Parameter(f"residual.{key}", found[key], None, unit)

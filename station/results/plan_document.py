@@ -1,11 +1,11 @@
-"""A planned campaign as `planned/1` and as text: minutes, steps, each sigma with the wanted and the usual.
+"""A planned campaign, as `planned/1` and as text: minutes, steps, each sigma with the wanted and the usual.
 
 Of a campaign in progress: its placements as a design has them, and what comes next in words.
 """
 
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -24,75 +24,138 @@ from station.files.campaign_folder.campaign_reading import read_campaign
 from station.results.parameters_by_name import title_of
 from station.text import significant, table_lines
 
-FORMAT = "planned/1"
-PPM = "ppm"
+SHOWN = {"g": (UG_PER_G, "ug"), "1": (ARCSEC_PER_RAD, "arcsec")}
+DIGITS = 3
 
 
-def plan_document(
-    found: PlannedCampaign, asked: WantedSigmas, sigmas: DesignSigmas, stated: dict[str, str]
-) -> dict[str, Any]:
-    """Return a plan; ``stated`` has where noise and hands' times are from, in words.
+@dataclass(frozen=True, slots=True)
+class PlannedStep:
+    """A dwell in an attitude, which x, y and z point where, or a turn with its name; how long it takes."""
 
-    Scale factors are in ppm, the rest as files have it.
+    kind: Literal["dwell", "turn"]
+    axes: str | None
+    up: str | None
+    name: str | None
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedSigma:
+    """A parameter's standard uncertainty: ``wanted``, by the plan and by the usual one; None where there is none.
+
+    Of a scale factor in ppm, else in the unit of files.
     """
+
+    parameter: str
+    unit: str
+    wanted: float | None
+    plan: float | None
+    usual: float | None
+
+    @property
+    def is_missed(self) -> bool:
+        """Whether it is above what is wanted."""
+        return self.wanted is not None and (self.plan is None or self.plan > self.wanted)
+
+    @property
+    def is_given_up(self) -> bool:
+        """Whether nobody asked for it, and the plan leaves it worse than `TIMES_USUAL` usual ones."""
+        if self.wanted is not None or self.usual is None or self.parameter.startswith(FOLLOWS_GRAVITY):
+            return False
+        return self.plan is None or self.plan > TIMES_USUAL * self.usual
+
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """Name, what is wanted, plan and usual as people read them, and the unit."""
+        times, unit = SHOWN.get(self.unit, (1.0, self.unit))
+        numbers = (
+            "-" if one is None else significant(times * one, DIGITS)
+            for one in (self.wanted, self.plan, self.usual)
+        )
+        return (title_of(self.parameter), *numbers, unit)
+
+
+FOLLOWS_GRAVITY = "accelerometer.scale_factor"  # the site's: no plan changes it
+
+
+@dataclass(frozen=True, slots=True)
+class Identified:
+    """Whether a diagnosis would detect an error term of plausible size, and which others look like it."""
+
+    is_told: bool
+    not_apart: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return ", or ".join(["yes", *map(title_of, self.not_apart)]) if self.is_told else "no"
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedDiagnosis:
+    """An error term of the instrument, and how far a plan and the usual one identify it; None: not at all."""
+
+    effect: str
+    plan: Identified | None
+    usual: Identified | None
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """A planned campaign; its fields are the keys of `planned/1`. ``noise`` and ``hands_s`` have their source."""
+
+    format: str
+    minutes: float
+    usual_minutes: float
+    steps: tuple[PlannedStep, ...]
+    effects: tuple[PlannedDiagnosis, ...]
+    sigmas: tuple[PlannedSigma, ...]
+    noise: dict[str, Any]
+    hands_s: dict[str, Any]
+
+    @property
+    def is_met(self) -> bool:
+        """Whether all is met that is wanted."""
+        return not any(one.is_missed for one in self.sigmas)
+
+
+def plan_of(found: PlannedCampaign, asked: WantedSigmas, sigmas: DesignSigmas, stated: dict[str, str]) -> Plan:
+    """Return a plan; ``stated`` has where noise and hands' times are from, in words."""
     hands, usual = sigmas.steps.hands, usual_design()
-    return {
-        "format": FORMAT,
-        "minutes": round(found.design.minutes(hands), 2),
-        "usual_minutes": round(usual.minutes(hands), 2),
-        "steps": [_step(at, sigmas) for at in found.design.placements],
-        "effects": effect_table(sigmas, found.design),
-        "sigmas": sigma_table(found.sigmas, asked, sigmas.of(usual)),
-        "noise": noise_table(sigmas.steps.noise) | {"source": stated["noise"]},
-        "hands_s": asdict(hands) | {"source": stated["hands"]},
-    }
+    return Plan(
+        format="planned/1",
+        minutes=round(found.design.minutes(hands), 2),
+        usual_minutes=round(usual.minutes(hands), 2),
+        steps=tuple(_step(at, sigmas) for at in found.design.placements),
+        effects=_diagnoses(sigmas, found.design),
+        sigmas=_sigmas(found.sigmas, asked, sigmas.of(usual)),
+        noise=noise_table(sigmas.steps.noise) | {"source": stated["noise"]},
+        hands_s=asdict(hands) | {"source": stated["hands"]},
+    )
 
 
-def sigma_table(found: FloatArray, asked: WantedSigmas, usual: FloatArray) -> list[dict[str, Any]]:
-    """Return a row for each parameter that a plan can do something about, of sigmas ``found``, ``usual`` (30,)."""
+def _sigmas(found: FloatArray, asked: WantedSigmas, usual: FloatArray) -> tuple[PlannedSigma, ...]:
+    """Return each parameter that a plan can do something about, of sigmas ``found``, ``usual`` (30,)."""
     rows = []
     for i, name in enumerate(NAMES):
-        if IN_PLACE[i]:
-            continue
-        is_scale = ".scale_factor." in name
-        times, unit = (PPM_PER_ONE, PPM) if is_scale else (1.0, UNITS[name][0])
-        row: dict[str, Any] = {"parameter": name, "unit": unit}
-        values = {"wanted": asked.sigma[i], "plan": found[i], "usual": usual[i]}
-        rows.append(row | {key: float(times * value) for key, value in values.items() if np.isfinite(value)})
-    return rows
+        if not IN_PLACE[i]:
+            times, unit = _planned_unit(name)
+            values = (asked.sigma[i], found[i], usual[i])
+            rows.append(
+                PlannedSigma(name, unit, *(float(times * one) if np.isfinite(one) else None for one in values))
+            )
+    return tuple(rows)
 
 
-def effect_table(sigmas: DesignSigmas, design: CampaignDesign) -> list[dict[str, Any]]:
+def _planned_unit(name: str) -> tuple[float, str]:
+    return (PPM_PER_ONE, "ppm") if ".scale_factor" in name else (1.0, UNITS[name][0])
+
+
+def _diagnoses(sigmas: DesignSigmas, design: CampaignDesign) -> tuple[PlannedDiagnosis, ...]:
     """Return which effects of the instrument a diagnosis identifies by a design and by the usual one, moves in."""
-    identified = [
-        {one.name: one for one in identifiable_effects(sigmas, each)}
+    plan, usual = (
+        {one.name: Identified(one.is_identified, one.not_apart) for one in identifiable_effects(sigmas, each)}
         for each in (design, usual_design(moves=True))
-    ]
-    return [
-        {"effect": name}
-        | {
-            key: {"is_told": one.is_identified, "not_apart": list(one.not_apart)}
-            for key, of in zip(("plan", "usual"), identified, strict=True)
-            if (one := of.get(name)) is not None
-        }
-        for name in dict.fromkeys(name for of in identified for name in of)
-    ]
-
-
-def not_met(document: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return the rows of a plan's sigmas that are above what is wanted."""
-    return [row for row in document["sigmas"] if row.get("plan", np.inf) > row.get("wanted", np.inf)]
-
-
-def given_up(document: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return the rows that nobody asked for and that a plan leaves worse than `TIMES_USUAL` usual sigmas."""
-    return [
-        row
-        for row in document["sigmas"]
-        if "wanted" not in row
-        and not row["parameter"].startswith("accelerometer.scale_factor")  # follows the site's gravity
-        and row.get("plan", np.inf) > TIMES_USUAL * row.get("usual", np.inf)
-    ]
+    )
+    return tuple(PlannedDiagnosis(name, plan.get(name), usual.get(name)) for name in plan | usual)
 
 
 def noise_table(noise: UnitNoise) -> dict[str, Any]:
@@ -104,77 +167,50 @@ def noise_table(noise: UnitNoise) -> dict[str, Any]:
     }
 
 
-def _step(at: Placement, sigmas: DesignSigmas) -> dict[str, Any]:
+def _step(at: Placement, sigmas: DesignSigmas) -> PlannedStep:
     if at.turn is not None:
         step = CampaignDesign((at,)).steps()[0]
-        return {"kind": "turn", "name": step.name, "seconds": sigmas.steps.hands.turn}
-    axes = ATTITUDES[at.position - 1]
-    return {"kind": "dwell", "axes": axes, "up": face_of(at.position), "seconds": at.seconds}
+        return PlannedStep("turn", None, None, step.name, sigmas.steps.hands.turn)
+    return PlannedStep("dwell", ATTITUDES[at.position - 1], face_of(at.position), None, at.seconds)
 
 
-SHOWN = {"g": (UG_PER_G, "ug"), "1": (ARCSEC_PER_RAD, "arcsec")}
-DIGITS = 3
-
-
-def plan_text(document: dict[str, Any]) -> str:
-    """Return a summary of a `planned/1` document: minutes, steps, sigmas, what is out of reach."""
-    dwells = [step for step in document["steps"] if step["kind"] == "dwell"]
-    turns = len(document["steps"]) - len(dwells)
+def plan_text(plan: Plan) -> str:
+    """Return a summary: minutes, steps, sigmas, what is out of reach."""
+    turns = sum(step.kind == "turn" for step in plan.steps)
+    steps = [
+        (str(number), step.axes or step.name or "", (step.up or "").replace("_", " "), f"{step.seconds:.0f} s")
+        for number, step in enumerate(plan.steps, 1)
+    ]
+    effects = [(title_of(row.effect), str(row.plan or "no"), str(row.usual or "no")) for row in plan.effects]
     lines = [
-        f"{document['minutes']:.1f} min: {len(dwells)} placements, "
-        f"{f'{turns} rotations' if turns else 'no rotations'}; the usual plan takes "
-        f"{document['usual_minutes']:.1f} min",
-        *[f"not reachable: {_missed(row)}" for row in not_met(document)],
-        *[f"less accurate in return: {_lost(row)}" for row in given_up(document)],
+        f"{plan.minutes:.1f} min: {len(plan.steps) - turns} placements, "
+        f"{f'{turns} rotations' if turns else 'no rotations'}; the usual plan takes {plan.usual_minutes:.1f} min",
+        *[f"not reachable: {_missed(*row.cells)}" for row in plan.sigmas if row.is_missed],
+        *[f"less accurate in return: {_lost(*row.cells)}" for row in plan.sigmas if row.is_given_up],
         "",
-        *_step_lines(document["steps"]),
+        *table_lines(steps, "><<>", ("", "x y z point", "", "for")),
         "",
-        *table_lines([_row(row) for row in document["sigmas"]], "<>>><", ("u of", "target", "plan", "usual", "")),
+        *table_lines([row.cells for row in plan.sigmas], "<>>><", ("u of", "target", "plan", "usual", "")),
         "",
-        *table_lines([_effect(row) for row in document["effects"]], "<<<", ("diagnosis of", "plan", "usual")),
+        *table_lines(effects, "<<<", ("diagnosis of", "plan", "usual")),
         "",
-        f"noise: {document['noise']['source']}",
-        f"hands: {document['hands_s']['source']}",
+        f"noise: {plan.noise['source']}",
+        f"hands: {plan.hands_s['source']}",
     ]
     return "\n".join(lines)
 
 
-def _step_lines(steps: list[dict[str, Any]]) -> list[str]:
-    rows = []
-    for number, step in enumerate(steps, 1):
-        up = step.get("up", "").replace("_", " ")
-        rows.append((str(number), step.get("axes") or step["name"], up, f"{step['seconds']:.0f} s"))
-    return table_lines(rows, "><<>", ("", "x y z point", "", "for"))
-
-
-def _row(row: dict[str, Any]) -> tuple[str, ...]:
-    times, unit = SHOWN.get(row["unit"], (1.0, row["unit"]))
-    numbers = [significant(times * row[key], DIGITS) if key in row else "-" for key in ("wanted", "plan", "usual")]
-    return (title_of(row["parameter"]), *numbers, unit)
-
-
-def _effect(row: dict[str, Any]) -> tuple[str, ...]:
-    return row["effect"], *(_identified(row.get(key)) for key in ("plan", "usual"))
-
-
-def _identified(identified: dict[str, Any] | None) -> str:
-    if identified is None or not identified["is_told"]:
-        return "no"
-    return f"yes, or {', or '.join(identified['not_apart'])}" if identified["not_apart"] else "yes"
-
-
-def _missed(row: dict[str, Any]) -> str:
-    name, wanted, plan, _, unit = _row(row)
+def _missed(name: str, wanted: str, plan: str, _: str, unit: str) -> str:
     return f"{name} {wanted} {unit}; best possible {plan if plan != '-' else 'nothing'} {unit}"
 
 
-def _lost(row: dict[str, Any]) -> str:
-    name, _, plan, usual, unit = _row(row)
+def _lost(name: str, _: str, plan: str, usual: str, unit: str) -> str:
     return f"{name} {plan if plan != '-' else 'open'} {unit}, usually {usual}"
 
 
 MOST_DIGITS = 6  # of two numbers that are nearly the same
 NO_ATTITUDE_LEFT = "all attitudes are recorded, and the targets cannot be reached: solve with the steps done"
+ALL_MET = "all targets are met"
 
 
 @dataclass(frozen=True, slots=True)
@@ -217,40 +253,42 @@ def _seconds(dwell: DwellRecord) -> float:
 
 
 def continued_text(found: NextPlacement, asked: WantedSigmas, whole: WantedSigmas) -> str:
-    """Return how far each asked sigma is, how long it will take, and the next placement.
+    """Return how far each asked sigma is, how long it will take, and the next placement; see `sigmas_so_far`."""
+    lines = [one.text for one in sigmas_so_far(found.sigmas, asked, whole)] + [time_left(found)]
+    if found.placing is not None:
+        axes, up = ATTITUDES[found.placing.position - 1], face_of(found.placing.position).replace("_", " ")
+        lines.append(f"next: {axes}, {up}, for {found.placing.seconds:.0f} s")
+    return "\n".join(lines)
 
-    ``whole`` is what is asked, and all else as well as it is to be solved: reported where it alone is not met.
-    """
-    so_far, worst = sigmas_so_far(found.sigmas, asked), float(whole.worst(found.sigmas))
-    lines = [one.text for one in so_far]
-    if worst > 1 and all(one.ratio <= 1 for one in so_far):
-        lines.append(all_else(worst))
-    if not found.is_reachable and found.placing is None:
-        return "\n".join([*lines, NO_ATTITUDE_LEFT])
-    if not found.is_reachable:
-        lines.append("the targets cannot be reached with the remaining placements")
-    elif found.placing is not None:
-        lines.append(f"about {np.ceil(found.seconds / S_PER_MIN):.0f} min left")
+
+def time_left(found: NextPlacement) -> str:
+    """Return how long a campaign still takes, or why it ends."""
     if found.placing is None:
-        return "\n".join([*lines, "all targets are met: stop, or continue"])
-    axes, up = ATTITUDES[found.placing.position - 1], face_of(found.placing.position).replace("_", " ")
-    return "\n".join([*lines, f"next: {axes}, {up}, for {found.placing.seconds:.0f} s"])
+        return ALL_MET if found.is_reachable else NO_ATTITUDE_LEFT
+    if not found.is_reachable:
+        return "the targets cannot be reached with the remaining placements"
+    return f"about {np.ceil(found.seconds / S_PER_MIN):.0f} min left"
 
 
-def sigmas_so_far(sigmas: FloatArray, asked: WantedSigmas) -> list[SigmaSoFar]:
-    """Return every asked triad and kind by its worst axis, of ``sigmas`` (30,)."""
-    ratios, worst = asked.ratios(sigmas), dict[str, int]()
+def sigmas_so_far(sigmas: FloatArray, asked: WantedSigmas, whole: WantedSigmas) -> list[SigmaSoFar]:
+    """Return every asked triad and kind by its worst axis, of ``sigmas`` (30,).
+
+    ``whole`` is what is asked, and all else as well as it is to be solved: it stands last if it alone is not met.
+    """
+    ratios, at = asked.ratios(sigmas), dict[str, int]()
     for i, name in enumerate(NAMES):
         if np.isfinite(asked.sigma[i]):
             kind = name.rpartition(".")[0]
-            worst[kind] = max(worst.get(kind, i), i, key=lambda j: float(ratios[j]))
-    return [_so_far(kind, NAMES[i], float(sigmas[i]), float(asked.sigma[i])) for kind, i in worst.items()]
+            at[kind] = max(at.get(kind, i), i, key=lambda j: float(ratios[j]))
+    found = [_so_far(kind, NAMES[i], float(sigmas[i]), float(asked.sigma[i])) for kind, i in at.items()]
+    worst = float(whole.worst(sigmas))
+    is_rest_alone = worst > 1 and all(one.ratio <= 1 for one in found)
+    return [*found, SigmaSoFar(_all_else(worst), worst)] if is_rest_alone else found
 
 
 def _so_far(kind: str, name: str, now: float, wanted: float) -> SigmaSoFar:
-    times, unit = (
-        (PPM_PER_ONE, "ppm") if ".scale_factor" in name else SHOWN.get(UNITS[name][0], (1.0, UNITS[name][0]))
-    )
+    times, unit = _planned_unit(name)
+    times, unit = SHOWN.get(unit, (times, unit))
     if not np.isfinite(now):
         text = f"{title_of(kind)} not yet known, target {significant(times * wanted, DIGITS)} {unit}"
     else:
@@ -267,7 +305,7 @@ def apart(now: float, wanted: float) -> tuple[str, str]:
     return significant(now, MOST_DIGITS), significant(wanted, MOST_DIGITS)
 
 
-def all_else(ratio: float) -> str:
+def _all_else(ratio: float) -> str:
     """Say how far that is which nobody limits, its worst sigma over `TIMES_USUAL` usual ones."""
     if not np.isfinite(ratio):
         return f"other parameters not yet known, target {TIMES_USUAL:g} times the usual uncertainty"

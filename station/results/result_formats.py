@@ -4,7 +4,22 @@
 A key whose value is not known is absent, never zero. Readers should ignore keys that they do not know.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, is_dataclass
+from types import MappingProxyType
+from typing import Any
+
+IS_KEY = MappingProxyType({"is_key": True})  # metadata of a field that is the key under which its value stands
+
+
+def document_of(result: Any) -> Any:
+    """Return a typed result as JSON has it: its fields by name, without those that are None or `IS_KEY`."""
+    if is_dataclass(result):
+        found = ((one.name, getattr(result, one.name)) for one in fields(result) if one.metadata != IS_KEY)
+        return {name: document_of(one) for name, one in found if one is not None}
+    if isinstance(result, Mapping):
+        return {key: document_of(one) for key, one in result.items()}
+    return [document_of(one) for one in result] if isinstance(result, list | tuple) else result
 
 
 @dataclass(frozen=True, slots=True)

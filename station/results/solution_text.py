@@ -1,13 +1,16 @@
 """A `solution/1` document as text to read: every value with its standard uncertainty and unit."""
 
 from collections.abc import Mapping, Sequence
+from itertools import groupby
 from math import floor, log10
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
 
 from procedures.frames import AXES
-from procedures.units import RAD_PER_ARCSEC
+from procedures.units import ARCSEC_PER_RAD
+from station.results.parameters_by_name import KINDS, Parameter, parameters
 from station.text import plural, unit_in_words
 
 TOO_LONG = 1e12  # to be read digit by digit
@@ -25,7 +28,7 @@ def solution_text(document: Mapping[str, Any]) -> str:
     lines += [USED_HOW] if "accelerometer" in document or "gyroscope" in document else []
     lines += triad_lines(document)
     lines += [line for effect in document.get("effects", ()) for line in effect_lines(effect)]
-    lines += _tilt(document) + _parallelism(document) + _residual(document.get("residual", {}))
+    lines += _bench(document) + _residual(document.get("residual", {}))
     for key, title in (
         ("not_observable", "not observable"),
         ("warnings", "warning"),
@@ -57,14 +60,13 @@ def measured(value: float, std: float, unit: str = "") -> str:
 def _triad(name: str, part: Mapping[str, Any] | None, unseen: Sequence[str]) -> list[str]:
     if part is None:
         return [f"{name}: {NOT_SOLVED}"]
-    lines = [name]
-    for key, title in (
-        ("scale_factor", "scale factor"),
-        ("bias", "bias"),
-        ("bias_12_position", "bias, 12 positions"),
-        ("bias_two_direction", "bias, two directions"),
-    ):
-        lines += _vector(title, part.get(key))
+    vectors = {field: one for field, one in part.items() if field != "misalignment"}
+    titles = {kind.field: kind.name + kind.method for kind in KINDS}
+    rows = [
+        (titles[one.name.split(".")[1]], one.name[-1], _measured(one))
+        for one in parameters({name: vectors}).values()
+    ]
+    lines = [name, *(f"  {title:<21} {axis}  {text}" for title, axis, text in rows)]
     if misalignment := part.get("misalignment"):
         lines.append("  misalignment minus identity, row = sensor [1e-6]")
         excess = np.array(misalignment["value"]) - np.eye(3)
@@ -80,11 +82,8 @@ def _triad(name: str, part: Mapping[str, Any] | None, unseen: Sequence[str]) -> 
     return lines
 
 
-def _vector(title: str, estimate: Mapping[str, Any] | None) -> list[str]:
-    if estimate is None:
-        return []
-    rows = zip(AXES, estimate["value"], estimate["std"], strict=True)
-    return [f"  {title:<21} {axis}  {measured(value, std, estimate['unit'])}" for axis, value, std in rows]
+def _measured(one: Parameter, scale: float = 1.0, unit: str | None = None) -> str:
+    return measured(scale * one.value, scale * (one.std or 0.0), one.unit if unit is None else unit)
 
 
 def effect_lines(effect: Mapping[str, Any]) -> list[str]:
@@ -98,28 +97,21 @@ def effect_lines(effect: Mapping[str, Any]) -> list[str]:
     return [f"{effect['name']}{short}", *rows]
 
 
-def _tilt(document: Mapping[str, Any]) -> list[str]:
-    if "slab" not in document:
-        return []
-    tilt = document["slab"]["tilt_rad"]
-    east, north = _in_arcsec(tilt["value"], tilt["std"])
-    return [f"surface plate tilt      east {east} arcsec, north {north} arcsec"]
-
-
-def _parallelism(document: Mapping[str, Any]) -> list[str]:
-    if "fixture" not in document:
-        return []
-    both = document["fixture"]["parallelism_rad"]
-    lines = ["parallelism of the cube's faces, sum of a pair [arcsec]"]
-    for pair, values, stds in zip(AXES, both["value"], both["std"], strict=True):
-        others = [axis for axis in AXES if axis != pair]
-        row = [f"{axis} {text}" for axis, text in zip(others, _in_arcsec(values, stds), strict=True)]
-        lines.append(f"    {pair} faces: along {', along '.join(row)}")
+def _bench(document: Mapping[str, Any]) -> list[str]:
+    """Return the tilt of the surface plate and the parallelism of the cube's faces, in arcsec."""
+    found = parameters(document)
+    in_arcsec = {name: _measured(one, ARCSEC_PER_RAD, "") for name, one in found.items() if one.unit == "rad"}
+    tilt = [
+        f"{name.removeprefix('slab.tilt.')} {text} arcsec"
+        for name, text in in_arcsec.items()
+        if name.startswith("slab.tilt.")
+    ]
+    lines = [f"surface plate tilt      {', '.join(tilt)}"] if tilt else []
+    faces = [(*name.split(".")[2:], text) for name, text in in_arcsec.items() if name.startswith("fixture.")]
+    lines += ["parallelism of the cube's faces, sum of a pair [arcsec]"] if faces else []
+    for pair, group in groupby(faces, itemgetter(0)):
+        lines.append(f"    {pair} faces: {', '.join(f'along {axis} {text}' for _, axis, text in group)}")
     return lines
-
-
-def _in_arcsec(values: Sequence[float], stds: Sequence[float]) -> list[str]:
-    return [measured(v / RAD_PER_ARCSEC, s / RAD_PER_ARCSEC) for v, s in zip(values, stds, strict=True)]
 
 
 def _residual(residual: Mapping[str, Any]) -> list[str]:

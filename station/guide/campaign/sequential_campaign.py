@@ -24,7 +24,7 @@ from procedures.planning.campaign_design import TURNS, CampaignDesign, HandTimes
 from procedures.planning.design_sigmas import NAMES, DesignSigmas, wanted, with_all_solved
 from procedures.planning.least_time import NextPlacement, is_enough, next_placement
 from procedures.planning.step_information import StepInformation, UnitNoise
-from procedures.units import RAD_PER_DEG, S_PER_MIN
+from procedures.units import RAD_PER_DEG
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import ProcedureTable, SiteTable
 from station.files.campaign_folder.plan_file import NAMES as NOTES
@@ -33,7 +33,7 @@ from station.guide.campaign.accepted_steps import NO_ACCEPTED_STEPS, AcceptedDwe
 from station.guide.campaign.campaign_tables import bench_of
 from station.guide.options import TargetUncertainties
 from station.guide.view import LimitView
-from station.results.plan_document import NO_ATTITUDE_LEFT, SigmaSoFar, all_else, sigmas_so_far
+from station.results.plan_document import ALL_MET, SigmaSoFar, sigmas_so_far, time_left
 from station.results.plan_inputs import (
     hand_times,
     last_values,
@@ -74,7 +74,6 @@ def measured_noise(
 
 LEAST_FACTOR, MOST_FACTOR = 0.5, 3.0  # by which white noise may differ from what was known: more is no noise
 NUMBERS = {(step.axis, step.direction): i for i, step in enumerate(TURNS)}
-MET = "all targets are met"
 FIRST_POSITION = 1  # of a unit whose noise is not known
 NOT_KNOWN = f"the noise of this unit is unknown: it is measured for {NOISE_S:.0f} s at rest, then the plan is made"
 
@@ -169,10 +168,9 @@ class SequentialCampaign:
             return NOT_KNOWN
         found = self._next
         if found is None or found.placing is None:
-            return MET if found is None or found.is_reachable else NO_ATTITUDE_LEFT
+            return ALL_MET if found is None else time_left(found)
         far = ", ".join(one.text for one in self._views(CampaignDesign(tuple(self._placings))))
-        left = f"about {np.ceil(found.seconds / S_PER_MIN):.0f} min left"
-        return f"{far}, {left if found.is_reachable else 'not reachable with the remaining placements'}"
+        return f"{far}, {time_left(found)}"
 
     def limits(self, step: Step | None, seconds: float, *, is_carried: bool) -> tuple[LimitView, ...]:
         """Return how far each sigma is, with a dwell under way that was accepted for so long [s]."""
@@ -195,9 +193,7 @@ class SequentialCampaign:
 
     def _views(self, design: CampaignDesign) -> tuple[LimitView, ...]:
         found = self._sigmas.of(design) if design.placements else np.full(len(self._asked.sigma), np.inf)
-        shown = tuple(_view(each) for each in sigmas_so_far(found, self._asked))
-        worst = float(self._wanted.worst(found))
-        return (*shown, _all_else(worst)) if worst > 1 and all(one.share >= 1 for one in shown) else shown
+        return tuple(_view(each) for each in sigmas_so_far(found, self._asked, self._wanted))
 
     def _ratios(self, dwell: AcceptedDwell, seconds: float) -> tuple[float, float]:
         """Return by what factor the variances of both triads' rates are above those that were known."""
@@ -231,11 +227,6 @@ def _placing(step: Step, seconds: float, *, is_carried: bool) -> Placement | Non
     if isinstance(step, Turn):
         return Placement(step.start_position, 0.0, NUMBERS[step.axis, step.direction], is_carried)
     return Placement(step.position, seconds, None, is_carried) if isinstance(step, Dwell) else None
-
-
-def _all_else(ratio: float) -> LimitView:
-    """Return how far that is which nobody limits: `TIMES_USUAL` sigmas of the usual campaign are enough."""
-    return LimitView(text=all_else(ratio), share=1 / ratio**2)
 
 
 def _view(each: SigmaSoFar) -> LimitView:

@@ -58,7 +58,7 @@ def verdict_view(results: "CampaignResults", database: Database) -> Verdict:
         change=change_in_words(moved, previous),
         diagnosis=verdict_sentence(results.diagnosis),
         diagnosis_text=diagnosis_text(results.diagnosis),
-        rows=verdict_rows(found, results.outcome, moved, results.context.budgets),
+        rows=verdict_rows(found, results.outcome, moved, results.budgets),
         warnings=tuple(gap_in_words(warning, left_out) for warning in warnings_of(results.document)),
         redo=_to_redo(results),
         report=str(results.report_file),

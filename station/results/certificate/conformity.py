@@ -24,7 +24,7 @@ from math import hypot
 from typing import Any
 
 from fixtures_db.imu_models import Limit
-from station.results.certificate.printed_results import MeasuredParameter, measured, to_two_digits
+from station.results.certificate.printed_results import MeasuredParameter, measured, printed_column
 from station.results.parameters_by_name import applied, parameters, printed_scale, title_of
 from station.results.verdict import LimitVerdict, VerdictWord, judge, verdict_in_words
 from station.text import MINUS, aligned, decimals, fixed
@@ -219,17 +219,10 @@ class AsFound:
     @property
     def rows(self) -> list[tuple[str, str, str, str, str, str, bool]]:
         """Printed lines: parameter, applied, error, U, unit, how many sigmas that is, whether within U."""
-        shown = [printed_scale(one.name, one.unit) for one in self.shifts]
-        by = [one.expanded * scale for one, (scale, _) in zip(self.shifts, shown, strict=True)]
-        columns = (
-            to_two_digits(
-                [getattr(one, what) * scale for one, (scale, _) in zip(self.shifts, shown, strict=True)], by
-            )
-            for what in ("applied", "error", "expanded")
-        )
+        columns = (printed_column(self.shifts, what, "expanded") for what in ("applied", "error", "expanded"))
         return [
-            (title_of(one.name), *cells, unit, f"{sigmas(one):.1f}", one.is_within)
-            for one, (_, unit), *cells in zip(self.shifts, shown, *columns, strict=True)
+            (title_of(one.name), *cells, printed_scale(one.name, one.unit)[1], f"{sigmas(one):.1f}", one.is_within)
+            for one, *cells in zip(self.shifts, *columns, strict=True)
         ]
 
 

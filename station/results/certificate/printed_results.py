@@ -5,27 +5,16 @@ docs/explanation/uncertainty.md explains how each source is found.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from procedures.frames import TRIADS
-from station.results.parameters_by_name import applied, parameters, printed_scale
+from procedures.uncertainty import sources
+from station.results.parameters_by_name import KINDS, ParameterKind, applied, parameters, printed_scale
 from station.text import aligned, decimals, fixed
 
-if TYPE_CHECKING:
-    from procedures.uncertainty.budget import ParameterBudget
-from collections.abc import Iterable
-
-from procedures.uncertainty import sources
-
 INFINITE = "\u221e"
-SYMBOLS = {"scale_factor": "K", "misalignment": "E", "bias": "D"}
-_GROUPS = {
-    "scale_factor": ("Scale factor K", ""),
-    "misalignment": ("Misalignment E", "off-diagonal, as an angle; first index sensor, second body axis"),
-    "bias": ("Bias D", ""),
-}
 MAX_CONTRIBUTIONS = 3  # of a line
 Row = tuple[str, ...]
 
@@ -60,41 +49,35 @@ def measured(document: Mapping[str, Any]) -> dict[str, MeasuredParameter]:
     }  # fmt: skip
 
 
-def result_groups(results: Mapping[str, MeasuredParameter]) -> list[tuple[str, str, str, list[Row]]]:
-    """Return triad, title, remark and rows of the tables of results, triad by triad; u ends a row."""
+def result_groups(results: Mapping[str, MeasuredParameter]) -> list[tuple[str, ParameterKind, list[Row]]]:
+    """Return triad, kind and printed lines of the tables of results, triad by triad.
+
+    A line has symbol, axis, value, U, coverage factor, degrees of freedom, unit, main parts and u.
+    """
     return [
-        (triad, title, remark, _with_sigma(mine, budget_rows(mine, degrees, main_parts)))
+        (triad, kind, _rows(kind, mine))
         for triad in TRIADS
-        for part, (title, remark) in _GROUPS.items()
-        if (mine := [one for name, one in results.items() if name.startswith(f"{triad}.{part}.")])
+        for kind in KINDS
+        if (mine := [one for name, one in results.items() if name.startswith(f"{triad}.{kind.field}.")])
     ]
 
 
-def budget_rows(
-    results: "Sequence[MeasuredParameter | ParameterBudget]",
-    dof_in_words: Callable[[float], str],
-    parts_in_words: Callable[[Any], str],
-) -> list[Row]:
-    """Return printed lines: symbol, axis, value, U, coverage factor, degrees of freedom, unit, main parts."""
-    scaled = [printed_scale(one.name, one.unit) for one in results]
-    expanded = [one.expanded * scale for one, (scale, _) in zip(results, scaled, strict=True)]
-    values = [one.value * scale for one, (scale, _) in zip(results, scaled, strict=True)]
-    columns = (to_two_digits(values, expanded), to_two_digits(expanded, expanded), scaled)
+def _rows(kind: ParameterKind, results: Sequence[MeasuredParameter]) -> list[Row]:
+    columns = (printed_column(results, *pair) for pair in (("value", "expanded"), ("expanded",) * 2, ("std",) * 2))
     return [
-        (SYMBOLS[one.name.split(".")[1]], one.name.rpartition(".")[2], value, U, fixed(one.coverage_factor, 2),
-         dof_in_words(one.dof), unit, parts_in_words(one))
-        for one, value, U, (_, unit) in zip(results, *columns, strict=True)
+        (kind.symbol, one.name.rpartition(".")[2], value, U, fixed(one.coverage_factor, 2), degrees(one.dof),
+         printed_scale(one.name, one.unit)[1], main_parts(one), u)
+        for one, value, U, u in zip(results, *columns, strict=True)
     ]  # fmt: skip
 
 
-def _with_sigma(results: "Sequence[MeasuredParameter]", rows: Sequence[Row]) -> list[Row]:
-    stds = [one.std * printed_scale(one.name, one.unit)[0] for one in results]
-    return [(*row, std) for row, std in zip(rows, to_two_digits(stds, stds), strict=True)]
-
-
-def to_two_digits(values: Sequence[float], by: Sequence[float]) -> list[str]:
-    """Return values to the place of two significant digits of ``by``, their points below each other."""
-    return aligned([fixed(value, decimals(each)) for value, each in zip(values, by, strict=True)])
+def printed_column(results: Sequence[Any], what: str, by: str) -> list[str]:
+    """Return an attribute of results with ``name`` and ``unit`` as printed, to two digits of another, ``by``."""
+    scales = [printed_scale(one.name, one.unit)[0] for one in results]
+    values, sizes = (
+        [getattr(one, which) * scale for one, scale in zip(results, scales, strict=True)] for which in (what, by)
+    )
+    return aligned([fixed(value, decimals(each)) for value, each in zip(values, sizes, strict=True)])
 
 
 def degrees(dof: float) -> str:

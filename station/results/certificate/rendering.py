@@ -6,6 +6,7 @@ Equal certificates give equal HTML. The last line of the PDF, a copy, names the 
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import fields
 from pathlib import Path
 
 from fixtures_db.schema import IssuedCertificateRow
@@ -19,29 +20,17 @@ from station.results.html_templates import html_template
 
 def render(content: CertificateContent) -> str:
     """Return the HTML of what a certificate says."""
-    certificate, document, found = content.certificate, content.document, content.found
+    document, found = content.document, content.found
     return html_template("certificate.html").render(
-        certificate=certificate,
+        {one.name: getattr(content, one.name) for one in fields(content)},
         document=document,
-        lab=certificate.laboratory,
-        procedure=document["procedure"],
-        residual=document.get("residual", {}),
         groups=result_groups(content.results),
         sources=sources_in_words(content.results.values()),
         effects=model_statement.effect_rows(document),
-        found=found,
         conformity_rows=[] if found is None else printed(found.against),
         risks="" if found is None else greatest_risks(found),
-        before=content.before,
-        conditions=conditions(certificate),
-        references=content.references,
-        deviations=content.deviations,
-        diagnosis=content.diagnosis,
-        taken_as_zero=content.taken_as_zero,
+        conditions=conditions(content.certificate),
         taken_as_zero_title=model_statement.TAKEN_AS_ZERO,
-        stated=content.stated,
-        is_timed=content.is_timed,
-        simulated=content.is_simulated,
         minute=minute,
         files=sorted(document["inputs"].items()),
     )

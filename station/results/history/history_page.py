@@ -1,7 +1,8 @@
-"""history/1 or population/1 as one self-contained page, with its charts."""
+"""The history of a unit, or all units of a model, as one self-contained page with charts."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Sequence
 from itertools import groupby
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.dates import AutoDateLocator, ConciseDateFormatter
 from matplotlib.figure import Figure
 
-from station.results.history.population import population_text
+from station.results.history.population import Population, population_text
+from station.results.history.unit_history import ModelHistory, ParameterHistory, UnitHistory
 from station.results.history.unit_history_text import history_text
 from station.results.html_templates import html_template
 from station.results.parameters_by_name import shown_scale, title_of
@@ -22,14 +24,14 @@ FAN_ROOM = 2.0  # times the range of the values, above and below: a wider predic
 VALUE, AHEAD, ALARM, LIMIT = "#0b5fa5", "#8fb4d6", "#a3231b", "#b8480f"
 
 
-def history_svg(kind: str, found: Mapping[str, dict[str, Any]], control: float) -> str:
+def history_svg(kind: str, found: Sequence[ParameterHistory], control: float) -> str:
     """Return the charts of the parameters of one kind (``accelerometer.bias``) as an ``<svg>`` element."""
 
     def draw(figure: Figure) -> None:
         axes = figure.subplots(2 * rows, COLUMNS, squeeze=False, sharex=True, height_ratios=[1.7, 1] * rows)
-        for i, (name, track) in enumerate(found.items()):
+        for i, track in enumerate(found):
             row, column = divmod(i, COLUMNS)
-            draw_values(axes[2 * row, column], name, track)
+            draw_values(axes[2 * row, column], track)
             _control(axes[2 * row + 1, column], track, control)
         for row in range(rows):
             axes[2 * row, 0].set_ylabel("value")
@@ -42,23 +44,21 @@ def history_svg(kind: str, found: Mapping[str, dict[str, Any]], control: float) 
     return draw_svg(kind.replace(".", "-").replace("_", "-"), text, (8.6, 3.7 * rows), draw)
 
 
-def draw_values(axes: Axes, name: str, track: dict[str, Any]) -> None:
+def draw_values(axes: Axes, track: ParameterHistory) -> None:
     """Draw a parameter's values in its own unit for people, with limits and prediction."""
-    scale, unit = shown_scale(name, track["unit"])
-    value, std = (np.array(track[key]) * scale for key in ("value", "std"))
-    when = _days(track["measured_utc"])
+    scale, unit = shown_scale(track.name, track.unit)
+    value, std = np.array(track.value) * scale, np.array(track.std) * scale
+    when = _days(track.measured_utc)
     axes.errorbar(when, value, NORMAL_95 * std, fmt="o", ms=3, lw=0, elinewidth=1, capsize=2, color=VALUE)
-    if "prediction" in track:
+    if track.prediction is not None:
         low, high = axes.get_ylim()
-        fan = track["prediction"]["fan"]
-        ahead = np.array([row[1:] for row in fan]) * scale
-        axes.fill_between(
-            _days([row[0] for row in fan]), ahead[:, 1], ahead[:, 2], color=PALE, edgecolor=AHEAD, lw=0.7
-        )
-        axes.plot(_days([row[0] for row in fan]), ahead[:, 0], "--", color=AHEAD, lw=1)
+        days = _days([row[0] for row in track.prediction.fan])
+        ahead = np.array([row[1:] for row in track.prediction.fan]) * scale
+        axes.fill_between(days, ahead[:, 1], ahead[:, 2], color=PALE, edgecolor=AHEAD, lw=0.7)
+        axes.plot(days, ahead[:, 0], "--", color=AHEAD, lw=1)
         _scale(axes, low, high)
-    _limits(axes, track.get("limits", {}), scale)
-    axes.set_title(f"{name.rpartition('.')[2]} [{unit}]", fontsize=8.5, loc="left")
+    _limits(axes, track.limits or {}, scale)
+    axes.set_title(f"{track.axis} [{unit}]", fontsize=8.5, loc="left")
     axes.ticklabel_format(axis="y", useOffset=False)
     _dates(axes)
 
@@ -79,18 +79,18 @@ def _limits(axes: Axes, ends: dict[str, float], scale: float) -> None:
         axes.annotate("limits beyond", (0.99, 0.02), xycoords="axes fraction", ha="right", fontsize=7, color=LIMIT)
 
 
-def _control(axes: Axes, track: dict[str, Any], control: float) -> None:
+def _control(axes: Axes, track: ParameterHistory, control: float) -> None:
     axes.axhline(0, color=RULE, lw=0.7)
-    if (chart := track.get("chart")) is None:
+    if (chart := track.chart) is None:
         axes.annotate("too few calibrations", (0.5, 0.5), xycoords="axes fraction", ha="center", color=RULE)
         axes.set_yticks([])
     else:
-        when, z = _days(track["measured_utc"])[-len(chart["z"]) :], np.array(chart["z"])
+        when, z = _days(track.measured_utc)[-len(chart.z) :], np.array(chart.z)
         for sign in (-1, 1):
             axes.axhline(sign * control, color=LIMIT, lw=1, ls="--")
-            axes.plot(when, sign * np.array(chart["ewma_limit"]), color=RULE, lw=0.8)
-        alarm = [sha256 in chart["alarms"] for sha256 in track["calibrations"][-len(z) :]]
-        axes.plot(when, chart["ewma"], color=INK, lw=1)
+            axes.plot(when, sign * np.array(chart.ewma_limit), color=RULE, lw=0.8)
+        alarm = [sha256 in chart.alarms for sha256 in track.calibrations[-len(z) :]]
+        axes.plot(when, chart.ewma, color=INK, lw=1)
         axes.scatter(when, z, s=11, c=[ALARM if one else VALUE for one in alarm], marker="o", zorder=3)
     _dates(axes)
 
@@ -115,39 +115,38 @@ MAX_GROUPS_SHOWN = 25
 Rows = list[tuple[str, list[tuple[float, str]]]]
 
 
-def population_svgs(document: dict[str, Any]) -> list[tuple[str, str, str]]:
+def population_svgs(found: Population) -> list[tuple[str, str, str]]:
     """Return heading, remark and ``<svg>`` element of each chart."""
-    units, groups = _units(document), _groups(document)
+    units, groups = _units(found), _groups(found)
     remark = "Newest calibration of each unit, from the median, in units of the spread of all units. Red: outlier."
     charts = [("Units", remark, _svg("units", "units by parameter", units, "distance from the median [spread]"))]
     if groups:
         remark = (
-            f"Shifts in units of their uncertainty, the {len(groups)} least probable of "
-            f"{len(document['groups'])}. Red: outlier. With few units, large values are less significant."
+            f"Shifts in units of their uncertainty, the {len(groups)} least probable of {len(found.groups)}. Red: "
+            "outlier. With few units, large values are less significant."
         )
         svg = _svg("groups", "shifts by group", groups, "shift [its uncertainty]")
         charts.append(("Cubes, surface plates, sites, operators", remark, svg))
     return charts
 
 
-def _units(document: dict[str, Any]) -> Rows:
+def _units(found: Population) -> Rows:
     rows: Rows = []
-    for name, track in document["parameters"].items():
-        off = {one["serial"] for one in track["extremes"] if one["stands_out"]}
+    for name, track in found.parameters.items():
+        off = {one.serial for one in track.extremes if one.stands_out}
         points = [
-            ((one["value"] - track["median"]) / (track.get("spread") or one["std"]),
-             one["serial"] if one["serial"] in off else "")
-            for one in track["units"]
-        ]  # fmt: skip
+            ((one.value - track.median) / (track.spread or one.std), one.serial if one.serial in off else "")
+            for one in track.units
+        ]
         rows.append((title_of(name), points))
     return rows
 
 
-def _groups(document: dict[str, Any]) -> Rows:
+def _groups(found: Population) -> Rows:
     return [
-        (f"{one['kind']} {one['id']}: {title_of(one['parameter'])}",
-         [(one["shift"] / one["std"], one["id"] if one["stands_out"] else "")])
-        for one in document["groups"][:MAX_GROUPS_SHOWN]
+        (f"{one.kind} {one.id}: {title_of(one.parameter)}",
+         [(one.shift / one.std, one.id if one.stands_out else "")])
+        for one in found.groups[:MAX_GROUPS_SHOWN]
     ]  # fmt: skip
 
 
@@ -176,23 +175,23 @@ def _point(axes: Axes, row: int, distance: float, name: str) -> None:
                       ha="right" if x > 0 else "left", va="center")  # fmt: skip
 
 
-def history_page(document: dict[str, Any]) -> str:
-    """Return the page's HTML; equal documents give equal text."""
-    if document["format"] == "history/1":
-        title, text = f"History of {document['serial']}", history_text(document)
-        charts = [chart for one in document["analysis"] for chart in _charts(one)]
-        effects = [row for one in document["calibrations"] for row in _effects(one)]
-    else:
-        title, text = f"All units of {document['model']}", population_text(document)
-        charts, effects = population_svgs(document), []
+def unit_page(history: UnitHistory) -> str:
+    """Return a unit's page; equal histories give equal text."""
+    charts = [chart for one in history.analysis for chart in _charts(one)]
+    effects = [(one.accepted, *effect) for one in history.calibrations for effect in (one.effects or {}).items()]
+    return _page(f"History of {history.serial}", charts, history_text(history), effects)
+
+
+def population_page(found: Population) -> str:
+    """Return the page of all units of a model; equal populations give equal text."""
+    return _page(f"All units of {found.model}", population_svgs(found), population_text(found))
+
+
+def _page(
+    title: str, charts: Sequence[tuple[str, str, str]], text: str, effects: Sequence[tuple[str, str, str]] = ()
+) -> str:
     figures = [(heading, remark, Markup(svg)) for heading, remark, svg in charts]
     return html_template("history.html").render(title=title, charts=figures, effects=effects, text=text)
-
-
-def _effects(calibration: dict[str, Any]) -> list[tuple[str, str, str]]:
-    """Return when it was accepted, name and hash of the file of each effect of a calibration's model."""
-    when = calibration["accepted_utc"][:16].replace("T", " ")
-    return [(when, name, sha256) for name, sha256 in calibration.get("effects", {}).items()]
 
 
 _REMARK = (
@@ -202,13 +201,6 @@ _REMARK = (
 )
 
 
-def _charts(one: dict[str, Any]) -> list[tuple[str, str, str]]:
-    named = groupby(one["parameters"], key=lambda name: name.rpartition(".")[0])
-    return [
-        (
-            f"{one['model']}: {kind.replace('_', ' ').replace('.', ' ')}",
-            _REMARK,
-            history_svg(kind, {name: one["parameters"][name] for name in names}, one["control_limit"]),
-        )
-        for kind, names in named
-    ]
+def _charts(one: ModelHistory) -> Iterator[tuple[str, str, str]]:
+    for kind, tracks in groupby(one.parameters.values(), attrgetter("kind")):
+        yield f"{one.model}: {title_of(kind)}", _REMARK, history_svg(kind, list(tracks), one.control_limit)

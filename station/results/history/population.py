@@ -8,7 +8,7 @@ most.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from operator import attrgetter, itemgetter
 
 import numpy as np
 
@@ -23,8 +23,8 @@ from procedures.statistics.population import (
 )
 from procedures.statistics.significance import holm
 from station.results.history.unit_history import RunParameter, by_parameter, values_and_sigmas
-from station.results.parameters_by_name import shown_scale, title_of
-from station.text import decimals, table_lines
+from station.results.parameters_by_name import Parameter, shown, shown_shift, shown_sigma
+from station.text import table_lines
 
 ALPHA = 0.05
 TEST_FAMILIES = 2
@@ -39,47 +39,108 @@ class GroupTest:
     parameter: str
 
 
-def population_document(model: str, runs: Sequence[Run]) -> dict[str, Any]:
-    """Return population/1 of all runs of a model; recordings that were solved again count once."""
+@dataclass(frozen=True, slots=True)
+class UnitValue:
+    """A unit's newest value, and its sigma."""
+
+    serial: str
+    value: float
+    std: float
+
+
+@dataclass(frozen=True, slots=True)
+class UnitDeviation:
+    """How far a unit is from the others' mean, the sigma of that, its adjusted p, and whether it stands out."""
+
+    shift: float
+    std: float
+    p_adjusted: float
+    serial: str
+    stands_out: bool
+
+
+@dataclass(frozen=True, slots=True)
+class PopulationParameter:
+    """Middle and scatter of a parameter over the units, every value, and the units that may stand out."""
+
+    unit: str
+    median: float
+    spread: float | None
+    units: list[UnitValue]
+    extremes: list[UnitDeviation]
+
+
+@dataclass(frozen=True, slots=True)
+class GroupDeviation:
+    """By how much a group shifts a parameter, the sigma of that, p, and by how many units."""
+
+    kind: str
+    id: str
+    parameter: str
+    unit: str
+    shift: float
+    std: float
+    p_value: float
+    p_adjusted: float
+    units: int
+    stands_out: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Population:
+    """The units of a model; the fields of this and of what it holds are the keys of `population/1`."""
+
+    format: str
+    model: str
+    units: int
+    turn_ons: int
+    false_alarm: float
+    left_out: list[str]
+    parameters: dict[str, PopulationParameter]
+    groups: list[GroupDeviation]
+    cannot_tell: list[str]
+
+
+def population(model: str, runs: Sequence[Run]) -> Population:
+    """Return the population of all runs of a model; recordings that were solved again count once."""
     distinct = turn_ons(runs)
     held, left_out = by_parameter(runs)
     groups, untold = _groups(held)
-    return {
-        "format": "population/1",
-        "model": model,
-        "units": len({run.serial for run in distinct}),
-        "turn_ons": len(distinct),
-        "false_alarm": ALPHA,
-        "left_out": left_out,
-        "parameters": {name: _parameter(one, len(held)) for name, one in held.items()},
-        "groups": groups,
-        "cannot_tell": untold,
-    }
+    return Population(
+        format="population/1",
+        model=model,
+        units=len({run.serial for run in distinct}),
+        turn_ons=len(distinct),
+        false_alarm=ALPHA,
+        left_out=left_out,
+        parameters={name: _parameter(one, len(held)) for name, one in held.items()},
+        groups=groups,
+        cannot_tell=untold,
+    )
 
 
-def _parameter(held: Sequence[RunParameter], tests: int) -> dict[str, Any]:
+def _parameter(held: Sequence[RunParameter], tests: int) -> PopulationParameter:
     newest = {run.serial: one for run, one in held}
     serials = list(newest)
     value, std = values_and_sigmas(list(newest.values()))
     found = judge_fleet(value, std)
     flagged = significant(found.extremes, ALPHA / (TEST_FAMILIES * tests))
-    return {
-        "unit": held[-1][1].unit,
-        "median": found.median,
-        **({} if found.spread is None else {"spread": found.spread}),
-        "units": [
-            {"serial": one, "value": v, "std": s}
-            for one, v, s in zip(serials, value.tolist(), std.tolist(), strict=True)
-        ],
-        "extremes": [
-            {"shift": one.shift, "std": one.std, "p_adjusted": min(1.0, TEST_FAMILIES * tests * one.p_adjusted),
-             "serial": serials[one.unit], "stands_out": one in flagged}
+    return PopulationParameter(
+        held[-1][1].unit,
+        found.median,
+        found.spread,
+        list(map(UnitValue, serials, value.tolist(), std.tolist())),
+        [
+            UnitDeviation(
+                one.shift, one.std, min(1.0, TEST_FAMILIES * tests * one.p_adjusted), serials[one.unit],
+                one in flagged,
+            )
             for one in found.extremes
         ],
-    }  # fmt: skip
+    )  # fmt: skip
 
 
-def _groups(held_of: dict[str, list[RunParameter]]) -> tuple[list[dict[str, Any]], list[str]]:
+def _groups(held_of: dict[str, list[RunParameter]]) -> tuple[list[GroupDeviation], list[str]]:
     every = dict.fromkeys(
         GroupTest(kind, run.made_with[kind], parameter)
         for kind in MADE_WITH
@@ -94,7 +155,7 @@ def _groups(held_of: dict[str, list[RunParameter]]) -> tuple[list[dict[str, Any]
         {(key.kind, key.name) for key in every} - significant, key=lambda one: (MADE_WITH.index(one[0]), one[1])
     )
     rows = [_row(key, one, held_of[key.parameter][-1][1].unit, adjusted[key]) for key, one in found.items()]
-    return sorted(rows, key=lambda row: float(row["p_value"])), [f"{kind} {name}" for kind, name in untold]
+    return sorted(rows, key=attrgetter("p_value")), [f"{kind} {name}" for kind, name in untold]
 
 
 def _without_those_off(
@@ -134,80 +195,69 @@ def _shift(held_of: dict[str, list[RunParameter]], key: GroupTest, without: froz
     )
 
 
-def _row(key: GroupTest, one: GroupShift, unit: str, p_adjusted: float) -> dict[str, Any]:
-    return {
-        "kind": key.kind,
-        "id": key.name,
-        "parameter": key.parameter,
-        "unit": unit,
-        "shift": one.shift,
-        "std": one.std,
-        "p_value": one.p_value,
-        "p_adjusted": p_adjusted,
-        "units": one.units,
-        "stands_out": p_adjusted <= ALPHA,
-    }
+def _row(key: GroupTest, one: GroupShift, unit: str, p_adjusted: float) -> GroupDeviation:
+    return GroupDeviation(
+        key.kind, key.name, key.parameter, unit, one.shift, one.std, one.p_value, p_adjusted, one.units,
+        p_adjusted <= ALPHA,
+    )  # fmt: skip
 
 
 MAX_ROWS_SHOWN = 12  # of those that do not stand out none is shown; of those that do, so many of each kind
 
 
-def population_text(document: dict[str, Any]) -> str:
+def population_text(found: Population) -> str:
     """Return what stands out, then the middle and scatter of every parameter."""
-    head = f"{document['model']}, units: {document['units']}, turn-ons: {document['turn_ons']}"
-    lines = [head, *(f"  left out: {text}" for text in document["left_out"]), ""]
-    lines += _unit_lines(document)
-    lines += _group_lines(document)
-    rows = [_parameter_row(name, one) for name, one in document["parameters"].items()]
-    lines += ["", "over the units' newest calibrations", *table_lines(rows, "<>><", ("", "median", "spread", ""))]
-    lines += [
+    rows = [_parameter_row(name, one) for name, one in found.parameters.items()]
+    lines = [
+        f"{found.model}, units: {found.units}, turn-ons: {found.turn_ons}",
+        *(f"  left out: {text}" for text in found.left_out),
         "",
-        f"Without any real deviation, something is flagged in {100 * document['false_alarm']:g} % of cases at "
-        "most.",
+        *_unit_lines(found),
+        *_group_lines(found),
+        "",
+        "over the units' newest calibrations",
+        *table_lines(rows, "<>><", ("", "median", "spread", "")),
+        "",
+        f"Without any real deviation, something is flagged in {100 * found.false_alarm:g} % of cases at most.",
     ]
     return "\n".join(lines)
 
 
-def _unit_lines(document: dict[str, Any]) -> Iterator[str]:
-    if document["units"] < MIN_UNITS:
-        yield f"units: {document['units']} are too few to find an outlier, {MIN_UNITS} are needed"
+def _unit_lines(found: Population) -> Iterator[str]:
+    if found.units < MIN_UNITS:
+        yield f"units: {found.units} are too few to find an outlier, {MIN_UNITS} are needed"
         return
     rows = [
-        (f"{one['serial']}", name, one, track["unit"])
-        for name, track in document["parameters"].items()
-        for one in track["extremes"]
-        if one["stands_out"]
+        (one.serial, Parameter(name, one.shift, one.std, track.unit), one.p_adjusted)
+        for name, track in found.parameters.items()
+        for one in track.extremes
+        if one.stands_out
     ]
     yield from _listed("units", rows)
 
 
-def _group_lines(document: dict[str, Any]) -> Iterator[str]:
+def _group_lines(found: Population) -> Iterator[str]:
     rows = [
-        (f"{one['kind']} {one['id']}", one["parameter"], one, one["unit"])
-        for one in document["groups"]
-        if one["stands_out"]
+        (f"{one.kind} {one.id}", Parameter(one.parameter, one.shift, one.std, one.unit), one.p_adjusted)
+        for one in found.groups
+        if one.stands_out
     ]
     yield from _listed("cubes, surface plates, sites and operators", rows)
-    if untold := document["cannot_tell"]:
+    if untold := found.cannot_tell:
         yield f"  not determined: {', '.join(untold)}"
         yield f"  (it takes {MIN_UNITS_IN_BOTH} units calibrated with it and without it)"
 
 
-def _listed(what: str, rows: list[tuple[str, str, dict[str, Any], str]]) -> Iterator[str]:
+def _listed(what: str, rows: list[tuple[str, Parameter, float]]) -> Iterator[str]:
     yield f"{what} that differ: {len(rows) or 'none'}"
-    for who, name, one, unit in sorted(rows, key=lambda row: float(row[2]["p_adjusted"]))[:MAX_ROWS_SHOWN]:
-        scale, shown = shown_scale(name, unit)
-        std = one["std"] * scale
-        places = min(max(decimals(std), 0), 7)
-        by = f"{one['shift'] * scale:+.{places}f} +- {std:.{places}f} {shown}"
-        yield f"  {who}: {title_of(name)}"
-        yield f"      {by}, p = {one['p_adjusted']:.1g} adjusted"
+    for who, shift, p_adjusted in sorted(rows, key=itemgetter(2))[:MAX_ROWS_SHOWN]:
+        yield f"  {who}: {shift.title}"
+        yield f"      {shown_shift(shift)}, p = {p_adjusted:.1g} adjusted"
     if len(rows) > MAX_ROWS_SHOWN:
         yield f"  and {len(rows) - MAX_ROWS_SHOWN} more; --json lists all"
 
 
-def _parameter_row(name: str, one: dict[str, Any]) -> tuple[str, str, str, str]:
-    scale, unit = shown_scale(name, one["unit"])
-    spread = one.get("spread", 0.0) * scale
-    places = min(max(decimals(spread or one["units"][0]["std"] * scale), 0), 7)
-    return title_of(name), f"{one['median'] * scale:.{places}f}", f"{spread:.{places}f}" if spread else "-", unit
+def _parameter_row(name: str, one: PopulationParameter) -> tuple[str, str, str, str]:
+    median = Parameter(name, one.median, one.spread or one.units[0].std, one.unit)
+    value, unit = shown(median)
+    return median.title, value, shown_sigma(median) if one.spread else "-", unit

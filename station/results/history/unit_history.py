@@ -1,7 +1,7 @@
 """history/1: every calibration of a unit, its parameters as series, and what they say together."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from fixtures_db.hash_chain import utc_text
 from fixtures_db.imu_models import Limit
-from fixtures_db.stored_calibrations import Run, turn_ons
+from fixtures_db.stored_calibrations import MADE_WITH, Run, turn_ons
 from procedures.arrays import FloatArray
 from procedures.statistics.calibration_drift import (
     CLUSTER_DAYS,
@@ -28,28 +28,133 @@ from procedures.statistics.calibration_drift import (
 )
 from procedures.statistics.significance import holm, two_sided
 from station.results.parameters_by_name import Parameter, applied, parameters, shifts
+from station.results.result_formats import IS_KEY
 from station.text import plural
 
 DAY_S = 86400.0
 RunParameter = tuple[Run, Parameter]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class ParameterSeries:
-    """One parameter: the runs that hold it in the newest run's unit, and its series, in days after the first."""
+@dataclass(frozen=True, slots=True)
+class Drift:
+    """A change since the calibration before, the same in units of u, and its p, adjusted for all parameters."""
 
-    parameter: Parameter
-    runs: tuple[Run, ...]
-    series: CalibrationSeries
+    shift: float
+    shift_sigma: float
+    p_adjusted: float
 
 
-def unit_series(runs: Sequence[Run]) -> tuple[dict[str, ParameterSeries], list[str]]:
-    """Return the series of the runs of one unit, oldest first, by parameter name; what was left out and why."""
-    held, left_out = by_parameter(runs)
-    made = {
-        name: ParameterSeries(one[-1][1], tuple(run for run, _ in one), _series(one)) for name, one in held.items()
-    }
-    return made, left_out
+@dataclass(frozen=True, slots=True)
+class StoredCalibration:
+    """A calibration of a unit; ``effects`` are the error terms of its model, each with the hash of its file."""
+
+    sha256: str
+    model: str
+    accepted_utc: str
+    status: str
+    verdict: str | None
+    effects: dict[str, str] | None
+    limited: int
+    measured_utc: str
+    cube: str | None
+    slab: str | None
+    site: str | None
+    operator: str | None
+    parameters: dict[str, Parameter]
+    drift: dict[str, Drift]
+
+    @property
+    def accepted(self) -> str:
+        """When it was accepted, to the minute."""
+        return self.accepted_utc[:16].replace("T", " ")
+
+
+@dataclass(frozen=True, slots=True)
+class UnitChart:
+    """A control chart of the last calibrations; ``alarms`` are the hashes of those that are out of control."""
+
+    z: list[float]
+    ewma: list[float]
+    ewma_limit: list[float]
+    alarms: list[str]
+
+
+@dataclass(frozen=True, slots=True)
+class Prediction:
+    """The value predicted, its 95 % interval, and those until then: date, value, both ends of the interval."""
+
+    value: float
+    interval_95: tuple[float, float]
+    fan: list[tuple[str, float, float, float]]
+    probability_outside: float | None
+    interval_reaches_limit_utc: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterHistory:
+    """A parameter over the calibrations that hold it in the newest one's unit; ``needs`` says what is missing."""
+
+    name: str = field(metadata=IS_KEY)
+    unit: str
+    calibrations: list[str]
+    measured_utc: list[str]
+    value: list[float]
+    std: list[float]
+    limits: dict[str, float] | None
+    needs: list[str]
+    repeatability: Repeatability | None
+    chart: UnitChart | None
+    prediction: Prediction | None
+
+    @property
+    def kind(self) -> str:
+        """What it is of, without its axis."""
+        return self.name.rpartition(".")[0]
+
+    @property
+    def axis(self) -> str:
+        """Its axis, or pair of axes."""
+        return self.name.rpartition(".")[2]
+
+    def at(self, value: float, std: float) -> Parameter:
+        """Return a value of its kind, ``std`` its sigma, both in its unit."""
+        return Parameter(self.name, value, std, self.unit)
+
+
+@dataclass(frozen=True, slots=True)
+class ModelHistory:
+    """What the calibrations of one model and serial number say together."""
+
+    model: str
+    turn_ons: int
+    first_utc: str
+    last_utc: str
+    predicted_utc: str
+    predicted_because: str
+    control_limit: float
+    left_out: list[str]
+    parameters: dict[str, ParameterHistory]
+
+
+@dataclass(frozen=True, slots=True)
+class UnitHistory:
+    """Every calibration of a unit; the fields of this and of what it holds are the keys of `history/1`."""
+
+    format: str
+    serial: str
+    calibrations: list[StoredCalibration]
+    analysis: list[ModelHistory]
+
+
+def unit_history(
+    serial: str, runs: Sequence[Run], limits: Mapping[str, Sequence[Limit]], asked: datetime | None = None
+) -> UnitHistory:
+    """Return the history of a unit; ``limits`` are those of each model, for ``asked`` see `analysis`."""
+    models = dict.fromkeys(run.model for run in runs)
+    together = [
+        analysis([run for run in runs if run.model == model], limits.get(model, ()), asked) for model in models
+    ]
+    return UnitHistory("history/1", serial, entries(runs), together)
 
 
 def by_parameter(runs: Sequence[Run]) -> tuple[dict[str, list[RunParameter]], list[str]]:
@@ -81,54 +186,41 @@ def values_and_sigmas(held: Sequence[Parameter]) -> tuple[FloatArray, FloatArray
     return np.array([one.value for one in held]), np.array([one.std for one in held], dtype=np.float64)
 
 
-def _series(held: Sequence[RunParameter]) -> CalibrationSeries:
-    first = held[0][0].ended
-    day = np.array([(run.ended - first).total_seconds() / DAY_S for run, _ in held])
-    return CalibrationSeries(day, *values_and_sigmas([one for _, one in held]))
-
-
 HORIZON_DAYS = 3652  # how far ahead a limit's date is looked for
 PREDICTION_POINTS = 12  # points of the prediction
 
 
-def entries(runs: Sequence[Run]) -> list[dict[str, Any]]:
+def entries(runs: Sequence[Run]) -> list[StoredCalibration]:
     """Return each calibration in the order of storing; drift is against the one before of the same model."""
-    made, last = list[dict[str, Any]](), dict[str, dict[str, Any]]()
+    made, last = list[StoredCalibration](), dict[str, dict[str, Parameter]]()
     for run in runs:
         found = applied(parameters(run.document))
-        moved = shifts(found, applied(parameters(last.get(run.model, {}))))
+        moved = shifts(found, last.get(run.model, {}))
         p_adjusted = holm({name: two_sided(one.sigmas) for name, one in moved.items()})
         made.append(
-            {
-                "sha256": run.sha256,
-                **{key: run.document[key] for key in _COPIED_FIELDS if key in run.document},
-                **effects_held(run.document),
-                "limited": len(run.document.get("limits", ())),
-                "measured_utc": utc_text(run.ended),
-                **run.made_with,
-                "parameters": {
-                    name: {"value": one.value, "std": one.std, "unit": one.unit} for name, one in found.items()
-                },
-                "drift": {
-                    name: {"shift": one.shift, "shift_sigma": one.sigmas, "p_adjusted": p_adjusted[name]}
-                    for name, one in moved.items()
-                },
-            }
+            StoredCalibration(
+                sha256=run.sha256,
+                model=run.model,
+                accepted_utc=run.document["accepted_utc"],
+                status=run.document["status"],
+                verdict=run.document.get("verdict"),
+                effects=_effects(run.document) or None,
+                limited=len(run.document.get("limits", ())),
+                measured_utc=utc_text(run.ended),
+                **{kind: run.made_with.get(kind) for kind in MADE_WITH},
+                parameters=found,
+                drift={name: Drift(one.shift, one.sigmas, p_adjusted[name]) for name, one in moved.items()},
+            )
         )
-        last[run.model] = run.document
+        last[run.model] = found
     return made
 
 
-_COPIED_FIELDS = ("model", "accepted_utc", "status", "verdict")
+def _effects(document: Mapping[str, Any]) -> dict[str, str]:
+    return {str(one["name"]): str(one.get("sha256", "")) for one in document.get("effects", ())}
 
 
-def effects_held(document: Mapping[str, Any]) -> dict[str, dict[str, str]]:
-    """Return ``effects`` of a calibration/1 by name, with the hash of a file's; nothing where it has none."""
-    held = {str(one["name"]): str(one.get("sha256", "")) for one in document.get("effects", ())}
-    return {"effects": held} if held else {}
-
-
-def analysis(runs: Sequence[Run], limits: Sequence[Limit], asked: datetime | None) -> dict[str, Any]:
+def analysis(runs: Sequence[Run], limits: Sequence[Limit], asked: datetime | None) -> ModelHistory:
     """Return what the runs of one model and serial number say together.
 
     Recordings that were solved again count once. ``asked`` is the date of the prediction; None is the date until
@@ -136,22 +228,20 @@ def analysis(runs: Sequence[Run], limits: Sequence[Limit], asked: datetime | Non
     """
     distinct = turn_ons(runs)
     until, because = _within(distinct, *_due(distinct[-1], asked))
-    found, left_out = unit_series(runs)
+    found, left_out = by_parameter(runs)
     control = control_limit(max(len(found), 1))
     limit_of = {limit.parameter: limit for limit in limits}
-    return {
-        "model": distinct[-1].model,
-        "turn_ons": len(distinct),
-        "first_utc": utc_text(distinct[0].ended),
-        "last_utc": utc_text(distinct[-1].ended),
-        "predicted_utc": utc_text(until),
-        "predicted_because": because,
-        "control_limit": control,
-        "left_out": left_out,
-        "parameters": {
-            name: _parameter(track, limit_of.get(name), control, until) for name, track in found.items()
-        },
-    }
+    return ModelHistory(
+        model=distinct[-1].model,
+        turn_ons=len(distinct),
+        first_utc=utc_text(distinct[0].ended),
+        last_utc=utc_text(distinct[-1].ended),
+        predicted_utc=utc_text(until),
+        predicted_because=because,
+        control_limit=control,
+        left_out=left_out,
+        parameters={name: _parameter(held, limit_of.get(name), control, until) for name, held in found.items()},
+    )
 
 
 def _within(runs: Sequence[Run], until: datetime, because: str) -> tuple[datetime, str]:
@@ -172,37 +262,33 @@ def _due(newest: Run, asked: datetime | None) -> tuple[datetime, str]:
     return newest.ended + timedelta(days=365), "a year after the newest, which has no due date"
 
 
-def _parameter(track: ParameterSeries, limit: Limit | None, control: float, until: datetime) -> dict[str, Any]:
-    series, unit = track.series, track.parameter.unit
-    made: dict[str, Any] = {
-        "unit": unit,
-        "calibrations": [run.sha256 for run in track.runs],
-        "measured_utc": [utc_text(run.ended) for run in track.runs],
-        "value": series.value.tolist(),
-        "std": series.std.tolist(),
-    }
-    if limit is not None and limit.unit == unit:
-        made["limits"] = {key: one for key in ("low", "high") if (one := getattr(limit, key)) is not None}
+def _parameter(
+    held: Sequence[RunParameter], limit: Limit | None, control: float, until: datetime
+) -> ParameterHistory:
+    runs, newest = [run for run, _ in held], held[-1][1]
+    day = np.array([(run.ended - runs[0].ended).total_seconds() / DAY_S for run in runs])
+    series = CalibrationSeries(day, *values_and_sigmas([one for _, one in held]))
+    ends = None
+    if limit is not None and limit.unit == newest.unit:
+        ends = {key: one for key in ("low", "high") if (one := getattr(limit, key)) is not None}
     repeatability = turn_on_repeatability(series)
     chart = control_chart(series, control)
-    day, last = (until - track.runs[0].ended).total_seconds() / DAY_S, last_predictable_day(series.day)
-    is_near = last is not None and day <= last + 1e-3
-    ends = made.get("limits", {})
-    ahead = forecast(series, ends.get("low"), ends.get("high")) if is_near else None
-    made["needs"] = list(_needs(repeatability, chart, ahead, series))
-    if repeatability is not None:
-        made["repeatability"] = {
-            "std": repeatability.value,
-            "interval_95": [repeatability.low_95, repeatability.high_95],
-            "turn_ons": repeatability.runs,
-            "dof": repeatability.dof,
-            **({} if repeatability.std is None else {"std_of_std": repeatability.std}),
-        }
-    if chart is not None:
-        made["chart"] = _chart(chart, track)
-    if ahead is not None:
-        made["prediction"] = _prediction(ahead, track, until)
-    return made
+    asked, last = (until - runs[0].ended).total_seconds() / DAY_S, last_predictable_day(day)
+    is_near = last is not None and asked <= last + 1e-3
+    ahead = forecast(series, (ends or {}).get("low"), (ends or {}).get("high")) if is_near else None
+    return ParameterHistory(
+        name=newest.name,
+        unit=newest.unit,
+        calibrations=[run.sha256 for run in runs],
+        measured_utc=[utc_text(run.ended) for run in runs],
+        value=series.value.tolist(),
+        std=series.std.tolist(),
+        limits=ends,
+        needs=list(_needs(repeatability, chart, ahead, series)),
+        repeatability=repeatability,
+        chart=None if chart is None else _chart(chart, runs),
+        prediction=None if ahead is None else _prediction(ahead, runs[0].ended, float(day[-1]), asked),
+    )
 
 
 def _needs(
@@ -223,33 +309,26 @@ def _needs(
     return needs
 
 
-def _chart(found: ControlChart, track: ParameterSeries) -> dict[str, Any]:
-    judged = track.runs[MIN_EARLIER:]
-    return {
-        "z": found.z.tolist(),
-        "ewma": found.ewma.tolist(),
-        "ewma_limit": (found.limit * found.ewma_std).tolist(),
-        "alarms": [run.sha256 for run, is_out in zip(judged, found.alarms, strict=True) if is_out],
-    }
+def _chart(found: ControlChart, runs: Sequence[Run]) -> UnitChart:
+    alarms = [run.sha256 for run, is_out in zip(runs[MIN_EARLIER:], found.alarms, strict=True) if is_out]
+    return UnitChart(found.z.tolist(), found.ewma.tolist(), (found.limit * found.ewma_std).tolist(), alarms)
 
 
-def _prediction(ahead: Forecast, track: ParameterSeries, until: datetime) -> dict[str, Any]:
-    first, last = track.runs[0].ended, float(track.series.day[-1])
-    day = max((until - first).total_seconds() / DAY_S, last)
+def _prediction(ahead: Forecast, first: datetime, last: float, asked: float) -> Prediction:
+    """Return the prediction for the day ``asked``, after ``last``, both counted from the ``first`` calibration."""
+    day = max(asked, last)
     fan = [ahead.at(last + (day - last) * (i / PREDICTION_POINTS) ** 2) for i in range(PREDICTION_POINTS + 1)]
-    found = fan[-1]
-    made: dict[str, Any] = {
-        "value": found.value,
-        "interval_95": [found.low_95, found.high_95],
-        "fan": [[_date(first, one.day), one.value, one.low_95, one.high_95] for one in fan],
-    }
+    found, touch = fan[-1], None
     if found.outside is not None:
-        made["probability_outside"] = found.outside
-        horizon = min(float(HORIZON_DAYS), MAX_SPANS_AHEAD * (last - float(track.series.day[0])))
+        horizon = min(float(HORIZON_DAYS), MAX_SPANS_AHEAD * last)
         touch = ahead.first_touch([last + horizon * (i / 40) ** 2 for i in range(41)])
-        if touch is not None:
-            made["interval_reaches_limit_utc"] = _date(first, touch)
-    return made
+    return Prediction(
+        found.value,
+        (found.low_95, found.high_95),
+        [(_date(first, one.day), one.value, one.low_95, one.high_95) for one in fan],
+        found.outside,
+        None if touch is None else _date(first, touch),
+    )
 
 
 def _date(first: datetime, day: float) -> str:

@@ -8,7 +8,6 @@ import numpy as np
 from markupsafe import Markup
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from procedures.frames import TRIADS
 from procedures.statistics.allan_deviation import noise_shapes
@@ -21,10 +20,11 @@ from station.results.report.noise_document import (
     line_text,
     units_of,
 )
-from station.results.report.report_figures import decade
-from station.results.report.svg import AXIS_STYLE, RULE, draw_png, draw_svg
+from station.results.report.svg import AXIS_STYLE, draw_png, draw_svg, log_axes
+from station.text import significant
 
 WIDTH_IN, ROW_IN = 7.0, 2.7
+DIGITS = 2  # of a term, whose interval is some percent
 
 Channels = Sequence[Mapping[str, Any]]
 
@@ -57,23 +57,13 @@ def _by_triad(channels: Channels) -> list[Channels]:
 
 def _draw(figure: Figure, rows: Sequence[Channels]) -> None:
     for row, (left, right) in zip(rows, figure.subplots(len(rows), 2, squeeze=False), strict=True):
-        for axes in (left, right):
-            axes.set_xscale("log")
-            axes.set_yscale("log")
-            axes.grid(which="major", color=RULE, linewidth=0.4, alpha=0.5)
         for each in row:
             _allan(left, each)
             _spectrum(right, each)
-        triad, unit = row[0]["channel"].split()[0], row[0]["allan"]["unit"].replace("ug", "\u00b5g")
-        left.set_title(triad.capitalize(), fontsize=9, fontweight="bold", loc="left", y=1.0)  # nothing above
-        left.set_xlabel("averaging time \u03c4 [s]")
-        left.set_ylabel(f"Allan deviation [{unit}]")
-        right.set_xlabel("frequency [Hz]")
-        right.set_ylabel(f"density [{unit}/\u221aHz]")
+        triad, unit = row[0]["channel"].split()[0], row[0]["allan"]["unit"]
+        log_axes(left, "averaging time \u03c4 [s]", f"Allan deviation [{unit}]", triad.capitalize())
+        log_axes(right, "frequency [Hz]", f"density [{unit}/\u221aHz]")
         left.legend(loc="best", handlelength=1.6)
-        for scale in (left.xaxis, left.yaxis, right.xaxis, right.yaxis):
-            scale.set_major_formatter(FuncFormatter(decade))
-            scale.set_minor_formatter(NullFormatter())
         _widen(right)
 
 
@@ -134,8 +124,7 @@ def noise_section(channels: Sequence[Mapping[str, Any]]) -> str:
     """Return plot and tables of the channels as a piece of HTML; empty without any."""
     if not channels:
         return ""
-    triads = [_triad_table([each for each in channels if each["channel"].startswith(triad)]) for triad in TRIADS]
-    tables = [each for each in triads if each["axes"]]
+    tables = [_triad_table(row) for row in _by_triad(channels)]
     return html_template("noise_section.html").render(plot=Markup(noise_svg("noise", channels)), tables=tables)
 
 
@@ -143,10 +132,11 @@ def _triad_table(channels: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """Return the rows of a triad's table: a term each, its cells, its unit; and the lines found."""
     rows = [
         (term["name"], term["symbol"], [_cell(each["terms"][name]) for each in channels], term["unit"])
-        for name, term in (channels[0]["terms"].items() if channels else ())
+        for name, term in channels[0]["terms"].items()
     ]
     return {
-        "axes": [each["channel"] for each in channels],
+        "triad": channels[0]["channel"].split()[0],
+        "axes": [each["channel"].split()[1] for each in channels],
         "recordings": sorted({f"{each['seconds']:.4g} s of {each['recording']}" for each in channels}),
         "rows": rows,
         "conditions": [(each["channel"], text) for each in channels for text in condition_texts(each)],
@@ -160,5 +150,6 @@ def _cell(term: Mapping[str, Any]) -> str:
     if is_undetermined(term):
         return "not determined"
     if "below" in term:
-        return f"< {term['below']:.3g}"
-    return f"{term['value']:.3g} [{term['low']:.3g}, {term['high']:.3g}]"
+        return f"< {significant(term['below'], DIGITS)}"
+    value, low, high = (significant(term[key], DIGITS) for key in ("value", "low", "high"))
+    return f"{value} [{low}, {high}]"

@@ -1,8 +1,7 @@
-"""What a report is made from, with the measurement's conditions; written whole or not at all."""
+"""A calibration's report: all that it says as one typed value, laid out as HTML."""
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from operator import attrgetter
 from pathlib import Path
 from typing import Any
@@ -11,26 +10,37 @@ import numpy as np
 from markupsafe import Markup
 
 from procedures.arrays import FloatArray
-from procedures.calibration.solution_values import FitQuality, Solution, TriadCalibration
+from procedures.calibration.solution_values import FitQuality, Solution
 from procedures.calibration.undetectable_tilt import ANY_TILT_RAD, UndetectableTilt
 from procedures.campaign.campaign import Campaign, Fixture
-from procedures.frames import AXES, TRIADS
+from procedures.frames import AXES
 from procedures.positions import FACES
+from procedures.samples.channel_noise import channel_noise
+from procedures.samples.held_samples import known_scales
 from procedures.uncertainty.budget import ParameterBudget
 from procedures.units import ARCSEC_PER_RAD, RAD_PER_ARCSEC, UG_PER_G
 from station.files.atomic_file import replace_file
-from station.results.certificate.printed_results import INFINITE, MAX_CONTRIBUTIONS, Row, budget_rows
+from station.results.certificate.printed_results import Row, measured, result_groups
+from station.results.diagnosis.diagnosis_html import section_html
+from station.results.diagnosis.diagnosis_wording import verdict_sentence
+from station.results.diagnosis.model_refinement import ModelRefinement, budget_document
 from station.results.html_templates import html_template
-from station.results.report.report_figures import ReportFigures
+from station.results.measurement_circumstances import procedure_name
+from station.results.parameters_by_name import ParameterKind
+from station.results.report.noise_document import channel_document
+from station.results.report.noise_page import noise_section
+from station.results.report.report_figures import residual_plots
 from station.results.report.result_tables import (
     LIMIT_SIGMAS,
+    ParameterGroup,
+    ResidualTable,
+    TriadResult,
     bench_groups,
     correlations,
-    matrix_rows,
     residual_tables,
-    triad_groups,
+    triad_results,
 )
-from station.results.verdict import verdict_in_words
+from station.results.verdict import LimitVerdict, what_to_do
 from station.text import MINUS, decimals, fixed, plural, significant
 
 
@@ -89,70 +99,108 @@ def _signed_axis(row: FloatArray) -> str:
 
 SIGNIFICANT_P = 0.01  # of the global test, below which residuals exceed noise
 VERDICT_MARK = {"PASS": "\u2713", "FAIL": "\u2717", "NOT_MEASURED": "\u25cb"}
+NO_LIMITS = LimitVerdict("NOT_MEASURED", (), "no limits are stored for this IMU model")
+Lines = Sequence[tuple[str, str]]  # label and text
+
+
+@dataclass(frozen=True, slots=True)
+class ReportedDiagnosis:
+    """The section on what the model lacks, as HTML; the cause found and what to do, in a sentence each."""
+
+    section: str = ""
+    cause: str = ""
+    advice: str = ""
+
+
+def reported_diagnosis(refined: ModelRefinement, verdict: LimitVerdict, doubt: str = "") -> ReportedDiagnosis:
+    """Return what a report says of a refined model's diagnosis; see `what_to_do` for ``doubt``."""
+    step, has_limits = refined.document["next_measurement"], bool(verdict.judged)
+    return ReportedDiagnosis(
+        section_html(refined.document, refined.diagnosis),
+        verdict_sentence(refined.document),
+        what_to_do(verdict.word, step, doubt=doubt, has_limits=has_limits),
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ReportContext:
-    """A solution, the campaigns behind it and what only the caller knows.
+class CalibrationReport:
+    """All that a report says: every value with unit and uncertainty, every sentence, every plot.
 
-    ``files`` holds the SHA-256 of each input by name; ``created_utc`` is printed as it is: with it, equal
-    inputs give equal bytes. ``truth`` (simulated campaigns) is keyed as `Solution.names`, in the units of
-    files: ``accelerometer.bias.x`` in g. ``calibration_sha256`` is the head of the database's hash chain,
-    ``journal`` the code of its journal then.
-    ``bench`` adds lines to the conditions, such as a certificate's number and due date. ``budgets`` are the
-    uncertainty budgets of the parameters. ``diagnosis`` is the section on what the model lacks, as HTML; ``cause``
-    and ``advice`` say in a sentence each what the diagnosis found and what to do, for the first page.
-    ``has_limits``: the model has some. ``figures`` are this solution's plots, where they may be drawn already.
+    It is made once; storing adds ``calibration_sha256``, the hash of the stored calibration, and ``journal``, the
+    code of the database's journal then. ``facts`` are label, figure and detail, ``budgets`` the results with U.
+    ``created_utc`` is printed as it is: equal inputs give equal bytes.
     """
 
-    solution: Solution
-    campaigns: tuple[Campaign, ...]
-    files: Mapping[str, str]
-    software: str
+    model: str
+    serial: str
     created_utc: str
-    verdict: str = "NOT_MEASURED"
-    has_limits: bool = False
-    verdict_reason: str = "no limits are stored for this IMU model"
-    truth: Mapping[str, float] = field(default_factory=dict)
-    calibration_sha256: str | None = None
-    journal: str | None = None
-    bench: Mapping[str, str] = field(default_factory=dict)
-    budgets: tuple[ParameterBudget, ...] = ()
-    diagnosis: str = ""
-    cause: str = ""
-    advice: str = ""
-    figures: ReportFigures | None = None
+    software: str
+    files: Lines
+    verdict: LimitVerdict
+    summary: Lines
+    facts: Sequence[tuple[str, str, str]]
+    triads: tuple[TriadResult, ...]
+    bench: tuple[ParameterGroup, ...]
+    budgets: Sequence[tuple[str, ParameterKind, list[Row]]]
+    residual_tables: Sequence[ResidualTable]
+    residual_plots: Sequence[tuple[str, Markup]]
+    diagnosis: Markup
+    noise: Markup
+    conditions: Lines
+    seating: str
+    not_observable: Sequence[str]
+    warnings: Sequence[str]
+    unused_steps: Sequence[str]
+    correlations: Sequence[tuple[str, str, str, float]]
+    is_simulated: bool
+    calibration_sha256: str = ""
+    journal: str = ""
 
-    def __post_init__(self) -> None:
-        if self.verdict not in VERDICT_MARK:
-            raise ValueError(f"verdict {self.verdict!r} is none of {', '.join(VERDICT_MARK)}")
-        if not self.campaigns:
-            raise ValueError("a report of no campaign, expected at least one")
 
-
-def report_context(
+def calibration_report(
     solution: Solution,
     campaigns: Sequence[Campaign],
     document: Mapping[str, Any],
     budgets: Sequence[ParameterBudget] = (),
-) -> ReportContext:
-    """Return the context of a solution and its ``solution/1`` document, which holds the folders' own warnings."""
-    origin = document["provenance"]
-    reported = replace(
-        solution, warnings=tuple(document["warnings"]), unused_steps=tuple(document["unused_steps"])
-    )
-    return ReportContext(
-        solution=reported,
-        campaigns=tuple(campaigns),
-        files=origin["files"],
-        software=origin["software"],
+    *,
+    verdict: LimitVerdict = NO_LIMITS,
+    truth: Mapping[str, float] | None = None,
+    bench: Mapping[str, str] | None = None,
+    diagnosis: ReportedDiagnosis = ReportedDiagnosis(),
+) -> CalibrationReport:
+    """Return the report of a solution; ``document`` is its `solution/1`, which has the folders' own warnings.
+
+    ``truth`` (simulated campaigns) is keyed as `Solution.names`, in the units of files; ``bench`` adds conditions.
+    """
+    origin, known = document["provenance"], truth or {}
+    noise = [channel_document(one) for one in channel_noise(campaigns, known_scales(campaigns, solution))]
+    return CalibrationReport(
+        model=origin["model"],
+        serial=origin["serial"],
         created_utc=origin["created_utc"],
-        budgets=tuple(budgets),
-        figures=ReportFigures(reported, campaigns),
+        software=origin["software"],
+        files=sorted(origin["files"].items()),
+        verdict=verdict,
+        summary=_summary(campaigns, diagnosis),
+        facts=_facts(solution),
+        triads=triad_results(document, known, {one.name: one.expanded for one in budgets}),
+        bench=bench_groups(document, known),
+        budgets=result_groups(measured({**document, "uncertainty": budget_document(budgets)})),
+        residual_tables=residual_tables(solution.residuals),
+        residual_plots=residual_plots(solution.residuals),
+        diagnosis=Markup(diagnosis.section),
+        noise=Markup(noise_section(noise)),
+        conditions=[*condition_lines(campaigns, solution), *(bench or {}).items()],
+        seating=_detectable_seating(solution.undetectable_tilts),
+        not_observable=document["not_observable"],
+        warnings=document["warnings"],
+        unused_steps=document["unused_steps"],
+        correlations=correlations(solution),
+        is_simulated=bool(known),
     )
 
 
-def write_report(path: str | Path, context: ReportContext) -> None:
+def write_report(path: str | Path, report: CalibrationReport) -> None:
     """Write the report as one self-contained HTML file, replacing an older one in one step.
 
     Raises
@@ -160,45 +208,14 @@ def write_report(path: str | Path, context: ReportContext) -> None:
     CannotWrite
         If the place cannot be written.
     """
-    replace_file(Path(path), render(context).encode())
+    replace_file(Path(path), render(report).encode())
 
 
-def render(context: ReportContext) -> str:
-    """Return the report's HTML; equal contexts give equal text."""
-    solution, first = context.solution, context.campaigns[0]
-    figures = context.figures or ReportFigures(solution, context.campaigns)
+def render(report: CalibrationReport) -> str:
+    """Return the report's HTML; equal reports give equal text."""
     return html_template("report.html").render(
-        context=context,
-        model=first.model,
-        serial=first.serial,
-        verdict=verdict_in_words(context.verdict, has_limits=context.has_limits),
-        verdict_mark=VERDICT_MARK[context.verdict],
-        quality=solution.quality,
-        summary=_summary(context),
-        facts=_facts(solution),
-        seating=_detectable_seating(solution.undetectable_tilts),
-        triads=[_triad(name, triad, context) for name in TRIADS if (triad := getattr(solution, name)) is not None],
-        bench=bench_groups(solution, context.truth),
-        budget_tables=_budget_tables(context.budgets),
-        correlations=correlations(solution),
-        residual_tables=residual_tables(solution.residuals),
-        residual_plots=figures.residuals,
-        limit_sigmas=f"{LIMIT_SIGMAS:g}",
-        noise=figures.noise,
-        noise_plot=figures.allan,
-        conditions=[*condition_lines(context.campaigns, solution), *context.bench.items()],
-        files=sorted(context.files.items()),
-        diagnosis=Markup(context.diagnosis),
+        report=report, verdict_mark=VERDICT_MARK[report.verdict.word], limit_sigmas=f"{LIMIT_SIGMAS:g}"
     )
-
-
-def _triad(name: str, triad: TriadCalibration, context: ReportContext) -> dict[str, object]:
-    return {
-        "name": name,
-        "groups": triad_groups(name, triad, context.truth, {one.name: one.expanded for one in context.budgets}),
-        "has_budget": any(one.name.startswith(name) for one in context.budgets),
-        "matrix": matrix_rows(triad.misalignment),
-    }
 
 
 def _facts(solution: Solution) -> list[tuple[str, str, str]]:
@@ -225,20 +242,15 @@ def _fits(quality: FitQuality) -> str:
     return "residuals exceed noise" if quality.p_value < SIGNIFICANT_P else "residuals are consistent with noise"
 
 
-def _summary(context: ReportContext) -> list[tuple[str, str]]:
+def _summary(campaigns: Sequence[Campaign], diagnosis: ReportedDiagnosis) -> Lines:
     """Return the first page's rows, in a customer's words: what was measured, the cause found, what to do."""
-    positions = {dwell.position for campaign in context.campaigns for dwell in campaign.dwells}
-    dwells, turns, moves = (
-        sum(len(getattr(campaign, kind)) for campaign in context.campaigns)
-        for kind in ("dwells", "turns", "moves")
+    measured = "; ".join(dict.fromkeys(map(procedure_name, campaigns)))
+    rows = (
+        ("Measured", f"{measured[0].upper()}{measured[1:]}."),
+        ("Cause found", diagnosis.cause),
+        ("What to do", diagnosis.advice),
     )
-    parts = [f"{plural(dwells, 'rest')} in {plural(len(positions), 'position')} of the cube"] if dwells else []
-    parts += [f"{plural(turns, 'rotation')} by hand"] if turns else []
-    parts += [f"{plural(moves, 'transfer')} between positions"] if moves else []
-    rows = [("Measured", ", ".join(parts))] if parts else []
-    rows += [("Cause found", context.cause)] if context.cause else []
-    rows += [("What to do", context.advice)] if context.advice else []
-    return rows
+    return [row for row in rows if row[1]]
 
 
 def _detectable_seating(tilts: Sequence[UndetectableTilt]) -> str:
@@ -265,22 +277,3 @@ def _detectable_seating(tilts: Sequence[UndetectableTilt]) -> str:
         f"standard uncertainty."
     )
     return " ".join(stated)
-
-
-def _budget_tables(budgets: Sequence[ParameterBudget]) -> list[tuple[str, list[Row]]]:
-    """Return triad and printed lines of each triad that has a budget."""
-    triads = dict.fromkeys(one.name.split(".")[0] for one in budgets)
-    mine = {triad: [one for one in budgets if one.name.split(".")[0] == triad] for triad in triads}
-    return [(triad, budget_rows(found, _degrees, _largest)) for triad, found in mine.items()]
-
-
-def _degrees(dof: float) -> str:
-    """Return degrees of freedom rounded down (JCGM 100:2008, G.6.4), or the sign for infinitely many."""
-    return str(math.floor(dof)) if math.isfinite(dof) else INFINITE
-
-
-def _largest(one: ParameterBudget) -> str:
-    """Return the sources that make up most of a parameter's variance, largest first, with their share."""
-    parts = sorted(one.contributions, key=lambda part: part.std, reverse=True)[:MAX_CONTRIBUTIONS]
-    shares = [(part.source, 100 * (part.std / one.std) ** 2) for part in parts if part.std > 0]
-    return ", ".join(f"{source} {f'{share:.0f} %' if share >= 1 else '< 1 %'}" for source, share in shares)

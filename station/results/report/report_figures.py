@@ -1,181 +1,16 @@
-"""The plots of a report: drawn when first asked for, and once for all reports of the same solution.
-
-Among them is the Allan deviation of the longest dwell, all six channels, in natural units.
-"""
+"""The plots of a report: the residuals of every step over sigma."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from markupsafe import Markup
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, NullFormatter
 
-from procedures.calibration.solution_values import Solution, StepResidual, TriadCalibration
-from procedures.campaign.campaign import Campaign, DwellRecord
-from procedures.counts.sample_records import CountSeries
+from procedures.calibration.solution_values import StepResidual
 from procedures.frames import AXES, TRIADS
-from procedures.statistics.allan_deviation import (
-    MIN_SAMPLES,
-    AllanDeviation,
-    NoiseTerm,
-    noise_terms,
-    overlapping_deviation,
-)
-from procedures.units import DEG_H_PER_DEG_S, STANDARD_GRAVITY, UG_PER_G
 from station.results.report.result_tables import LIMIT_SIGMAS, NOTICE_SIGMAS, normalised
 from station.results.report.svg import AXIS_STYLE, INK, PALE, RULE, draw_svg
-from station.text import fixed, power_of_ten, significant
-
-_GYROSCOPE = {  # from deg/h: name, symbol, unit, factor
-    "quantisation": ("Quantisation", "Q", "arcsec", 1.0),
-    "random_walk": ("Angle random walk", "N", "deg/\u221ah", 1 / 60),
-    "bias_instability": ("Bias instability", "B", "deg/h", 1.0),
-    "rate_random_walk": ("Rate random walk", "K", "deg/h/\u221ah", 60.0),
-}
-_ACCELEROMETER = {  # from ug
-    "quantisation": ("Quantisation", "Q", "\u00b5m/s", STANDARD_GRAVITY),
-    "random_walk": ("Velocity random walk", "N", "\u00b5g/\u221aHz", 1.0),
-    "bias_instability": ("Bias instability", "B", "\u00b5g", 1.0),
-    "rate_random_walk": ("Random walk of the bias", "K", "\u00b5g/\u221ah", 60.0),
-}
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class TriadNoise:
-    """A triad's three curves in ``unit`` and what is read off them.
-
-    ``rows`` has name, symbol and unit of each noise term, and its value and interval per axis, or a bound.
-    """
-
-    triad: str
-    unit: str
-    curves: tuple[AllanDeviation, ...]
-    rows: list[tuple[str, str, str, list[str]]]
-
-
-@dataclass(frozen=True, slots=True)
-class DwellNoise:
-    """Which dwell was used, how long its longest gap-free part is [s], and the triads' noise."""
-
-    dwell: str
-    seconds: float
-    triads: tuple[TriadNoise, ...]
-
-
-def longest_dwell_noise(campaigns: Sequence[Campaign], solution: Solution) -> DwellNoise | None:
-    """Return the noise of the dwell with the longest gap-free part, None if there is no dwell long enough."""
-    dwells = [(_longest_part(dwell), dwell) for campaign in campaigns for dwell in campaign.dwells]
-    if not dwells:
-        return None
-    part, dwell = max(dwells, key=lambda pair: (pair[0].stop - pair[0].start) * pair[1].series.period)
-    if part.stop - part.start < MIN_SAMPLES:
-        return None
-    triads = [
-        _triad(name, dwell, part, calibration)
-        for name, calibration in (("gyroscope", solution.gyroscope), ("accelerometer", solution.accelerometer))
-    ]
-    seconds = (part.stop - part.start) * dwell.series.period
-    return DwellNoise(dwell.name, seconds, tuple(triad for triad in triads if triad is not None))
-
-
-def _longest_part(dwell: DwellRecord) -> slice:
-    edges = np.append(dwell.series.starts, len(dwell.series))
-    longest = int(np.argmax(np.diff(edges)))
-    return slice(int(edges[longest]), int(edges[longest + 1]))
-
-
-def _triad(name: str, dwell: DwellRecord, part: slice, calibration: TriadCalibration | None) -> TriadNoise | None:
-    series = dwell.series
-    output = series.gyro if name == "gyroscope" else series.accel
-    if output is None:
-        return None
-    counts = isinstance(series, CountSeries)
-    if calibration is None:
-        factor, unit, units = np.ones(3), "count/s" if counts else "output", {}
-    elif name == "gyroscope":
-        factor, unit, units = DEG_H_PER_DEG_S / calibration.scale_factor.value, "deg/h", _GYROSCOPE
-    else:
-        factor, unit, units = UG_PER_G / calibration.scale_factor.value, "\u00b5g", _ACCELEROMETER
-    if counts:
-        factor = factor / series.period
-    curves = tuple(
-        overlapping_deviation(output[part, i] * abs(np.float64(factor[i])), series.period) for i in range(3)
-    )
-    quantum = abs(factor) * series.period if counts else np.zeros(3)
-    terms = [noise_terms(curve, float(one)) for curve, one in zip(curves, quantum, strict=True)]
-    rows = [
-        (title, symbol, shown, [_cell(term[key], scale) for term in terms])
-        for key, (title, symbol, shown, scale) in units.items()
-    ]
-    return TriadNoise(name, unit, curves, rows)
-
-
-def _cell(term: NoiseTerm, scale: float) -> str:
-    if term.value is None:
-        return f"< {significant(term.high * scale)}"
-    low, high = significant(term.low * scale), significant(term.high * scale)
-    return f"{significant(term.value * scale)} [{low}, {high}]"
-
-
-def allan_svg(noise: DwellNoise) -> str:
-    """Return the plot: deviations with their 95 % limits as bands, and a line of slope -1/2 (white noise)."""
-
-    def draw(figure: Figure) -> None:
-        panels = figure.subplots(1, len(noise.triads), squeeze=False)[0]
-        for axes, triad in zip(panels, noise.triads, strict=True):
-            _panel(axes, triad)
-
-    triads = " and ".join(triad.triad for triad in noise.triads)
-    description = f"Allan deviation of {triads} in dwell {noise.dwell}"
-    return draw_svg("allan", description, (7.0, 2.9), draw)
-
-
-def _panel(axes: Axes, noise: TriadNoise) -> None:
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    axes.grid(which="major", color=RULE, linewidth=0.4, alpha=0.5)
-    for axis, curve in zip(AXES, noise.curves, strict=True):
-        colour, marker = AXIS_STYLE[axis]
-        seen = curve.deviation > 0
-        axes.fill_between(
-            curve.tau[seen], curve.low[seen], curve.high[seen], color=colour, alpha=0.12, linewidth=0
-        )
-        axes.plot(
-            curve.tau[seen], curve.deviation[seen], color=colour, marker=marker, markersize=3, linewidth=0.9,
-            label=f"{noise.triad[0]}{axis}",
-        )  # fmt: skip
-    _slope(axes, noise)
-    axes.set_title(noise.triad.capitalize(), fontsize=9, fontweight="bold", loc="left", y=1.0)  # nothing above
-    axes.set_xlabel("averaging time \u03c4 [s]")
-    axes.set_ylabel(f"Allan deviation [{noise.unit}]")
-    for scale in (axes.xaxis, axes.yaxis):
-        scale.set_major_formatter(FuncFormatter(decade))
-        scale.set_minor_formatter(NullFormatter())
-    axes.legend(loc="lower left", handlelength=1.6)
-
-
-def decade(value: float, _position: int | None = None) -> str:
-    """Return a power of ten as an axis shows it."""
-    exponent = round(float(np.log10(value)))
-    return fixed(value, max(-exponent, 0)) if -3 <= exponent <= 3 else power_of_ten(exponent)
-
-
-def _slope(axes: Axes, noise: TriadNoise) -> None:
-    """Draw white noise's slope a little above the curves."""
-    tau = noise.curves[0].tau
-    level = max(float(np.max(curve.deviation * np.sqrt(tau))) for curve in noise.curves)
-    if level <= 0:
-        return
-    ends = np.array([tau[-1] / 12, tau[-1]])
-    above = 2.2 * level / np.sqrt(ends)
-    axes.plot(ends, above, color="#57636f", linewidth=1, linestyle=(0, (5, 3)))
-    axes.annotate(
-        "slope \u2212\u00bd", (ends[0], above[0]), (7, 1), textcoords="offset points", va="bottom", fontsize=7.5
-    )
-
 
 _AXIS_OFFSET = 0.22  # how far apart the three axes of a step stand
 
@@ -236,25 +71,7 @@ def _tick(residual: StepResidual) -> str:
     return name.replace("_plus", "+").replace("_minus", "\u2212")
 
 
-@dataclass(frozen=True, eq=False)
-class ReportFigures:
-    """What a report shows of a solution and its campaigns; a report that only adds a hash shows the same."""
-
-    solution: Solution
-    campaigns: Sequence[Campaign]
-
-    @cached_property
-    def noise(self) -> DwellNoise | None:
-        """The noise of the longest dwell; None where none is long enough."""
-        return longest_dwell_noise(self.campaigns, self.solution)
-
-    @cached_property
-    def allan(self) -> Markup:
-        """Its Allan deviation as an ``<svg>`` element; empty where there is none."""
-        return Markup(allan_svg(self.noise)) if self.noise is not None and self.noise.triads else Markup("")
-
-    @cached_property
-    def residuals(self) -> list[tuple[str, Markup]]:
-        """Each triad that has residuals, and these as an ``<svg>`` element."""
-        drawn = ((triad, residual_svg(triad, self.solution.residuals)) for triad in TRIADS)
-        return [(triad, Markup(svg)) for triad, svg in drawn if svg]
+def residual_plots(residuals: Sequence[StepResidual]) -> list[tuple[str, Markup]]:
+    """Return each triad that has residuals, and these as an ``<svg>`` element."""
+    drawn = ((triad, residual_svg(triad, residuals)) for triad in TRIADS)
+    return [(triad, Markup(svg)) for triad, svg in drawn if svg]

@@ -2,128 +2,135 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
-from procedures.calibration.solution_values import Estimate, Solution, StepResidual, TriadCalibration
+from procedures.calibration.solution_values import Solution, StepResidual
+from procedures.frames import TRIADS
 from procedures.positions import ATTITUDES
 from procedures.units import ARCSEC_PER_DEG, UG_PER_G
-from station.results.parameters_by_name import Parameter, parameters, printed_scale
-from station.results.solution_json import estimate_document
+from station.results.parameters_by_name import KINDS, Parameter, parameters, printed_scale
 from station.text import aligned, decimals, fixed
 
 NORMAL_95 = 1.959964  # two-sided 95 % of a normal distribution
-TEXTBOOK = "Yao, Hu, He 2018, {}; its u includes counting noise only"
-TRIAD_GROUPS = (  # field of a triad, symbol, title, remark
-    ("scale_factor", "K", "Scale factor K", ""),
-    ("misalignment", "E", "Misalignment E", "off-diagonal; first index sensor, second body axis"),
-    ("bias", "D", "Bias D", "joint estimate: use this one"),
-    ("bias_12_position", "D", "Bias, 12-position mean", TEXTBOOK.format("eq. 8")),
-    ("bias_two_direction", "D", "Bias, two-direction", TEXTBOOK.format("eq. 9\u201311")),
-)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class ParameterGroup:
-    """Printed lines of one kind, with a remark under their heading.
+    """Parameters of one kind, in the unit of files, each with its symbol and axis, and a remark on them.
 
-    Each has symbol, axis, value, U, u, both ends of the interval of 95 %, unit, truth, error, and that in
-    sigmas. U is empty without a budget; truth and errors are without a truth.
+    ``expanded`` is U by name, where there is a budget; ``truth`` a simulated unit's values. An error is not set
+    against a u that is of ``noise_only``.
     """
 
     title: str
     remark: str
-    rows: tuple[tuple[str, ...], ...]
+    symbols: tuple[tuple[str, str], ...]
+    parameters: tuple[Parameter, ...]
+    truth: Mapping[str, float]
+    expanded: Mapping[str, float] = field(default_factory=dict)
+    noise_only: bool = False
+
+    @property
+    def rows(self) -> list[tuple[str, ...]]:
+        """Printed lines: symbol, axis, value, U, u, both ends of 95 %, unit, truth, error, error/u.
+
+        U is empty without a budget; truth and errors are without a truth.
+        """
+        scale, unit = printed_scale(self.parameters[0].name, self.parameters[0].unit)
+        value = np.array([one.value for one in self.parameters]) * scale
+        std = np.array([one.std for one in self.parameters], dtype=np.float64) * scale
+        places = [decimals(s) for s in std.tolist()]
+        U = [self.expanded.get(one.name, math.nan) * scale for one in self.parameters]
+        wide = [fixed(u, decimals(u)) if u > 0 else "" for u in U]
+
+        def column(numbers: Sequence[float | None], sign: bool = False) -> list[str]:
+            texts = ["" if n is None else fixed(n, p, sign) for n, p in zip(numbers, places, strict=True)]
+            return aligned(texts) if any(texts) else texts
+
+        known = [self.truth[one.name] * scale if one.name in self.truth else None for one in self.parameters]
+        error = [None if t is None else v - t for v, t in zip(value.tolist(), known, strict=True)]
+        in_u = [
+            "" if e is None or self.noise_only or not s > 0 else fixed(e / s, 1, sign=True)
+            for e, s in zip(error, std.tolist(), strict=True)
+        ]
+        ends = (column((value + side * NORMAL_95 * std).tolist()) for side in (-1, 1))
+        columns = (
+            column(value.tolist()), aligned(wide) if any(wide) else wide, column(std.tolist()), *ends,
+            [unit] * len(value), column(known), column(error, sign=True), in_u,
+        )  # fmt: skip
+        return [(*symbol, *cells) for symbol, *cells in zip(self.symbols, *columns, strict=True)]
 
 
-def triad_groups(
-    name: str, triad: TriadCalibration, truth: Mapping[str, float], expanded: Mapping[str, float]
-) -> list[ParameterGroup]:
-    """Return the parameter tables of a triad (``accelerometer`` or ``gyroscope``).
+@dataclass(frozen=True, slots=True)
+class TriadResult:
+    """What a report says of ``accelerometer`` or ``gyroscope``; ``matrix`` is E with u in parentheses."""
 
-    ``expanded`` are the expanded uncertainties by parameter, in the unit of files.
-    """
-    found = _found(name, {field: getattr(triad, field) for field, *_ in TRIAD_GROUPS})
-    groups = []
-    for field, symbol, title, remark in TRIAD_GROUPS:
-        mine = [one for one in found if one.name.startswith(f"{name}.{field}.")]
-        symbols = [(symbol, one.name.rpartition(".")[2]) for one in mine]
-        if field.startswith("bias_"):
-            same = {key.replace(".bias.", f".{field}."): value for key, value in truth.items()}
-            groups += [_group(title, remark, symbols, mine, same, noise_only=True)] if mine else []
-        else:
-            groups.append(_group(title, remark, symbols, mine, truth, expanded))
-    return groups
+    name: str
+    groups: tuple[ParameterGroup, ...]
+    matrix: list[list[str]]
+    has_budget: bool
 
 
-def bench_groups(solution: Solution, truth: Mapping[str, float]) -> list[ParameterGroup]:
-    """Return the tables of slab tilt and face parallelism, in arcsec."""
-    groups = []
-    if tilt := _found("slab", {"tilt_rad": solution.slab_tilt}):
-        remark = "components of the up vector in the axes of the surface plate"
-        symbols = [("tilt", one.name.rpartition(".")[2]) for one in tilt]
-        groups.append(_group("Surface plate tilt", remark, symbols, tilt, truth))
-    if faces := _found("fixture", {"parallelism_rad": solution.parallelism}):
-        remark = "sum of the up tilts of the two faces of a pair, along the other axes"
-        pairs = [one.name.split(".")[2:] for one in faces]
-        symbols = [(f"pair {pair}", f"\u2192 {other}") for pair, other in pairs]
-        groups.append(_group("Face parallelism", remark, symbols, faces, truth))
-    return groups
-
-
-def matrix_rows(misalignment: Estimate) -> list[list[str]]:
-    """Return E (3, 3) with the uncertainty of its last digits in parentheses, dimensionless."""
-    rows = []
-    for value, std in zip(misalignment.value, misalignment.std, strict=True):
-        cells = []
-        for v, s in zip(value, std, strict=True):
-            places = decimals(float(s))
-            digits = f"({round(s * 10.0**places)})" if math.isfinite(s) and s > 0 else ""
-            cells.append(fixed(float(v), max(places, 0)) + digits)
-        rows.append(cells)
-    return rows
-
-
-def _found(part: str, estimates: Mapping[str, Estimate | None]) -> list[Parameter]:
-    text = {field: estimate_document(one) for field, one in estimates.items() if one is not None}
-    return list(parameters({part: text}).values())
-
-
-def _group(
-    title: str, remark: str, symbols: Sequence[tuple[str, str]], found: Sequence[Parameter],
-    truth: Mapping[str, float], expanded: Mapping[str, float] | None = None, noise_only: bool = False,
-) -> ParameterGroup:  # fmt: skip
-    scale, unit = printed_scale(found[0].name, found[0].unit)
-    value = np.array([one.value for one in found]) * scale
-    std = np.array([one.std for one in found], dtype=np.float64) * scale
-    places = [decimals(s) for s in std.tolist()]
-    U = [(expanded or {}).get(one.name, math.nan) * scale for one in found]
-    wide = [fixed(u, decimals(u)) if u > 0 else "" for u in U]
-
-    def column(numbers: Sequence[float | None], sign: bool = False) -> list[str]:
-        texts = ["" if n is None else fixed(n, p, sign) for n, p in zip(numbers, places, strict=True)]
-        return aligned(texts) if any(texts) else texts
-
-    known = [truth[one.name] * scale if one.name in truth else None for one in found]
-    error = [None if t is None else v - t for v, t in zip(value.tolist(), known, strict=True)]
-    sigmas = [
-        "" if e is None or noise_only or not s > 0 else fixed(e / s, 1, sign=True)
-        for e, s in zip(error, std.tolist(), strict=True)
-    ]
-    columns = (
-        column(value.tolist()),
-        aligned(wide) if any(wide) else wide,
-        column(std.tolist()),
-        column((value - NORMAL_95 * std).tolist()),
-        column((value + NORMAL_95 * std).tolist()),
-        [unit] * len(found),
-        column(known),
-        column(error, sign=True),
-        sigmas,
+def triad_results(
+    document: Mapping[str, Any], truth: Mapping[str, float], expanded: Mapping[str, float]
+) -> tuple[TriadResult, ...]:
+    """Return the triads of a `solution/1`; ``expanded`` are U by parameter, in the unit of files."""
+    return tuple(
+        TriadResult(
+            triad,
+            _triad_groups(triad, document, truth, expanded),
+            _matrix(document[triad].get("misalignment", {"value": (), "std": ()})),
+            any(name.startswith(triad) for name in expanded),
+        )
+        for triad in TRIADS
+        if triad in document
     )
-    rows = tuple((*symbol, *cells) for symbol, *cells in zip(symbols, *columns, strict=True))
-    return ParameterGroup(title, remark, rows)
+
+
+def _triad_groups(
+    triad: str, document: Mapping[str, Any], truth: Mapping[str, float], expanded: Mapping[str, float]
+) -> tuple[ParameterGroup, ...]:
+    groups, found = list[ParameterGroup](), parameters(document)
+    for kind in KINDS:
+        mine = tuple(one for name, one in found.items() if name.startswith(f"{triad}.{kind.field}."))
+        symbols = tuple((kind.symbol, one.name.rpartition(".")[2]) for one in mine)
+        same = {name.replace(".bias.", f".{kind.field}."): value for name, value in truth.items()}
+        if mine:
+            known = same if kind.method else truth
+            groups.append(
+                ParameterGroup(kind.heading, kind.remark, symbols, mine, known, expanded, bool(kind.method))
+            )
+    return tuple(groups)
+
+
+def bench_groups(document: Mapping[str, Any], truth: Mapping[str, float]) -> tuple[ParameterGroup, ...]:
+    """Return tilt of the surface plate and parallelism of the faces."""
+    found, groups = parameters(document).values(), list[ParameterGroup]()
+    if tilt := tuple(one for one in found if one.name.startswith("slab.")):
+        remark = "components of the up vector in the axes of the surface plate"
+        symbols = tuple(("tilt", one.name.rpartition(".")[2]) for one in tilt)
+        groups.append(ParameterGroup("Surface plate tilt", remark, symbols, tilt, truth))
+    if faces := tuple(one for one in found if one.name.startswith("fixture.")):
+        remark = "sum of the up tilts of the two faces of a pair, along the other axes"
+        pairs = (one.name.split(".")[2:] for one in faces)
+        symbols = tuple((f"pair {pair}", f"\u2192 {other}") for pair, other in pairs)
+        groups.append(ParameterGroup("Face parallelism", remark, symbols, faces, truth))
+    return tuple(groups)
+
+
+def _matrix(misalignment: Mapping[str, Any]) -> list[list[str]]:
+    """Return E (3, 3) with the uncertainty of its last digits in parentheses, dimensionless."""
+    rows = zip(misalignment["value"], misalignment["std"], strict=True)
+    return [[_with_last_digits(v, s) for v, s in zip(*row, strict=True)] for row in rows]
+
+
+def _with_last_digits(value: float, std: float) -> str:
+    places = decimals(std)
+    digits = f"({round(std * 10.0**places)})" if std > 0 else ""
+    return fixed(value, max(places, 0)) + digits
 
 
 LIMIT_SIGMAS = 4.0

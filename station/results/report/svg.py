@@ -4,11 +4,16 @@ import html
 import io
 import re
 from collections.abc import Callable
+from math import log10
 
 import matplotlib.style
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, NullFormatter
+
+from station.text import fixed, power_of_ten
 
 INK, RULE, PALE = "#1b2733", "#9aa5b1", "#e9edf1"
 AXIS_STYLE = {  # colour and symbol both show the axis: readable in grey and by the colour-blind
@@ -65,3 +70,21 @@ def draw_png(size_in: tuple[float, float], draw: Callable[[Figure], None], dpi: 
         draw(figure)
         FigureCanvasAgg(figure).print_png(buffer, metadata={"Software": None})  # type: ignore[no-untyped-call]
     return buffer.getvalue()
+
+
+def log_axes(axes: Axes, xlabel: str, ylabel: str, title: str = "") -> None:
+    """Make both axes logarithmic, with a grid at powers of ten."""
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.grid(which="major", color=RULE, linewidth=0.4, alpha=0.5)
+    axes.set_title(title, fontsize=9, fontweight="bold", loc="left", y=1.0)  # nothing above
+    axes.set_xlabel(xlabel)
+    axes.set_ylabel(ylabel.replace("ug", "\u00b5g"))
+    for scale in (axes.xaxis, axes.yaxis):
+        scale.set_major_formatter(FuncFormatter(_decade))
+        scale.set_minor_formatter(NullFormatter())
+
+
+def _decade(value: float, _position: int | None = None) -> str:
+    exponent = round(float(log10(value)))
+    return fixed(value, max(-exponent, 0)) if -3 <= exponent <= 3 else power_of_ten(exponent)

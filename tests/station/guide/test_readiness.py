@@ -86,7 +86,7 @@ class Bench:
             )
         with self.database.read() as session:
             reasons = module._why_measured(session, key)  # noqa: SLF001  as `make_results` has it
-            std = {one.name: one.std for one in self.results.context.budgets}
+            std = {one.name: one.std for one in self.results.budgets}
             outcome = judge(self.results.document, limits_of(session, "SIM-FOG3"), std)
         site = self.results.tables.model_copy(update={"site": site_table(setup)})
         status = {"status": "measured" if reasons else "calibrated", "status_reason": "; ".join(reasons)}

@@ -4,6 +4,7 @@ After a change that is meant, ``--force-regen`` writes them again: look at them 
 """
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
@@ -13,41 +14,41 @@ import pytest
 from pytest_regressions.file_regression import FileRegressionFixture
 
 from procedures.calibration.solution_values import StepResidual
-from procedures.statistics.allan_deviation import AllanDeviation
 from procedures.tolerance.drawing_items import ITEMS
 from station.results.fixtures.tolerance_text import tolerance_svg
 from station.results.history.history_page import population_svgs
+from station.results.history.population import (
+    GroupDeviation,
+    Population,
+    PopulationParameter,
+    UnitDeviation,
+    UnitValue,
+)
 from station.results.report.noise_page import noise_svg
-from station.results.report.report_figures import DwellNoise, TriadNoise, allan_svg, residual_svg
+from station.results.report.report_figures import residual_svg
 
 NUMBER = re.compile(r"-?\d+\.\d+(?:e-?\d+)?|-?\d+")
 
 
 def population() -> str:
-    def track(median: float, values: list[float], off: str, spread: float | None) -> dict[str, Any]:
-        units = [{"serial": f"S{i}", "value": value, "std": 0.5} for i, value in enumerate(values)]
-        return {
-            "median": median, "spread": spread, "units": units,
-            "extremes": [{"serial": off, "stands_out": True}, {"serial": "S0", "stands_out": False}],
-        }  # fmt: skip
+    def track(median: float, values: list[float], off: str, spread: float | None) -> PopulationParameter:
+        units = [UnitValue(f"S{i}", value, 0.5) for i, value in enumerate(values)]
+        extremes = [UnitDeviation(0.0, 1.0, 1.0, serial, stands_out=serial == off) for serial in (off, "S0")]
+        return PopulationParameter("1", median, spread, units, extremes)
 
-    def group(i: int, shift: float, stands_out: bool) -> dict[str, Any]:
-        return {
-            "kind": "cube", "id": f"C{i}", "parameter": "gyroscope.bias.x", "shift": shift, "std": 2.0,
-            "stands_out": stands_out,
-        }  # fmt: skip
+    def group(i: int, shift: float) -> GroupDeviation:
+        return GroupDeviation("cube", f"C{i}", "gyroscope.bias.x", "1", shift, 2.0, 0.5, 1.0, 3, stands_out=i == 7)
 
-    document = {
-        "parameters": {
-            "accelerometer.scale_factor.x": track(1000.0, [999.0, 1001.5, 1030.0], "S2", 1.0),
-            "gyroscope.bias.z": track(0.5, [0.5, -7.0, 1.0], "S1", None),
-        },
-        "groups": [group(i, 3.0 * i - 8.0, i == 7) for i in range(30)],
+    parameters = {
+        "accelerometer.scale_factor.x": track(1000.0, [999.0, 1001.5, 1030.0], "S2", 1.0),
+        "gyroscope.bias.z": track(0.5, [0.5, -7.0, 1.0], "S1", None),
     }
-    charts = population_svgs(document)
+    groups = [group(i, 3.0 * i - 8.0) for i in range(30)]
+    found = Population("population/1", "M", 3, 3, 0.05, [], parameters, groups, [])
+    charts = population_svgs(found)
     assert [heading for heading, *_ in charts] == ["Units", "Cubes, surface plates, sites, operators"]
     assert charts[1][1].startswith("Shifts in units of their uncertainty, the 25 least probable of 30.")
-    assert len(population_svgs(document | {"groups": []})) == 1
+    assert len(population_svgs(replace(found, groups=[]))) == 1
     return "\n".join(svg for *_, svg in charts)
 
 
@@ -63,21 +64,6 @@ def residuals() -> str:
     assert residual_svg("accelerometer", steps) == ""
     calm = residual_svg("gyroscope", [step("p1.csv", "dwell", 1, 0.5, np.nan, 0.1)])
     return residual_svg("gyroscope", steps) + "\n" + calm
-
-
-def allan() -> str:
-    tau = 0.01 * 2.0 ** np.arange(12)
-
-    def triad(name: str, unit: str, size: float) -> TriadNoise:
-        curves = []
-        for i in range(3):
-            deviation = size * np.sqrt((1 + 0.3 * i) ** 2 / tau + 0.1 + 0.01 * tau)
-            deviation[0] *= i != 2
-            curves.append(AllanDeviation(tau, deviation, 0.8 * deviation, 1.3 * deviation, np.full(12, 9.0)))
-        return TriadNoise(name, unit, tuple(curves), [])
-
-    both = DwellNoise("p1", 60.0, (triad("gyroscope", "deg/h", 0.2), triad("accelerometer", "\u00b5g", 30.0)))
-    return allan_svg(both)
 
 
 def tolerance() -> str:
@@ -140,7 +126,6 @@ FIGURES = {
     "noise": noise,
     "population": population,
     "residuals": residuals,
-    "allan": allan,
     "tolerance": tolerance,
 }
 

@@ -1,6 +1,8 @@
 """A made-up solution and campaign with the shape of a real one."""
 
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -11,7 +13,11 @@ from procedures.frames import AXES
 from procedures.positions import POSITIONS
 from procedures.uncertainty.budget import ParameterBudget, combined_budget
 from procedures.uncertainty.sources import SourceCell
-from station.results.report.report import ReportContext
+from station.files.campaign_folder.campaign_schema import CampaignTable
+from station.files.campaign_folder.loaded_campaign import LoadedCampaign
+from station.results.report.report import CalibrationReport, calibration_report
+from station.results.solution_json import solution_document
+from station.results.verdict import LimitVerdict
 
 K_ACCELEROMETER = np.array([1020.0, 1015.0, 1018.0])
 K_GYROSCOPE = np.array([36147.26, 35780.61, 35709.35])
@@ -118,11 +124,35 @@ def truth() -> dict[str, float]:
     return values | {"slab.tilt.east": 5.1e-5, "slab.tilt.north": -4.9e-5}
 
 
-def context(**changes: object) -> ReportContext:
-    files = {f"dwell_{p:02d}.csv": f"{p * 7919:064x}" for p in range(1, 13)} | {"campaign.toml": "5f" * 32}
-    made = ReportContext(
-        solution(), (campaign(),), files, "fog-station 0.1.0 (081380b)", "2026-03-04 12:00 UTC", "PASS",
-        "all 24 parameters within the limits of FOG-3", calibration_sha256="c0ffee" + "0" * 58,
-        bench={"Cube certificate": "CMM 2026-01-12, due 2027-01-12"},
-    )  # fmt: skip
-    return replace(made, **changes)
+def document(
+    solved: Solution, measured: Campaign, files: dict[str, str] | None = None,
+    software: str = "fog-station 0.1.0 (081380b)",
+) -> dict[str, Any]:  # fmt: skip
+    """Return solution/1 with a time of its own."""
+    tables = CampaignTable.model_validate(
+        {
+            "format": "campaign/1",
+            "imu": {"model": "M", "serial": "S", "sample_period_s": 0.02, "output": "increments"},
+            "site": {"latitude_deg": 1},
+        }
+    )
+    made = solution_document(solved, [LoadedCampaign(Path("c"), tables, measured, (), FILES, (), ())])
+    made["provenance"] = {
+        "model": measured.model, "serial": measured.serial, "files": files or FILES, "software": software,
+        "created_utc": "2026-03-04 12:00 UTC",
+    }  # fmt: skip
+    return made
+
+
+FILES = {f"dwell_{p:02d}.csv": f"{p * 7919:064x}" for p in range(1, 13)} | {"campaign.toml": "5f" * 32}
+VERDICT = LimitVerdict("PASS", (), "all 24 parameters within the limits of FOG-3")
+
+
+def report(
+    solved: Solution | None = None, measured: Campaign | None = None, *, made_of: dict[str, Any] | None = None,
+    **more: Any,
+) -> CalibrationReport:  # fmt: skip
+    solved, measured = solved or solution(), measured or campaign()
+    more = {"verdict": VERDICT, "bench": {"Cube certificate": "CMM 2026-01-12, due 2027-01-12"}} | more
+    made = calibration_report(solved, [measured], made_of or document(solved, measured), **more)
+    return replace(made, calibration_sha256="c0ffee" + "0" * 58)

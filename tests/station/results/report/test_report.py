@@ -38,7 +38,7 @@ class _Page(HTMLParser):
 
 @pytest.fixture(scope="module")
 def html() -> str:
-    return render(factory.context(truth=factory.truth()))
+    return render(factory.report(truth=factory.truth()))
 
 
 def test_the_report_needs_nothing_but_itself(html: str) -> None:
@@ -87,18 +87,18 @@ def test_the_expanded_uncertainty_stands_beside_the_value_and_is_that_of_the_bud
     wide = replace(
         first, expanded=2.04e-6
     )  # g, far above 1 sigma of the fit, as with a time base or a temperature
-    context = factory.context(budgets=(wide, *others))
-    page = render(context).replace("\u2007", "").replace("\u2008", "")
+    page = render(factory.report(budgets=(wide, *others))).replace("\u2007", "").replace("\u2008", "")
     table = page[page.index('aria-label="accelerometer"') :]
     found = re.search(r"<i>D</i><sub>x</sub></span></td>(.*)", table)
     assert found is not None
-    assert context.solution.accelerometer is not None
-    std = context.solution.accelerometer.bias.std[0] * 1e6
+    triad = factory.solution().accelerometer
+    assert triad is not None
+    std = triad.bias.std[0] * 1e6
     assert re.findall(r"<td[^>]*>([^<]*)</td>", found[1])[1:3] == ["2.0", fixed(std, decimals(std))]
     assert "Use U when you compare a value with a limit" in page
     assert ">U (95 %)<" in page
-    assert ">U (95 %)<" not in render(factory.context())
-    assert ">95 % from<" in render(factory.context())
+    assert ">U (95 %)<" not in render(factory.report())
+    assert ">95 % from<" in render(factory.report())
 
 
 def test_every_residual_and_hash_is_there(html: str) -> None:
@@ -112,7 +112,7 @@ def test_every_residual_and_hash_is_there(html: str) -> None:
                 fixed(4 * residual.sigma[i] * scale, places),
             )
             assert f'>{value}</td><td class="num sigma">{limit}<' in plain
-    for name, sha256 in factory.context().files.items():
+    for name, sha256 in factory.FILES.items():
         assert name in html
         assert sha256 in html
     assert "\u25b2 above the limit" in html
@@ -128,9 +128,9 @@ def test_conditions_warnings_and_what_is_not_observable_are_there(html: str) -> 
         assert text in html
 
 
-def test_equal_contexts_give_equal_bytes(tmp_path: Path) -> None:
+def test_equal_reports_give_equal_bytes(tmp_path: Path) -> None:
     for name in ("a.html", "b.html"):
-        write_report(tmp_path / name, factory.context())
+        write_report(tmp_path / name, factory.report())
     assert (tmp_path / "a.html").read_bytes() == (tmp_path / "b.html").read_bytes()
 
 
@@ -140,15 +140,11 @@ def test_hostile_names_stay_text() -> None:
     fixture = replace(campaign.fixture, id=HOSTILE)
     solution = factory.solution()
     residuals = tuple(replace(residual, name=HOSTILE) for residual in solution.residuals)
-    page = render(
-        factory.context(
-            campaigns=(replace(campaign, dwells=dwells, fixture=fixture),),
-            solution=replace(solution, warnings=(HOSTILE,), residuals=residuals),
-            files={HOSTILE: "00" * 32},
-            verdict_reason=HOSTILE,
-            software=HOSTILE,
-        )
-    )
+    solved = replace(solution, warnings=(HOSTILE,), residuals=residuals)
+    measured = replace(campaign, dwells=dwells, fixture=fixture)
+    document = factory.document(solved, measured, {HOSTILE: "00" * 32}, HOSTILE)
+    verdict = replace(factory.VERDICT, reason=HOSTILE)
+    page = render(factory.report(solved, measured, made_of=document, verdict=verdict))
     assert "<script" not in page
     assert "script" not in _Page(page).tags
     assert any(HOSTILE in text for text in _Page(page).texts)
@@ -161,10 +157,8 @@ def test_a_bare_solution_still_makes_a_report() -> None:
         not_observable=(), warnings=(), unused_steps=(),
     )  # fmt: skip
     campaign = factory.campaign(samples=60)
-    assert "Gyroscope, dwells" not in render(factory.context(solution=solution, campaigns=(campaign,)))
-    assert "Noise" not in render(
-        factory.context(solution=solution, campaigns=(replace(campaign, dwells=(), turns=()),))
-    )
+    assert "Gyroscope, dwells" not in render(factory.report(solution, campaign))
+    assert "Noise" not in render(factory.report(solution, replace(campaign, dwells=(), turns=())))
 
 
 def test_numbers_that_are_not_finite_show_as_a_dash() -> None:
@@ -172,7 +166,7 @@ def test_numbers_that_are_not_finite_show_as_a_dash() -> None:
     assert solution.slab_tilt is not None
     tilt = replace(solution.slab_tilt, value=np.array([np.nan, 0.0]), std=np.array([np.inf, np.nan]))
     first = replace(solution.residuals[0], sigma=np.array([0.0, np.nan, 1.0]))
-    page = render(factory.context(solution=replace(solution, slab_tilt=tilt, residuals=(first,))))
+    page = render(factory.report(replace(solution, slab_tilt=tilt, residuals=(first,))))
     assert re.search(r"\b(nan|inf)\b", _visible(page).lower()) is None
 
 
@@ -181,9 +175,9 @@ def _visible(page: str) -> str:
 
 
 def test_the_budget_has_a_line_a_parameter_with_its_largest_contributions() -> None:
-    text = render(factory.context(budgets=factory.budgets()))
+    text = render(factory.report(budgets=factory.budgets()))
     table = text[text.index("uncertainty budget of the accelerometer") : text.index("<h2>Residuals")]
-    assert table.count("counting noise 84 %, bias instability 15 %, cube &lt; 1 %") == 3
+    assert table.count("counting noise\u00a084\u00a0%, bias instability\u00a015\u00a0%") == 3
     assert '<td class="num">0.15</td><td>\u00b5g</td><td class="num">1.98</td><td class="num">143</td>' in table
-    assert "closure 100 %" in table
+    assert "closure\u00a0100\u00a0%" in table
     assert "\u221e" in table

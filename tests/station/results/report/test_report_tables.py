@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from procedures.calibration.solution_values import Estimate, StepResidual, TriadCalibration
-from station.results.report.result_tables import correlations, residual_tables, triad_groups
+from procedures.calibration.solution_values import StepResidual
+from station.results.report.result_tables import correlations, residual_tables, triad_results
 
 DWELL = StepResidual(
     "dwell_05", "dwell", "accelerometer", 5, np.array([1e-6, -2e-6, 0.0]), np.array([1e-6, 1e-6, 2e-6]), "g"
@@ -42,16 +42,21 @@ def test_correlations_of_a_half_and_more_are_listed_the_largest_first() -> None:
     assert [size for *_, size in found] == pytest.approx([0.9, 0.5])
 
 
-BIAS = Estimate(np.array([-1.5, 20.25, 0.0]), np.array([0.05, 0.12, 0.2]), "deg/h")
-TRIAD = TriadCalibration(
-    Estimate(np.array([36000.0, 35500.0, 36300.0]), np.array([0.2, 0.2, 0.2]), "count/s per deg/s"),
-    Estimate(np.eye(3), np.full((3, 3), 1e-6), "1"), BIAS, bias_12_position=BIAS,
-)  # fmt: skip
+BIAS = {"value": [-1.5, 20.25, 0.0], "std": [0.05, 0.12, 0.2], "unit": "deg/h"}
+DOCUMENT = {
+    "gyroscope": {
+        "scale_factor": {"value": [36000.0, 35500.0, 36300.0], "std": [0.2] * 3, "unit": "count/s per deg/s"},
+        "misalignment": {"value": np.eye(3).tolist(), "std": np.full((3, 3), 1e-6).tolist(), "unit": "1"},
+        "bias": BIAS,
+        "bias_12_position": BIAS,
+    }
+}
 TRUTH = {"gyroscope.bias.x": -1.56, "gyroscope.bias.y": 20.45}
 
 
 def cells(group: int, axis: int) -> list[str]:
-    found = triad_groups("gyroscope", TRIAD, TRUTH, {"gyroscope.bias.x": 0.11})[group].rows[axis]
+    (triad,) = triad_results(DOCUMENT, TRUTH, {"gyroscope.bias.x": 0.11})
+    found = triad.groups[group].rows[axis]
     return [each.strip("\u2007\u2008").replace("\u2212", "-") for each in found]
 
 
