@@ -5,7 +5,7 @@ as they can, as they did before it was found. `coordinate_of` has a line for eac
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -206,6 +206,13 @@ def folded_panels(diagnosis: Diagnosis) -> list[ResidualPanel]:
     for each in diagnosis.folded:
         found.setdefault((each.effect, each.about, each.triad), []).append(each)
     return [_folded_panel(key[0], key[1], each) for key, each in found.items()]
+
+
+def in_outputs(panel: ResidualPanel, unit: str) -> ResidualPanel:
+    """Return a panel of a triad whose scale factor is not known in the ``unit`` of its outputs."""
+    factor = {"deg/h": 1 / DEG_H_PER_DEG_S, "ug": 1 / UG_PER_G}.get(panel.unit, 1.0)
+    sizes = {name: getattr(panel, name) * factor for name in ("before", "after", "sigma")}
+    return replace(panel, unit=unit, **sizes)
 
 
 def _folded_panel(effect: str, about: str, folded: Sequence[FoldedResidual]) -> ResidualPanel:

@@ -26,12 +26,16 @@ MIXED = (1, 9, 6, 12, 4, 7, 2, 10, 5, 11, 3, 8)  # every flip between other face
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """What to measure: in words, and its steps by kind as `plan/1` has them; ``imu_axes`` if re-mounted."""
+    """What to measure: in words, and its steps by kind as `plan/1` has them; ``imu_axes`` if re-mounted.
+
+    ``brief`` is the same in a phrase, where it stands for an effect's ``separate_by``.
+    """
 
     name: str
     say: str
     steps: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
     imu_axes: tuple[str, ...] = ()
+    brief: str = ""
 
 
 Make = Callable[[Mapping[str, Any], Sequence[str]], Measurement]  # of a finding of diagnosis/2, and imu_axes

@@ -97,7 +97,8 @@ def _allan(axes: Axes, channel: Mapping[str, Any]) -> None:
 
 def _fitted(channel: Mapping[str, Any], tau: np.ndarray[Any, np.dtype[np.float64]]) -> Any:
     """Return the deviation that the terms with a value make."""
-    units = units_of(channel["channel"].split()[0], channel["allan"]["unit"] != "output")
+    scaled = units_of(channel["channel"].split()[0], True)
+    units = scaled if channel["allan"]["unit"] == scaled.unit else units_of("", False)
     shapes, total = noise_shapes(tau), np.zeros_like(tau)
     for name, term in channel["terms"].items():
         total += (shapes[name] * (term.get("value") or 0.0) / units.terms[name][3]) ** 2
@@ -161,4 +162,4 @@ def _cell(term: Mapping[str, Any]) -> str:
         return "not determined"
     if "below" in term:
         return f"< {term['below']:.3g}"
-    return f"{term['value']:.3g} [{term['low']:.3g}, {term['high']:.3g}]"
+    return f"{term['value']:.3g} [{term['low']:.3g},\u00a0{term['high']:.3g}]"
