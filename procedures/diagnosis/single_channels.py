@@ -2,10 +2,10 @@
 
 The longest recording at rest is taken. Noise is that of `procedures.samples.channel_noise`; drift and
 temperature coefficient are lines through means of blocks, with a sigma for errors that hang together
-(`procedures.statistics.line_fits`). Each is fitted alone: where the temperature goes with the time, one may be the
-other, and `is_confounded` says so. A gyroscope's scale factor along its own axis comes from its turns, ``total = s angle
-+ b T``: the Earth's rate and the bias go with the time, and in s is the cosine of its misalignment, 1e-6 at 1
-mrad. Its sigma holds the closures and by how much the rests before the turns differ.
+(`procedures.statistics.line_fits`). Each is fitted alone: where the temperature goes with the time, one may be
+the other, and `is_confounded` says so. A gyroscope's scale factor along its own axis comes from its turns,
+``total = s angle + b T``: the Earth's rate and the bias go with the time, and in s is the cosine of its
+misalignment, 1e-6 at 1 mrad. Its sigma holds the closures and by how much the rests before the turns differ.
 """
 
 from collections.abc import Iterator, Sequence
