@@ -20,6 +20,7 @@ from procedures.uncertainty.budget import ParameterBudget
 from procedures.units import ARCSEC_PER_RAD, RAD_PER_ARCSEC, UG_PER_G
 from station.files.atomic_file import replace_file
 from station.results.certificate.printed_results import INFINITE, MAX_CONTRIBUTIONS, Row, budget_rows
+from station.results.diagnosis.finding_wording import MIN_LOG10_P, p_text
 from station.results.html_templates import html_template
 from station.results.report.report_figures import ReportFigures
 from station.results.report.result_tables import (
@@ -206,7 +207,7 @@ def _facts(solution: Solution) -> list[tuple[str, str, str]]:
     facts = [
         (
             "Residuals against noise",
-            f"p = {quality.p_value:.2g}",
+            p_text(math.log10(max(quality.p_value, 10.0**MIN_LOG10_P))),
             f"{_fits(quality)}; \u03c7\u00b2 = {quality.chi2:.1f}, {quality.dof} degrees of freedom",
         )
     ]
