@@ -175,7 +175,7 @@ def _named(found: Mapping[str, Any], several: Sequence[Mapping[str, Any]]) -> Ca
     first, place = several[0], place_of(several)
     sentences = [confidence_in_words(first), *notes(first), *proposed_in_words(first)]
     others = alternatives(found, first)
-    if others:
+    if others and first["separate_by"] not in found["next_measurement"]:
         sentences.append(f"to separate the alternatives: {first['separate_by']}")
     table = _coefficients(first) if len(several) == 1 else _occurrences(several)
     return Cause(
@@ -339,13 +339,11 @@ def channel_table(
         )
         for each in channels
     ]
-    separated = {
-        each["effect"].partition(".")[0]
-        for each in findings
-        if each["confidence"] != "possible"
-        and each["effect"] in CATALOGUE
-        and CATALOGUE[each["effect"]].driver in {"temperature", "time"}
-    }
+    named = [
+        CATALOGUE[f["effect"]] for f in findings if f["confidence"] != "possible" and f["effect"] in CATALOGUE
+    ]
+    separating = [each for each in named if each.driver in {"temperature", "time"} and not each.is_scatter]
+    separated = {each.name.partition(".")[0] for each in separating}
     open_ones = [each for each in channels if each["channel"].partition(" ")[0] not in separated]
     remarks = [CONFOUNDED] if any(each.get("is_confounded") for each in open_ones) else []
     remarks += [NOT_KNOWN] if not has_noise and any("random_walk" not in each for each in channels) else []

@@ -121,7 +121,7 @@ def diagnosis_json(
         "unnamed": [unnamed_document(each) for each in diagnosis.unnamed],
         "probabilities": probabilities_document(diagnosis.probabilities),
         "not_separable": {
-            name: way if recording == "campaign" else separating(recording, name).brief
+            name: way if recording == "campaign" else separating(recording, name).phrase
             for name, way in diagnosis.not_separable.items()
         },
         "tests": [test_document(each) for each in diagnosis.tried],

@@ -91,8 +91,6 @@ def equation_of(finding: Mapping[str, Any]) -> str:
         return EQUATIONS.get(finding["effect"], EQUATIONS["auxiliary.periodic"])
     if "term" in finding:  # of a file of its own, not of the catalogue
         return " + ".join(f"c ({term})" for term in finding["term"])
-    if finding["effect"].endswith(".bias_walk"):  # a size, not columns of the catalogue
-        return "a bias that steps at random, with standard deviation = value * sqrt(hours)"
     from procedures.effects import CATALOGUE
 
     return CATALOGUE[finding["effect"]].physics if finding["effect"] in CATALOGUE else ""

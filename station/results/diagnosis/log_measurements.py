@@ -39,68 +39,62 @@ HEATED = Measurement(
     "Leave the unit at rest and record it while it is heated by 15 K or more and cooled again, with plateaus: "
     "effects of time, of temperature and of its rate can then be separated.",
     AT_REST,
-    brief="the same rest while the unit is heated by 15 K or more and cooled again, with plateaus",
 )
 REST_AGAIN = Measurement(
     "rest_again",
     "Record the unit at rest again, on another day, from the moment when it is switched on: an error that does "
     "not repeat is no error term.",
     AT_REST,
-    brief="the same rest again, on another day: an error that does not repeat is no error term",
+)
+LONGER = Measurement(
+    "longer_rest",
+    "Record the unit at rest several times as long, at one temperature: a random walk grows, a drift goes on.",
+    {"soak": [{"attitude": "free", "seconds": 4 * SOAK_S}]},
 )
 UNDISTURBED = Measurement(
     "rest_undisturbed",
     "Record the unit at rest again with nobody near the stand: a disturbance does not repeat.",
     AT_REST,
-    brief="the same rest again, with nobody near the stand",
 )
 CHANNEL_CHANGED = Measurement(
     "channel_changed",
     "Leave the unit at rest and change the auxiliary channel on purpose, to and fro, and nothing else.",
     AT_REST,
-    brief="the channel changed on purpose while the unit rests",
 )
 REFERENCE_TIME = Measurement(
     "rest_with_reference_time",
     "Record the unit at rest with reference time (column utc_s), as from a GNSS receiver.",
     AT_REST,
-    brief="reference time (utc_s) recorded with the samples",
 )
 OTHER_ATTITUDES = Measurement(
     "other_attitudes",
     "Record more rests, each in an attitude of its own, also between the faces, near 45 deg.",
     ATTITUDES,
-    brief="more rests, each in an attitude of its own, also near 45 deg",
 )
 OTHER_DAY = Measurement(
     "rests_in_another_order",
     "Record the rests again in another order, on another day, with the unit 5 K warmer or colder: effects of time "
     "and of temperature can then be separated.",
     ATTITUDES,
-    brief="the rests again in another order, on another day, 5 K warmer or colder",
 )
 OTHER_SPEEDS = Measurement(
     "turns_at_other_speeds",
     "Turn about the same axis again, both ways, at other speeds: an error of the scale factor grows with the "
     "angle.",
     {"turn": turns()},
-    brief="the same turns again, both ways, at other speeds",
 )
 OTHER_RATES = Measurement(
     "other_rates",
     "Record the rate table again with other rates, both ways, in random order, up to the largest rate that the "
     "unit is made for: only there the curves differ.",
-    brief="a second run of the rate table with other rates, both ways, up to the largest",
 )
 TABLE_AGAIN = Measurement(
     "table_again",
     "Record the same rates again in random order, on another day: an error that does not repeat is no error term.",
-    brief="the same rates again in random order, on another day: an error that does not repeat is no error term",
 )
 TABLE_HEATED = Measurement(
     "table_at_two_temperatures",
     "Record the same rates at two temperatures, 15 K or more apart, with the temperature in a column of its own.",
-    brief="the same rates at two temperatures, 15 K or more apart",
 )
 REPETITIONS: Mapping[Recording, Repetition] = {
     "rest": Repetition(
@@ -109,6 +103,10 @@ REPETITIONS: Mapping[Recording, Repetition] = {
         {
             "accelerometer.bias_drift": HEATED,
             "gyroscope.bias_drift": HEATED,
+            "accelerometer.bias_instability": LONGER,
+            "gyroscope.bias_instability": LONGER,
+            "accelerometer.acceleration_random_walk": LONGER,
+            "gyroscope.rate_random_walk": LONGER,
             "disturbance.dwell": UNDISTURBED,
             "placement.tilt": UNDISTURBED,
             "clock.rate": REFERENCE_TIME,
@@ -141,7 +139,7 @@ def fitted_to(recording: Recording, finding: Mapping[str, Any]) -> dict[str, Any
     """Return a finding whose ``separate_by`` fits this kind of recording; what is sampled has its own."""
     if recording == "campaign" or finding["effect"] not in CATALOGUE:
         return dict(finding)
-    return {**finding, "separate_by": separating(recording, finding["effect"]).brief}
+    return {**finding, "separate_by": separating(recording, finding["effect"]).phrase}
 
 
 def separating(recording: Recording, name: str) -> Measurement:
@@ -159,7 +157,7 @@ def next_in_words(recording: Recording, findings: Sequence[Mapping[str, Any]], o
     if recording == "campaign" or not of_campaign:
         return of_campaign
     ways = [each["separate_by"] for each in findings if each["confidence"] == "possible"]
-    return "; ".join(dict.fromkeys(ways)) or AGAIN[recording].brief
+    return "; ".join(dict.fromkeys(ways)) or AGAIN[recording].phrase
 
 
 def wanted(

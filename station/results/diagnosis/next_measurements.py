@@ -26,16 +26,17 @@ MIXED = (1, 9, 6, 12, 4, 7, 2, 10, 5, 11, 3, 8)  # every flip between other face
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """What to measure: in words, and its steps by kind as `plan/1` has them; ``imu_axes`` if re-mounted.
-
-    ``brief`` is the same in a phrase, where it stands for an effect's ``separate_by``.
-    """
+    """What to measure: in words, and its steps by kind as `plan/1` has them; ``imu_axes`` if re-mounted."""
 
     name: str
     say: str
     steps: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
     imu_axes: tuple[str, ...] = ()
-    brief: str = ""
+
+    @property
+    def phrase(self) -> str:
+        """The words as part of a sentence."""
+        return f"{self.say[0].lower()}{self.say[1:].rstrip('.')}"
 
 
 Make = Callable[[Mapping[str, Any], Sequence[str]], Measurement]  # of a finding of diagnosis/2, and imu_axes

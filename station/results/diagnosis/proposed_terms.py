@@ -64,7 +64,7 @@ def next_in_words(one: Proposal, best: NextMeasurement | None) -> str:
         return ""
     if best is None:
         return "no repetition of this campaign's steps parts it from them"
-    say = MEASUREMENTS[best.name]({}, ()).say.rstrip(".")
+    say = MEASUREMENTS[best.name]({}, ()).phrase
     return f"{say}: parts it from {best.parted} of them, in {best.minutes:.0f} minutes at the bench"
 
 
@@ -83,7 +83,7 @@ def with_proposed(document: Mapping[str, Any], found: Discovery) -> dict[str, An
     recording = document["recording"]
     nexts = parted_by(found) if recording == "campaign" else [None] * len(found.proposals)  # its steps done again
     proposed = [
-        _finding(one, best) | ({} if recording == "campaign" else {"separate_by": AGAIN[recording].brief})
+        _finding(one, best) | ({} if recording == "campaign" else {"separate_by": AGAIN[recording].phrase})
         for one, best in zip(found.proposals, nexts, strict=True)
     ]
     findings = [*document["findings"], *proposed]

@@ -157,9 +157,10 @@ def _triad_table(channels: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     }
 
 
-def _cell(term: Mapping[str, Any]) -> str:
+def _cell(term: Mapping[str, Any]) -> tuple[str, str]:
+    """Return a term's value, or what stands in its place, and its interval."""
     if is_undetermined(term):
-        return "not determined"
+        return "not determined", ""
     if "below" in term:
-        return f"< {term['below']:.3g}"
-    return f"{term['value']:.3g} [{term['low']:.3g},\u00a0{term['high']:.3g}]"
+        return f"< {term['below']:.3g}", ""
+    return f"{term['value']:.3g}", f"[{term['low']:.3g}, {term['high']:.3g}]"
