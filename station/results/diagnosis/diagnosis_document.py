@@ -87,12 +87,13 @@ class Lines:
 class Cause:
     """A row of the first table and what is known of it: an error term, or what acts without a name.
 
-    ``effect`` is its name, by which its figure is found. ``sentences`` say how sure it is and what it may be
-    instead. ``held_out`` is the error held out, without and with it. ``alternatives`` are the names that it may
-    have instead, with their probabilities.
+    ``effect`` is its name and ``place`` where it acts, by which its figure is found. ``sentences`` say how sure it
+    is. ``held_out`` is the error held out, without and with it. ``alternatives`` are the names that it may have
+    instead, with their probabilities.
     """
 
     effect: str
+    place: str
     title: str
     about: str
     probability: str
@@ -180,6 +181,7 @@ def _named(found: Mapping[str, Any], several: Sequence[Mapping[str, Any]]) -> Ca
     table = _coefficients(first) if len(several) == 1 else _occurrences(several)
     return Cause(
         effect=first["effect"],
+        place=where_text(first["where"]),
         title=first["effect"],
         about=", ".join(part for part in (first["kind"], place) if part),
         probability=probabilities_text(several),
@@ -209,6 +211,7 @@ def _occurrences(several: Sequence[Mapping[str, Any]]) -> Table:
 def _unnamed(found: Mapping[str, Any], cause: Mapping[str, Any]) -> Cause:
     return Cause(
         effect="",
+        place="",
         title=f"no known error term: {unnamed_in_words(cause)}",
         about="",
         probability=probability_text(cause["joint_probability"]),

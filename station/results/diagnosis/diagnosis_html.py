@@ -46,8 +46,8 @@ def section_html(
 
 def _plots(
     document: Mapping[str, Any], diagnosis: "Diagnosis", more: "Discovery | None"
-) -> dict[str, dict[str, Any]]:
-    """Return a plot with its caption by the name of each error term."""
+) -> dict[tuple[str, str], dict[str, Any]]:
+    """Return a plot with its caption by error term and place; what acts on samples or is proposed has no place."""
     from station.results.diagnosis.finding_figure import (
         caption,
         folded_panels,
@@ -64,8 +64,8 @@ def _plots(
         scales = diagnosis.before.campaigns[0].nominal_scale
         units = {each["quantity"].partition(" ")[0]: each["unit"] for each in document["error"]}
         panels = [each if each.triad in scales else in_outputs(each, units[each.triad]) for each in panels]
-    first = {panel.effect: panel for panel in reversed(panels)}
+    first = {(panel.effect, panel.place): panel for panel in reversed(panels)}
     return {
-        name: {"plot": Markup(residual_svg(number, panel)), "caption": caption(panel)}
-        for number, (name, panel) in enumerate(first.items(), 1)
+        key: {"plot": Markup(residual_svg(number, panel)), "caption": caption(panel)}
+        for number, (key, panel) in enumerate(first.items(), 1)
     }

@@ -25,6 +25,8 @@ from procedures.evidence.residual_rows import KINDS, Evidence
 from procedures.frames import AXES, TRIADS
 from procedures.inference.result import Diagnosis, Finding, FoldedResidual
 from procedures.units import ARCSEC_PER_DEG, DEG_H_PER_DEG_S, S_PER_H, UG_PER_G
+from station.results.diagnosis.diagnosis_json import plain
+from station.results.diagnosis.finding_wording import where_text
 from station.results.report.svg import AXIS_STYLE, INK, RULE, draw_svg
 
 Values = Callable[[Excitation, Finding], FloatArray]  # (n,) of all sensors, or (n, 3) of each, at the nodes
@@ -174,7 +176,7 @@ _UNITS = {  # of a row in natural units to people's, by triad and kind
 class ResidualPanel:
     """Rows (n,) of a triad and kind against ``coordinate``: residual ``before``, ``after``, u in ``unit``.
 
-    ``axis`` (n,) is the sensor, -1 where a row is of all three.
+    ``axis`` (n,) is the sensor, -1 where a row is of all three. ``place`` says where its finding acts, in words.
     """
 
     effect: str
@@ -186,6 +188,7 @@ class ResidualPanel:
     before: FloatArray
     after: FloatArray
     sigma: FloatArray
+    place: str = ""
 
 
 @let_go_at_the_end()
@@ -196,7 +199,8 @@ def residual_panels(diagnosis: Diagnosis) -> list[ResidualPanel]:
     for finding, way in zip(diagnosis.findings, ways, strict=True):
         if way is not None:
             others = [each.term for each in ways if each is not None and each is not way and not each.is_of_model]
-            found.append(panel_of(diagnosis.evidence, finding.effect, way, others, finding))
+            place = where_text({name: plain(what) for name, what in finding.where.items()})
+            found.append(replace(panel_of(diagnosis.evidence, finding.effect, way, others, finding), place=place))
     return found
 
 
