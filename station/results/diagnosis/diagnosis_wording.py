@@ -88,7 +88,8 @@ def _sentence(several: Sequence[Mapping[str, Any]]) -> str:
     of = f"probability {probabilities_text(several)}"
     text = f"{meaning} ({name}, {of})" if meaning else f"{name} ({of})"
     is_one = len(several) == 1 and COUNTED not in first["where"]
-    parts = [part for part in (notable_sizes(first) if is_one else "", place_of(several)) if part]
+    own = (first.get("shape", ""), notable_sizes(first)) if is_one else ()
+    parts = [part for part in (*own, place_of(several)) if part]
     reduced = reduction_in_words(first)
     return f"{text}{': ' if parts else ''}{', '.join(parts)}.{f' {reduced}.' if reduced else ''}"
 

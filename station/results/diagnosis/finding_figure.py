@@ -63,8 +63,11 @@ def coordinate_of(
 
 
 def _steps(evidence: Evidence, rows: BoolArray) -> Coordinate:
+    """Return the step of each row; of a soak, whose blocks are no steps to a reader, the time."""
     numbers, index = np.unique(evidence.step[rows], return_inverse=True)
     steps = [evidence.excitation.steps[i] for i in numbers]
+    if all(step.kind == "soak" for step in steps):
+        return Coordinate(_HOURS, means_at_rows(evidence, _hours(evidence.excitation))[rows])
     names = tuple(str(s.position) if s.kind == "dwell" else s.name.partition(".")[0] for s in steps)
     return Coordinate("position, turn or rest", index.astype(float), names)
 
@@ -110,7 +113,15 @@ def _followed(excitation: Excitation, finding: Finding) -> FloatArray:
 
 _SENSOR = ("lagged sensor temperature [degC]", _followed)
 _WARMING = ("temperature rate [K/min]", lambda excitation, finding: excitation.temperature_rate)
-_TIME = ("time [h]", lambda excitation, finding: (excitation.t - np.nanmin(excitation.t)) / S_PER_H)
+_HOURS = "time [h]"
+
+
+def _hours(excitation: Excitation) -> FloatArray:
+    found: FloatArray = (excitation.t - np.nanmin(excitation.t)) / S_PER_H
+    return found
+
+
+_TIME = (_HOURS, lambda excitation, finding: _hours(excitation))
 _FORCE = ("specific force along the sensor [g]", lambda excitation, finding: excitation.f)
 _RATE = ("rate about the sensor [deg/s]", lambda excitation, finding: excitation.omega)
 _COORDINATES: Mapping[str, tuple[str, Values]] = {
