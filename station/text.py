@@ -6,6 +6,7 @@ Two significant digits of the standard uncertainty, and the value to the same pl
 import math
 from collections.abc import Iterable, Sequence
 from io import StringIO
+from typing import Literal
 
 from rich.console import Console
 from rich.table import Table
@@ -68,10 +69,13 @@ def plural(count: int, noun: str) -> str:
     return f"{count} {noun}{ending}"
 
 
-def unit_in_words(model: str, serial: str) -> str:
-    """Return model and serial number, or that neither is known."""
-    known = [name for name in (model, serial) if name != NOT_KNOWN]
-    return " ".join(known) if known else "unit not named"
+FEW_FILES = 4  # that stand for a unit without a name
+
+
+def unit_in_words(model: str, serial: str, files: Iterable[str] = ()) -> str:
+    """Return model and serial number; where neither is known the few ``files`` of it, else that it has no name."""
+    known = [name for name in (model, serial) if name != NOT_KNOWN] or list(files)[: FEW_FILES + 1]
+    return (" " if model != NOT_KNOWN else ", ").join(known) if 0 < len(known) <= FEW_FILES else "unit not named"
 
 
 WIDTH = 80
@@ -82,9 +86,13 @@ def table_lines(rows: Iterable[Sequence[str]], align: str, header: Sequence[str]
 
     ``align`` has ``<`` for each column that is flush left and ``>`` for each that is flush right.
     """
-    table = Table(box=None, padding=(0, 2, 0, 0), pad_edge=False)
+    rows = list(rows)
+    widths = [max(map(len, cells)) for cells in zip(header, *rows, strict=True)]
+    between = 2 if sum(widths) + 2 * len(widths) <= WIDTH else 1
+    table = Table(box=None, padding=(0, between, 0, 0), pad_edge=False)
     for side, title in zip(align, header, strict=True):
-        table.add_column(title, justify="left" if side == "<" else "right", vertical="bottom")
+        justify: Literal["left", "right"] = "left" if side == "<" else "right"
+        table.add_column(title, justify=justify, vertical="bottom", overflow="fold")
     for row in rows:
         table.add_row(*row)
     console = Console(

@@ -2,10 +2,10 @@
 
 The longest recording at rest is taken. Noise is that of `procedures.samples.channel_noise`; drift and
 temperature coefficient are lines through means of blocks, with a sigma for errors that hang together
-(`procedures.statistics.line_fits`). Both are fitted alone: where the temperature went with
-time, one may be the other. A gyroscope's scale factor along its own axis comes from its turns, ``total = s angle
-+ b T``: the Earth's rate and the bias go with the time, and in s is the cosine of its misalignment, 1e-6 at 1
-mrad. Its sigma holds the closures and by how much the rests before the turns differ.
+(`procedures.statistics.line_fits`). Each is fitted alone: where the temperature goes with the time, one may be
+the other, and `is_confounded` says so. A gyroscope's scale factor along its own axis comes from its turns,
+``total = s angle + b T``: the Earth's rate and the bias go with the time, and in s is the cosine of its
+misalignment, 1e-6 at 1 mrad. Its sigma holds the closures and by how much the rests before the turns differ.
 """
 
 from collections.abc import Iterator, Sequence
@@ -32,6 +32,7 @@ LINE_BLOCKS = 24
 MIN_RECORDING_SAMPLES = 2 * LINE_BLOCKS  # two in each block's mean
 MIN_WARMING_K = 1.0  # K, from which on a temperature coefficient is looked for
 MIN_AXIS_COSINE = 0.9  # of a turn's axis along the sensor
+MAX_INFLATION = 10.0  # of a slope's variance by the other one: beyond, regressors count as collinear
 
 Held = DwellRecord | RestRecord | SoakRecord
 
@@ -42,6 +43,7 @@ class SingleChannel:
 
     ``noise`` is its random walk [output/s sqrt(s)], ``instability`` its bias instability [output/s]; ``drift`` a
     line over time [/h]; ``warming`` one over temperature [/K] that moved by ``kelvin``, None where it hardly did.
+    ``correlation`` is that of temperature with time, 0 where there is no ``warming``.
     ``scale`` [output/s per deg/s], 1 sigma beside it, is a gyroscope's along its own axis, None where no pair of
     turns tells it.
     """
@@ -58,6 +60,12 @@ class SingleChannel:
     kelvin: float
     scale: tuple[float, float] | None
     is_count: bool
+    correlation: float = 0.0
+
+    @property
+    def is_confounded(self) -> bool:
+        """Say whether drift and temperature cannot be separated: each is nearly a multiple of the other."""
+        return 1 - self.correlation**2 < 1 / MAX_INFLATION
 
 
 def single_channels(campaigns: Sequence[Campaign], solved: Sequence[str]) -> list[SingleChannel]:
@@ -101,14 +109,15 @@ def _seen(
     t, T, mean, least = _blocks(series, rate, quantum)
     known = np.isfinite(T)
     kelvin = float(np.ptp(T[known])) if known.any() else 0.0
-    warming = None
+    warming, correlation = None, 0.0
     if kelvin >= MIN_WARMING_K:
+        correlation = float(np.corrcoef(t[known], T[known])[0, 1])
         warming = fit_correlated_line(T[known], mean[known], np.zeros(known.sum(), dtype=np.int64), least)
     drift = fit_correlated_line(t / S_PER_H, mean, np.zeros(len(t), dtype=np.int64), least)
     scale = _scale(campaign, axis) if triad == "gyroscope" else None
     return SingleChannel(
         triad, AXES[axis], record.name, len(series) * series.period, float(rate.mean()),
-        *_noise(record, triad, axis), drift, warming, kelvin, scale, is_count,
+        *_noise(record, triad, axis), drift, warming, kelvin, scale, is_count, correlation,
     )  # fmt: skip
 
 

@@ -189,7 +189,7 @@ def _campaign_of(excitation: Excitation, step: ExcitationStep) -> dict[str, obje
 
 ACCELEROMETER_JUMP = Effect(
     name="accelerometer.jump",
-    meaning="A bias or scale factor that jumped between two steps",
+    meaning="A bias or scale factor that jumped",
     about=(
         "c or 1e-6 c u in every step after it. Where the unit was switched off and on in between it is its "
         "turn-on bias. Each place between two neighbouring steps of a campaign is a way of its own, to "

@@ -97,7 +97,7 @@ SCATTER = Effect(
 
 DISTURBANCE = Effect(
     name="disturbance.dwell",
-    meaning="A disturbance in one dwell",
+    meaning="A disturbance while at rest",
     about=(
         "A shock, a footstep, a machine nearby. It averages out of the counts' mean, or nearly: what shows it is "
         "their variance, over short stretches of the dwell, and so it has no column. Plausible: 0.01 g, what a "

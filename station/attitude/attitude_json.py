@@ -20,14 +20,8 @@ from station.results.diagnosis.diagnosis_json import (
     finding_document,
     probabilities_document,
 )
-from station.results.diagnosis.diagnosis_text import coefficient_rows
-from station.results.diagnosis.diagnosis_wording import (
-    OTHERS_TITLE,
-    alternatives_in_words,
-    both,
-    confidence_in_words,
-    other_terms,
-)
+from station.results.diagnosis.diagnosis_wording import OTHERS_TITLE, alternatives_in_words, other_terms
+from station.results.diagnosis.finding_wording import both, coefficient_rows, confidence_in_words
 from station.text import plural
 
 ATTITUDE_FORMAT = "attitude/1"
@@ -196,9 +190,9 @@ def attitude_diagnosis_text(document: Mapping[str, Any]) -> str:
             f"{number}. {finding['effect']} ({finding['kind']})",
             f"   {confidence_in_words(finding)}",
         ]
-        lines += [f"   {name:<9} {value:<44} {size:>12}" for name, value, size in coefficient_rows(finding)]
+        lines += [f"   {row.name:<9} {row.value:<44} {row.size:>12}" for row in coefficient_rows(finding)]
         if finding["aliases"]:
-            lines.append(f"   it may also be: {alternatives_in_words(finding)}")
+            lines.append(f"   it may also be: {', '.join(alternatives_in_words(document, finding))}")
             lines.append(f"   to separate them: {finding['separate_by']}")
     for error in document["error"]:
         lines += ["", f"error, rms {error['unit']}: {error['quantity']}"]

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from procedures.inference.result import Diagnosis
     from station.files.campaign_folder.loaded_campaign import LoadedCampaign
     from station.files.logs.means_table import MeansTable
-    from station.results.diagnosis.next_measurements import Measurement
 
 
 def diagnose(
@@ -110,8 +109,10 @@ def _diagnose(
     from procedures.diagnosis.diagnose import diagnose as find  # scipy and kernels: not before the data are right
     from procedures.errors import NotObservable
     from station.files.campaign_folder.loaded_campaign import effects_of
+    from station.results.diagnosis.diagnosis_document import channel_table
+    from station.results.diagnosis.diagnosis_text import section_lines
     from station.results.diagnosis.magnetic_field import with_magnetic_field
-    from station.results.diagnosis.uncalibrated import channel_lines, channels_of
+    from station.results.diagnosis.uncalibrated import channels_of
     from station.results.diagnosis.unsolvable_campaign import nothing_at_all, partial_document
 
     loaded = [with_magnetic_field(one) for one in loaded]
@@ -120,7 +121,7 @@ def _diagnose(
         found = find([one.campaign for one in loaded], declared=[one.term for one in effects_of(loaded)])
     except NotObservable as error:
         if not is_partial:
-            for line in channel_lines(channels_of(loaded, ())):
+            for line in section_lines(channel_table(channels_of(loaded, ()))):
                 typer.echo(line)
             raise
         if (part := partial_document(loaded, error)) is None:
@@ -145,7 +146,7 @@ def _print_progress(line: str) -> None:
 def _document(
     found: "Diagnosis", loaded: Sequence["LoadedCampaign"], others: "Mapping[str, LoadedCampaign]"
 ) -> dict[str, Any]:
-    from station.results.diagnosis.diagnosis_json import diagnosis_document
+    from station.results.diagnosis.diagnosis_json import diagnosis_json
     from station.results.diagnosis.model_refinement import with_undetectable_tilts
 
     validated = {}
@@ -153,7 +154,7 @@ def _document(
         from procedures.diagnosis.validation_campaigns import validate
 
         validated = {name: validate(found, [one.campaign]) for name, one in others.items()}
-    return diagnosis_document(with_undetectable_tilts(found), loaded, validated)
+    return diagnosis_json(with_undetectable_tilts(found), loaded, validated)
 
 
 def _say(
@@ -163,6 +164,7 @@ def _say(
     from station.results.diagnosis.diagnosis_json import noise_and_widened
     from station.results.diagnosis.diagnosis_text import diagnosis_text
     from station.results.solution_text import NOT_SOLVED, triad_lines
+    from station.text import unit_in_words
 
     document |= noise_and_widened(loaded, found)
     if guesses := [guess for one in loaded for guess in one.guesses]:
@@ -171,7 +173,8 @@ def _say(
         from station.results.diagnosis.proposed_terms import with_proposed
 
         document = with_proposed(document, more)
-    unit = f"{loaded[0].campaign.model} {loaded[0].campaign.serial}"
+    imu = loaded[0].tables.imu
+    unit = unit_in_words(imu.model, imu.serial, (name for one in loaded for name in one.files))
     text = diagnosis_text(document)
     if "solution" in document and not any(one.campaign.dwells for one in loaded):  # of rests and moves: no `solve`
         lines = triad_lines(document["solution"])
@@ -187,26 +190,12 @@ def _say(
         write_page(html, document, found, more)
         typer.echo(f"{html}: diagnosis of {unit}")
     if plan is not None:
+        from station.results.diagnosis.log_measurements import wanted
         from station.results.diagnosis.next_measurements import write_plans
+        from station.results.diagnosis.proposed_terms import planned
 
-        for file in write_plans(plan, _wanted(document, loaded)):
-            typer.echo(f"{file}: what to measure next, for `station calibrate --plan {file}`")
-
-
-def _wanted(document: dict[str, Any], loaded: Sequence["LoadedCampaign"]) -> "Sequence[Measurement]":
-    """Return what to measure next: what separates proposals, then findings, then what this bench cannot show."""
-    from procedures.positions import FACES
-    from station.results.diagnosis.diagnosis_wording import known_findings
-    from station.results.diagnosis.next_measurements import next_measurements
-
-    is_certified = all(len(one.campaign.fixture.faces) == len(FACES) for one in loaded)
-    hidden = [{"effect": name, "confidence": "possible"} for name in document.get("not_separable", {})]
-    known = next_measurements(
-        [*known_findings(document), *hidden], loaded[0].tables.fixture.imu_axes, is_certified
-    )
-    if not (names := [one["next"]["measurement"] for one in document["findings"] if "next" in one]):
-        return known
-    from station.results.diagnosis.proposed_terms import planned
-
-    first = planned(names)
-    return [*first, *(one for one in known if one.name not in {each.name for each in first})]
+        next_ones = wanted(document, loaded, planned(document))
+        guided = any(one.steps for one in next_ones)
+        for file in write_plans(plan, next_ones):
+            way = f"for `station calibrate --plan {file}`" if guided else "in words: no step of it can be guided"
+            typer.echo(f"{file}: what to measure next, {way}")

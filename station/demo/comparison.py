@@ -14,7 +14,7 @@ from procedures.frames import AXES, TRIADS
 from procedures.twelve_positions.bench_parameters import mean_cube
 from procedures.units import ARCSEC_PER_RAD, DEG_H_PER_DEG_S, PPM_PER_ONE, UG_PER_G
 from station.demo.device import COEFFICIENT, EFFECT, KEY
-from station.results.diagnosis.diagnosis_wording import probability_text
+from station.results.diagnosis.finding_wording import probability_text
 from station.results.parameters_by_name import parameters
 
 NOTABLE = 2.0  # standard uncertainties, which one error in twenty exceeds

@@ -5,6 +5,8 @@ from functools import cache
 
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined, Template
 
+from station.text import unit_in_words
+
 FOLDERS = ("report", "diagnosis", "history", "certificate")
 
 
@@ -20,6 +22,7 @@ def _environment() -> Environment:
         loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
     made.filters["typeset"] = _typeset
+    made.globals["unit_in_words"] = unit_in_words
     return made
 
 

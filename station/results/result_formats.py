@@ -63,6 +63,7 @@ RESULTS: dict[str, ResultFormat] = {
     "diagnosis/2": ResultFormat(
         "station diagnose RECORDING ... --json OUT",
         {
+            "recording": "`campaign`, `rests`, `rotation`, `rest` or `rate table`: what `next_measurement` fits",
             "verdict": "`consistent`, `established`, `likely`, `ambiguous`, `partly` or `unexplained`",
             "reasons": "why: `code`, `what` it is about, the computed `value`",
             "findings": "the causes that have a name: `effect`, `kind`, `coefficients`, `unit`, `where`, "

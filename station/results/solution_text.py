@@ -86,15 +86,20 @@ def _measured(one: Parameter, scale: float = 1.0, unit: str | None = None) -> st
     return measured(scale * one.value, scale * (one.std or 0.0), one.unit if unit is None else unit)
 
 
-def effect_lines(effect: Mapping[str, Any]) -> list[str]:
-    """Return the lines of an effect that the solution holds; of a file of its own its hash stands next to it."""
+def effect_rows(effect: Mapping[str, Any]) -> tuple[str, list[tuple[str, str]]]:
+    """Return an effect that the solution holds, its hash where it is of a file, and its coefficients with u."""
     short = f" (effect/1, sha256 {effect['sha256'][:12]})" if "sha256" in effect else ""
     units = effect.get("units", {})
-    rows = [
-        f"  {name:<23} {measured(one['value'], one['std'], units.get(name, effect['unit']))}"
+    return f"{effect['name']}{short}", [
+        (name, measured(one["value"], one["std"], units.get(name, effect["unit"])))
         for name, one in effect["coefficients"].items()
     ]
-    return [f"{effect['name']}{short}", *rows]
+
+
+def effect_lines(effect: Mapping[str, Any]) -> list[str]:
+    """Return the same as lines of text."""
+    title, rows = effect_rows(effect)
+    return [title, *(f"  {name:<23} {value}" for name, value in rows)]
 
 
 def _bench(document: Mapping[str, Any]) -> list[str]:

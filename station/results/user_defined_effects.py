@@ -24,7 +24,7 @@ from station.files.campaign_folder.loaded_campaign import LoadedCampaign, effect
 from station.files.effect_file import DIGITS, EffectFile, OriginTable, effect_in, read_effect, stored_effect
 from station.files.toml_file import read_text_file, toml_text, toml_value
 from station.results.diagnosis.diagnosis_json import finding_document
-from station.results.diagnosis.diagnosis_wording import probability_text
+from station.results.diagnosis.finding_wording import probability_text
 from station.results.diagnosis.magnetic_field import with_magnetic_field
 from station.results.solution_text import measured
 

@@ -216,6 +216,7 @@ _UNITS: Mapping[str, Mapping[str, float]] = MappingProxyType(
 )
 _TURNS = MappingProxyType({"x": r"p|roll(?:_?rate)?", "y": r"q|pitch(?:_?rate)?", "z": r"r|yaw(?:_?rate)?"})
 _SINGLE_GYRO = re.compile(rf"(?:.*[_./-])?(?:fog|rlg|{_GYRO})(?:_?raw)?")
+_REFERENCE = re.compile(r"(?!sampl)(?:.*_)?(?:ref|cmd|command|table|target|set_?point|rate|enc(?:oder)?)(?:_.*)?")
 _NO_SENSOR = re.compile(r"ref|cmd|command|table|target|set_?point|true|enc")
 _MAGNETIC = re.compile(r"(?:^|_)(?:mag|compass|field|[mbh]_?[xyz]$)")
 _GRAVITY_REMOVED = re.compile(r"(?:^|_)(?:lin(?:ear)?|user|free)_?acc")
@@ -257,6 +258,12 @@ def guessed_single_gyro(names: Sequence[str]) -> str | None:
     in_unit = [name for name in names if split_unit(name)[1] in GYRO_UNITS]
     only = split_unit(in_unit[0])[0] if len(in_unit) == 1 else ""
     return in_unit[0] if _SINGLE_GYRO.fullmatch(only) and not _NO_SENSOR.search(only) else None
+
+
+def guessed_reference(names: Sequence[str]) -> str | None:
+    """Return the column that is called as the rate or angle of a turntable, None where none is."""
+    plain = ((name, _plain(name)) for name in names)
+    return next((name for name, called in plain if _REFERENCE.fullmatch(called)), None)
 
 
 def is_called_as_other(names: Sequence[str], columns: Sequence[str | None]) -> bool:

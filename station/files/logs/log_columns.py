@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from shlex import quote
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from station.errors import DataRefused
 from station.files.logs.header_guesses import (
     bare_axes,
     degrees_per_angle,
+    guessed_reference,
     guessed_single_gyro,
     guessed_time,
     guessed_triad,
@@ -100,7 +102,7 @@ def choose_columns(
             None,
             f"columns {', '.join(names[:30])}",
             "outputs",
-            "name them: --gyro A,B,C or --accel A,B,C",
+            f"name them: --gyro A,B,C or --accel A,B,C{_or_a_table(free, stated)}",
         )
     time = None if stated.time is None else table.name_of(stated.time)
     reference = None if stated.reference is None else table.name_of(stated.reference)
@@ -113,8 +115,8 @@ def choose_columns(
             table.file,
             None,
             "no time column",
-            "--time COL or --rate HZ",
-            "name one of them",
+            "--time COL or --rate HZ, or --reference COL of a rate table",
+            f"name one of them{_or_a_table(free, stated)}",
             code=ErrorCode.COLUMNS,
         )
     temperature, temperature_unit = temperature_column(table, stated.temperature, free, guesses)
@@ -140,8 +142,24 @@ def choose_columns(
     _refuse_ambiguous_kinds(found, stated, free)
     if unused := [name for name in names if name not in used and name]:
         shown = ", ".join(unused[:MAX_NAMES_SHOWN]) + (", ..." if len(unused) > MAX_NAMES_SHOWN else "")
-        guesses.append(f"not used: {shown} (--temperature names a temperature, --aux other channels)")
+        guesses.append(f"not used: {shown} ({_unused_hint(unused, found)})")
     return found
+
+
+def _or_a_table(free: Sequence[str], stated: ColumnOptions) -> str:
+    """Return the option of a rate table, where a column is called as its rate and nobody named it."""
+    called = None if stated.reference is not None else guessed_reference(free)
+    return "" if called is None else f"; if this is a rate table, type --reference {quote(called)}"
+
+
+def _unused_hint(unused: Sequence[str], found: LogColumns) -> str:
+    """Return the options that name what a log's unused columns may hold."""
+    options = ["--temperature names a temperature", "--aux other channels"]
+    if found.reference is None and guessed_reference(unused):
+        options.insert(0, "--reference the rate of a rate table")
+    if found.time is None and _guessed_time(found.table, unused):
+        options.insert(0, "--time the time")
+    return ", ".join(options)
 
 
 def _guessed_time(table: Table, free: Sequence[str]) -> str | None:

@@ -14,8 +14,8 @@ from station.files.campaign_folder.plan_file import read_left_out
 from station.guide.step_names import gap_in_words, verdict_without_file_names
 from station.guide.view import Verdict, VerdictRow
 from station.results.contradictory_dwells import worst_kept
-from station.results.diagnosis.diagnosis_text import diagnosis_text, warnings_of
-from station.results.diagnosis.diagnosis_wording import verdict_sentence
+from station.results.diagnosis.diagnosis_text import diagnosis_text
+from station.results.diagnosis.diagnosis_wording import verdict_sentence, warnings_of
 from station.results.parameters_by_name import (
     Parameter,
     ParameterShift,

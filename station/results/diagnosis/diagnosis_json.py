@@ -28,7 +28,13 @@ from procedures.uncertainty.budget import ParameterBudget, budget
 from procedures.uncertainty.sources import GivenValues
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign, effects_of
 from station.files.effect_file import EffectFile
-from station.results.diagnosis.uncalibrated import channels_of, in_specified_unit, without_solution
+from station.results.diagnosis.log_measurements import fitted_to, next_in_words, recording_of, separating
+from station.results.diagnosis.uncalibrated import (
+    channels_of,
+    in_specified_unit,
+    output_unit,
+    without_solution,
+)
 from station.results.parameters_by_name import parameters, shifts
 from station.results.report.noise_document import channel_document
 from station.results.solution_json import solution_document
@@ -68,7 +74,7 @@ BLOCKS_LEFT_OUT = "an eighth of the blocks of samples, held out in turn"
 LEFT_OUT = "position, rotation, rest, or block of a rate table or soak, held out in turn"
 
 
-def diagnosis_document(
+def diagnosis_json(
     diagnosis: Diagnosis,
     campaigns: Sequence[LoadedCampaign],
     validated: Mapping[str, Sequence[ResidualRms]] | None = None,
@@ -81,7 +87,7 @@ def diagnosis_document(
         after["reference_temperature_c"] = REFERENCE_C
     if diagnosis.on_table:
         counts = campaigns[0].tables.imu.output != "rate"
-        name = "count/s" if counts else campaigns[0].output_name or "output"
+        name = "count/s" if counts else output_unit(campaigns, "gyroscope")
         after["rate_tables"] = _on_table(diagnosis.on_table, name)
     errors = [
         error_document(each, BLOCKS_LEFT_OUT if each.quantity.endswith("samples") else LEFT_OUT)
@@ -93,15 +99,17 @@ def diagnosis_document(
     if not has_plan and (far := _far_above(diagnosis.errors)):
         after["warnings"] = [*after.get("warnings", ()), *far]
     channels = channels_of(campaigns, [triad for triad in TRIADS if triad in before])
+    recording = recording_of(campaigns)
     findings = [
-        finding_document(finding) | own_definition(finding.effect, files) for finding in diagnosis.findings
+        fitted_to(recording, finding_document(finding) | own_definition(finding.effect, files))
+        for finding in sorted(diagnosis.findings, key=lambda each: -each.probability)
     ]
     if not diagnosis.is_calibrated:
-        scales = campaigns[0].campaign.nominal_scale
-        findings = [in_specified_unit(finding, finding["effect"], scales) for finding in findings]
-        errors = [in_specified_unit(error, error["quantity"], scales) for error in errors]
+        findings = [in_specified_unit(finding, finding["effect"], campaigns) for finding in findings]
+        errors = [in_specified_unit(error, error["quantity"], campaigns) for error in errors]
     return {
         "format": FORMAT,
+        "recording": recording,
         "verdict": diagnosis.verdict,
         "p_value": max(exp(min(float(diagnosis.log_p), 0.0)), sys.float_info.min),
         "log10_p": float(diagnosis.log_p) / log(10),
@@ -112,9 +120,12 @@ def diagnosis_document(
         **({"solution": after} if diagnosis.is_calibrated else without_solution(campaigns)),
         "unnamed": [unnamed_document(each) for each in diagnosis.unnamed],
         "probabilities": probabilities_document(diagnosis.probabilities),
-        "not_separable": dict(diagnosis.not_separable),
+        "not_separable": {
+            name: way if recording == "campaign" else separating(recording, name).phrase
+            for name, way in diagnosis.not_separable.items()
+        },
         "tests": [test_document(each) for each in diagnosis.tried],
-        "next_measurement": diagnosis.next_measurement,
+        "next_measurement": next_in_words(recording, findings, diagnosis.next_measurement),
         **({"left": [left_document(each) for each in diagnosis.left]} if diagnosis.left else {}),
         **({"channels": channels} if channels else {}),
     }
@@ -260,7 +271,7 @@ def noise_and_widened(campaigns: Sequence[LoadedCampaign], found: Diagnosis | No
     """Return ``noise``, as the channels of `noise/1`, and ``widened``; each absent where there is none."""
     bare = [one.campaign for one in campaigns]
     scales = known_scales(bare, None if found is None else found.solution)
-    noise = [channel_document(each) for each in channel_noise(bare, scales)]
+    noise = [channel_document(each, output_unit(campaigns, each.triad)) for each in channel_noise(bare, scales)]
     widened = [] if found is None else _widened(found)
     return {name: part for name, part in (("noise", noise), ("widened", widened)) if part}
 

@@ -1,144 +1,33 @@
-"""What a diagnosis says, in words."""
+"""What a `diagnosis/2` says, in words: the sentences of its verdict, causes, alternatives and what is left."""
 
-from collections.abc import Mapping, Sequence
-from math import degrees
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from procedures.inference.result import Because
-from procedures.units import ARCSEC_PER_DEG, ARCSEC_PER_RAD, PPM_PER_ONE, UG_PER_G
+from station.results.diagnosis.finding_wording import (
+    COUNTED,
+    MANY,
+    NEGLIGIBLE,
+    PROPOSED,
+    both,
+    meaning_of,
+    notable_sizes,
+    p_text,
+    place_of,
+    probabilities_text,
+    probability_text,
+    reduction_in_words,
+    share_text,
+)
 from station.text import significant
 
 if TYPE_CHECKING:
     from procedures.uncertainty.budget import ParameterBudget
 
-PROPOSED = "proposed"
-PROPOSED_IN_WORDS = "proposed: it is not in the catalogue and not in the solution; confirm it with other data"
-SAMPLE_EFFECTS = (
-    "auxiliary.periodic", "accelerometer.count_periodic", "gyroscope.count_periodic", "disturbance.line",
-    "accelerometer.vibration_rectification",
-    "gyroscope.vibration_rectification",
-)  # fmt: skip
-LEFT_TITLE = "largest residuals"
 UNEXPLAINED = "unexplained"  # as `procedures.uncertainty.sources` names it
+
+
 OTHERS_TITLE = "other error terms considered, with their probability"
-NEGLIGIBLE = 0.01  # a probability that is not listed
-BEYOND_BELIEF = 10.0  # times its expected size, from which on a coefficient is questioned
-MIN_LOG10_P = -300  # below which a p-value is only known to be below
-
-
-def confidence_in_words(finding: Mapping[str, Any]) -> str:
-    """Return in words how sure a finding's name is, and how much of the error held out it removes."""
-    text = f"{finding['confidence']}, probability {probability_text(finding['probability'])}"
-    if finding["confidence"] == PROPOSED:
-        text = f"{PROPOSED_IN_WORDS}; probability {probability_text(finding['probability'])}"
-    if finding["aliases"]:
-        joint = finding.get("joint_probability", 1.0)
-        text += f"; the data cannot separate it from the alternatives (together {probability_text(joint)})"
-    share = finding.get("share", 0.0)
-    whole = "the samples' variance" if is_of_samples(finding) else "the squared held-out error"
-    return f"{text}; it explains {share_text(share)} of {whole}" if share >= NEGLIGIBLE else text
-
-
-def probability_text(p: float) -> str:
-    """Return a probability as text: ``0.42``, ``0.996``, ``> 0.999``."""
-    if p > 0.999:
-        return "> 0.999"
-    return f"{p:.3f}" if p > 0.95 else f"{p:.2f}" if p >= NEGLIGIBLE else "< 0.01"
-
-
-def alternatives_in_words(finding: Mapping[str, Any]) -> str:
-    """Return the names that a finding may have instead, each with its probability where that is known."""
-    shares = finding.get("shares", {})
-    return ", ".join(
-        f"{name} ({probability_text(shares[name])})" if name in shares else name for name in finding["aliases"]
-    )
-
-
-def unnamed_in_words(cause: Mapping[str, Any]) -> str:
-    """Return what a cause without a name looks like, and how."""
-    return f"{cause['what']} ({cause['note']})" if cause["note"] else str(cause["what"])
-
-
-def meaning_of(name: str) -> str:
-    """Return what an error term is, in words: ``Second-order nonlinearity of the accelerometers``."""
-    from procedures.effects import MEANINGS
-
-    return MEANINGS.get(name, "")
-
-
-def other_terms(document: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return the error terms that are no findings and not negligible, each with its probability."""
-    named = {finding["effect"] for finding in document["findings"]}
-    known = {name for one in document.get("unnamed", ()) for name in one["shares"]}
-    return [
-        (name, probability_text(p))
-        for name, p in document.get("probabilities", {}).items()
-        if p >= NEGLIGIBLE and name not in named | known
-    ]
-
-
-def not_separable_in_words(document: Mapping[str, Any]) -> str:
-    """Return the error terms that these measurements cannot show, and what would; nothing where there are none."""
-    if not (names := document.get("not_separable", {})):
-        return ""
-    by_way = dict[str, list[str]]()
-    for name, separate_by in names.items():
-        by_way.setdefault(separate_by, []).append(name)
-    text = "; ".join(f"{both(several)} ({way})" for way, several in by_way.items())
-    return f"not separable here from the calibration itself (what would separate them): {text}"
-
-
-def share_text(share: float) -> str:
-    """Return a share (0 to 1) in percent, with two digits below 10 %."""
-    return f"{100 * share:.0f} %" if share > 0.095 else f"{100 * share:.2g} %"
-
-
-EQUATIONS = {  # of what acts sample by sample, a the channel, the count or the time
-    "auxiliary.periodic": "sum of cos_h cos(2 pi h a / P) + sin_h sin(2 pi h a / P)",
-    "accelerometer.vibration_rectification": "K (a - mean)^2",
-    "gyroscope.vibration_rectification": "K (sum of (a - mean)^2 over the accelerometers)",
-    "auxiliary.channel": "c a(t - lag)",
-    "disturbance.line": "sum of cos_h cos(2 pi h f t) + sin_h sin(2 pi h f t), or a sine whose phase wanders",
-}  # fmt: skip
-
-
-def equation_of(finding: Mapping[str, Any]) -> str:
-    """Return what a finding adds to the sensors' output, as the catalogue has it."""
-    if is_of_samples(finding):
-        return EQUATIONS.get(finding["effect"], EQUATIONS["auxiliary.periodic"])
-    if "term" in finding:  # of a file of its own, not of the catalogue
-        return " + ".join(f"c ({term})" for term in finding["term"])
-    if finding["effect"].endswith(".bias_walk"):  # a size, not columns of the catalogue
-        return "a bias that steps at random, with standard deviation = value * sqrt(hours)"
-    from procedures.effects import EFFECTS
-
-    return next((effect.physics for effect in EFFECTS if effect.name == finding["effect"]), "")
-
-
-def is_of_samples(finding: Mapping[str, Any]) -> bool:
-    """Say whether a finding is one of `procedures.samples.sample_effects`: it is not in the means."""
-    lagged = finding["effect"] == "auxiliary.channel" and bool(finding.get("shape"))
-    return lagged or finding["effect"] in SAMPLE_EFFECTS
-
-
-def left_lines(document: Mapping[str, Any]) -> list[str]:
-    """Return where what is left shows, a line each."""
-    found = list[str]()
-    for one in document.get("left", ()):
-        p = p_text(one["log10_p"])
-        match one["by"]:
-            case "temperature" | "time":
-                text = f"{one['what']}: {100 * one['size']:.0f} % of the residual follows {one['by']}"
-            case _:
-                text = f"{one['what']}: {one['size']:.1f} times the expected noise"
-        found.append(f"{text} ({p})")
-    return found
-
-
-TAKEN_FOR_SCATTER = (
-    "The uncertainty in a report or a calibration treats the residual as scatter of all steps. A single wrong "
-    "step may change a value by more."
-)
 
 
 def verdict_title(document: Mapping[str, Any]) -> str:
@@ -152,6 +41,12 @@ def nothing_is_left(document: Mapping[str, Any]) -> bool:
     """Say whether as many numbers were fitted as there are data: no residual is left to judge them by."""
     dof = document.get("solution", {}).get("residual", {}).get("dof")
     return bool(dof == 0 and document["verdict"] == "consistent")
+
+
+TAKEN_FOR_SCATTER = (
+    "The uncertainty in a report or a calibration treats the residual as scatter of all steps. A single wrong "
+    "step may change a value by more."
+)
 
 
 def verdict_sentence(document: Mapping[str, Any]) -> str:
@@ -171,38 +66,41 @@ def verdict_sentence(document: Mapping[str, Any]) -> str:
         case "established" | "likely":
             return f"{_named(sure)} With that in the model, residuals are consistent with noise ({chance})."
         case "ambiguous":
-            besides = f" Also found: {_named(sure)}" if sure else ""
+            also = f" Also found: {_named(sure)}" if sure else ""
             return (
-                f"An error term was detected, but the data cannot determine which: {_groups(possible)}.{besides}"
+                "An error term was detected, but the data cannot determine which: "
+                f"{_groups(document, possible)}.{also}"
             )
         case _:
             known = f"{_named(sure)} " if sure else ""
-            maybe = f" Possible: {_groups(possible)}." if possible else ""
+            maybe = f" Possible: {_groups(document, possible)}." if possible else ""
             return f"{known}{_excess_text(document, chance, is_after=bool(sure))}{maybe} {TAKEN_FOR_SCATTER}"
 
 
 def _named(findings: Sequence[Mapping[str, Any]]) -> str:
-    """Return a sentence for each finding: what it is, its probability, the error held out without and with it."""
-    wording = list[str]()
-    for one in findings:
-        what = meaning_of(one["effect"])
-        name = f"{what} ({one['effect']}" if what else f"{one['effect']} ("
-        text = f"{name}, probability {probability_text(one['probability'])})".replace("(, ", "(")
-        if reduced := reduction_in_words(one):
-            text += f": {reduced}"
-        wording.append(f"{text}.")
-    return " ".join(dict.fromkeys(wording))
+    """Return a sentence for each cause: what it is, probability, size, place, the error without and with it."""
+    return " ".join(_sentence(several) for several in by_term(findings))
 
 
-def reduction_in_words(finding: Mapping[str, Any]) -> str:
-    """Return by how much the error held out falls with a finding in the model, where it falls most."""
-    errors = [e for e in finding.get("error", ()) if e.get("held_out_before") and "held_out_after" in e]
-    if not errors or finding.get("share", 0.0) < NEGLIGIBLE:
-        return ""
-    best = min(errors, key=lambda e: e["held_out_after"] / e["held_out_before"])
-    scale, unit = shown_unit(best["unit"])
-    before, after = (best[f"held_out_{when}"] * scale for when in ("before", "after"))
-    return f"the error of {best['quantity']} held out falls from {before:.3g} to {after:.3g} {unit}"
+def _sentence(several: Sequence[Mapping[str, Any]]) -> str:
+    first = several[0]
+    meaning, name = meaning_of(first["effect"]), first["effect"]
+    of = f"probability {probabilities_text(several)}"
+    text = f"{meaning} ({name}, {of})" if meaning else f"{name} ({of})"
+    is_one = len(several) == 1 and COUNTED not in first["where"]
+    own = (first.get("shape", ""), notable_sizes(first)) if is_one else ()
+    parts = [part for part in (*own, place_of(several)) if part]
+    reduced = reduction_in_words(first)
+    return f"{text}{': ' if parts else ''}{', '.join(parts)}.{f' {reduced}.' if reduced else ''}"
+
+
+def _groups(document: Mapping[str, Any], findings: Sequence[Mapping[str, Any]]) -> str:
+    groups = list[str]()
+    for several in by_term(findings):
+        one = several[0]
+        text = f"{one['effect']} ({probabilities_text(several)})"
+        groups.append(" or ".join([text, *alternatives_in_words(document, one)]))
+    return "; and ".join(dict.fromkeys(groups))
 
 
 EXCESS_TEXT: Mapping[str, str] = {  # of a verdict `partly` or `unexplained`
@@ -254,90 +152,111 @@ def left_in_words(document: Mapping[str, Any], budgets: Sequence["ParameterBudge
     return f"the diagnosis cannot explain all residuals: the uncertainty {held}"
 
 
-def p_text(log10_p: float) -> str:
-    """Return a p-value as text: ``p = 0.38``, ``p = 2e-12``, ``p < 1e-300``."""
-    if log10_p <= MIN_LOG10_P:
-        return f"p < 1e{MIN_LOG10_P}"
-    return f"p = {10**log10_p:.2g}" if log10_p > -3 else f"p = {10**log10_p:.0e}"
+def by_term(findings: Iterable[Mapping[str, Any]]) -> list[list[Mapping[str, Any]]]:
+    """Return findings in their order, those of an error term that is found more than `MANY` times together."""
+    by_name = dict[str, list[Mapping[str, Any]]]()
+    for each in findings:
+        by_name.setdefault(each["effect"], []).append(each)
+    found = list[list[Mapping[str, Any]]]()
+    for several in by_name.values():
+        found += [several] if len(several) > MANY else [[each] for each in several]
+    return sorted(found, key=lambda several: (several[0]["confidence"] == PROPOSED, -several[0]["probability"]))
 
 
-def notes(finding: Mapping[str, Any]) -> list[str]:
-    """Return what else is to be reported of a finding, a sentence each."""
+PROBABILITY_NOTE = (
+    "The probability is that the error term acts. Terms that the data cannot separate are alternatives: usually "
+    "one of them acts."
+)
+
+
+def alternatives(document: Mapping[str, Any], cause: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Return the other names that a cause may have, each with its own probability, "" where none is known."""
+    names = cause["aliases"] if "aliases" in cause else [name for name in cause["shares"] if " " not in name]
+    of_name = {name: term_probability(document, name, cause) for name in names}
+    shown = sorted(names, key=lambda name: -(of_name[name] or 0.0))
+    return [(name, "" if (p := of_name[name]) is None else probability_text(p)) for name in shown]
+
+
+def alternatives_in_words(document: Mapping[str, Any], cause: Mapping[str, Any]) -> list[str]:
+    """Return the same, each as text: ``gyroscope.bias_drift (0.36)``."""
+    return [f"{name} ({p})" if p else name for name, p in alternatives(document, cause)]
+
+
+def term_probability(document: Mapping[str, Any], name: str, cause: Mapping[str, Any]) -> float | None:
+    """Return the one probability of an error term: as a finding, else by all models, else as the cause's name."""
+    as_finding: list[float] = [each["probability"] for each in document["findings"] if each["effect"] == name]
+    of_models: float | None = document.get("probabilities", {}).get(name, cause.get("shares", {}).get(name))
+    return max(as_finding) if as_finding else of_models
+
+
+def other_terms(document: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Return the error terms that no cause names and that are not negligible, each with its probability."""
+    named = {name for each in document["findings"] for name in (each["effect"], *each["aliases"])}
+    known = {name for one in document.get("unnamed", ()) for name in one["shares"]}
+    return [
+        (name, probability_text(p))
+        for name, p in document.get("probabilities", {}).items()
+        if p >= NEGLIGIBLE and name not in named | known
+    ]
+
+
+def unnamed_in_words(cause: Mapping[str, Any]) -> str:
+    """Return what a cause without a name looks like, and how."""
+    return f"{cause['what']} ({cause['note']})" if cause["note"] else str(cause["what"])
+
+
+def not_separable_in_words(document: Mapping[str, Any]) -> list[str]:
+    """Return the error terms that these measurements cannot show, with what would, a line for each way."""
+    by_way = dict[str, list[str]]()
+    for name, separate_by in document.get("not_separable", {}).items():
+        by_way.setdefault(separate_by, []).append(name)
+    return [f"{both(several)}: {way}" for way, several in by_way.items()]
+
+
+def left_lines(document: Mapping[str, Any]) -> list[str]:
+    """Return where what is left shows, a line each."""
     found = list[str]()
-    if (angle := finding.get("levelling_deg")) is not None:
-        along = [f"{degrees(c['value']):.2f} along {n[-1]}" for n, c in finding["coefficients"].items()]
-        found.append(f"the face is {angle:.2f} deg off the vertical: {', '.join(along)}")
-    if (times := finding.get("times_expected", 0.0)) > BEYOND_BELIEF:
-        found.append(f"it is {significant(times)} times the expected size: check the unit and the channel")
-    if shape := finding.get("shape"):
-        found.append(f"shape: {shape}")
-    if same := finding.get("same_here"):
-        found.append(
-            f"at the one attitude recorded it is indistinguishable from {both(same)}: record a second attitude"
-        )
-    if finding.get("unit") == "position":
-        actual = both([str(round(one["value"])) for one in finding["coefficients"].values()])
-        found.append(f"the cube stood in position {actual}: record it so")
-    if finding.get("unit") == "direction":
-        found.append(
-            "these rotations are labelled with the wrong direction: with these labels the gyroscopes would count "
-            "backwards, but the Earth's rate in the dwells shows that they count forwards; this diagnosis uses "
-            "the opposite direction, `station solve` uses the labels"
-        )
-    position = finding["where"].get("position")
-    if isinstance(position, list):
-        found.append(
-            f"the data cannot determine which of these positions it was: it is solved as position {position[0]}; "
-            f"another position would change face parallelism and misalignments; their uncertainties include that"
-        )
+    for one in document.get("left", ()):
+        p = p_text(one["log10_p"])
+        match one["by"]:
+            case "temperature" | "time":
+                text = f"{one['what']}: {100 * one['size']:.0f} % of the residual follows {one['by']}"
+            case _:
+                text = f"{one['what']}: {one['size']:.1f} times the expected noise"
+        found.append(f"{text} ({p})")
     return found
 
 
-def both(names: Sequence[str]) -> str:
-    """Return names as an English list."""
-    once = list(dict.fromkeys(names))
-    return " and ".join([", ".join(once[:-1]), once[-1]] if len(once) > 1 else once)
+OFFERED = ("unexplained", "partly")
 
 
-def where_text(where: Mapping[str, Any]) -> str:
-    """Return what a finding is about: ``position 3 or 4, dwell_03.csv``."""
-    wording = list[str]()
-    for name, value in where.items():
-        joined = " or " if name == "position" else ", "  # one position of several, but all channels
-        parts = value if isinstance(value, list) else [value]
-        text = joined.join(f"{each:.6g}" if isinstance(each, float) else str(each) for each in parts)
-        wording.append(text if name == "file" else f"{name} {text}")
-    return ", ".join(wording)
+def searched_in_words(document: Mapping[str, Any]) -> str:
+    """Return how many terms were searched, or the offer to search where the verdict leaves something."""
+    if (searched := document.get("searched")) is None:
+        is_offered = document["verdict"] in OFFERED and "solution" in document
+        return (
+            "--discover searches ten thousand terms for an error term that the catalogue lacks"
+            if is_offered
+            else ""
+        )
+    found = len(document["findings"]) - len(known_findings(document))
+    text = "none is significant" if not found else "one is proposed" if found == 1 else f"{found} are proposed"
+    adopt = " (`station effects adopt` writes it as a file)" if found else ""
+    return f"{searched['terms']} terms were searched: {text}{adopt}"
 
 
-def size_in_sigmas(value: float, std: float) -> str:
-    """Return how large a coefficient is in units of its standard uncertainty u."""
-    sigmas = abs(value) / std
-    return f"{sigmas:.2g} u" if sigmas >= 1e6 else f"{sigmas:.0f} u" if sigmas >= 10 else f"{sigmas:.1f} u"
+def not_looked_at(document: Mapping[str, Any]) -> list[str]:
+    """Return what of a solution no residual was diagnosed of: gyroscopes that only transfers by hand determine."""
+    looked_at = any(error["quantity"].startswith("gyroscope") for error in document["error"])
+    is_solved = "gyroscope" in document.get("solution", {}) and "accelerometer" in document["solution"]
+    if not is_solved or looked_at:
+        return []
+    return ["not diagnosed: the gyroscopes; transfers by hand determine only their scale factors and a mean bias"]
 
 
-def _groups(findings: Sequence[Mapping[str, Any]]) -> str:
-    groups = [
-        f"{one['effect']} ({probability_text(one['probability'])})"
-        + (f" or {alternatives_in_words(one)}" if one["aliases"] else "")
-        for one in findings
-    ]
-    return "; and ".join(dict.fromkeys(groups))
+def warnings_of(solution: Mapping[str, Any]) -> list[str]:
+    """Return the warnings of a diagnosed solution, without the advice to diagnose it; none of an empty one."""
+    return [text.removesuffix(_ADVICE) for text in solution.get("warnings", [])]
 
 
-def shown_unit(unit: str) -> tuple[float, str]:
-    """Return by what a value in a file's ``unit`` is multiplied for people, and the unit it then has.
-
-    An error in deg is shown in arcsec, deg/h as it is. Only what stands before the first ``/`` is changed: g/g^2
-    becomes ug/g^2, 1/K ppm/K.
-    """
-    if unit == "deg":
-        return ARCSEC_PER_DEG, "arcsec"
-    head, slash, rest = unit.partition("/")
-    scale, name = {
-        "g": (UG_PER_G, "ug"),
-        "rad": (ARCSEC_PER_RAD, "arcsec"),
-        "1": (PPM_PER_ONE, "ppm"),
-        "": (PPM_PER_ONE, "ppm"),
-    }.get(head, (1.0, head))
-    return scale, f"{name}{slash}{rest}"
+_ADVICE = "; run `station diagnose`"

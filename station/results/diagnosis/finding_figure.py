@@ -5,7 +5,7 @@ as they can, as they did before it was found. `coordinate_of` has a line for eac
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -25,6 +25,8 @@ from procedures.evidence.residual_rows import KINDS, Evidence
 from procedures.frames import AXES, TRIADS
 from procedures.inference.result import Diagnosis, Finding, FoldedResidual
 from procedures.units import ARCSEC_PER_DEG, DEG_H_PER_DEG_S, S_PER_H, UG_PER_G
+from station.results.diagnosis.diagnosis_json import plain
+from station.results.diagnosis.finding_wording import where_text
 from station.results.report.svg import AXIS_STYLE, INK, RULE, draw_svg
 
 Values = Callable[[Excitation, Finding], FloatArray]  # (n,) of all sensors, or (n, 3) of each, at the nodes
@@ -61,8 +63,11 @@ def coordinate_of(
 
 
 def _steps(evidence: Evidence, rows: BoolArray) -> Coordinate:
+    """Return the step of each row; of a soak, whose blocks are no steps to a reader, the time."""
     numbers, index = np.unique(evidence.step[rows], return_inverse=True)
     steps = [evidence.excitation.steps[i] for i in numbers]
+    if all(step.kind == "soak" for step in steps):
+        return Coordinate(_HOURS, means_at_rows(evidence, _hours(evidence.excitation))[rows])
     names = tuple(str(s.position) if s.kind == "dwell" else s.name.partition(".")[0] for s in steps)
     return Coordinate("position, turn or rest", index.astype(float), names)
 
@@ -108,7 +113,15 @@ def _followed(excitation: Excitation, finding: Finding) -> FloatArray:
 
 _SENSOR = ("lagged sensor temperature [degC]", _followed)
 _WARMING = ("temperature rate [K/min]", lambda excitation, finding: excitation.temperature_rate)
-_TIME = ("time [h]", lambda excitation, finding: (excitation.t - np.nanmin(excitation.t)) / S_PER_H)
+_HOURS = "time [h]"
+
+
+def _hours(excitation: Excitation) -> FloatArray:
+    found: FloatArray = (excitation.t - np.nanmin(excitation.t)) / S_PER_H
+    return found
+
+
+_TIME = (_HOURS, lambda excitation, finding: _hours(excitation))
 _FORCE = ("specific force along the sensor [g]", lambda excitation, finding: excitation.f)
 _RATE = ("rate about the sensor [deg/s]", lambda excitation, finding: excitation.omega)
 _COORDINATES: Mapping[str, tuple[str, Values]] = {
@@ -174,7 +187,7 @@ _UNITS = {  # of a row in natural units to people's, by triad and kind
 class ResidualPanel:
     """Rows (n,) of a triad and kind against ``coordinate``: residual ``before``, ``after``, u in ``unit``.
 
-    ``axis`` (n,) is the sensor, -1 where a row is of all three.
+    ``axis`` (n,) is the sensor, -1 where a row is of all three. ``place`` says where its finding acts, in words.
     """
 
     effect: str
@@ -186,6 +199,7 @@ class ResidualPanel:
     before: FloatArray
     after: FloatArray
     sigma: FloatArray
+    place: str = ""
 
 
 @let_go_at_the_end()
@@ -196,7 +210,8 @@ def residual_panels(diagnosis: Diagnosis) -> list[ResidualPanel]:
     for finding, way in zip(diagnosis.findings, ways, strict=True):
         if way is not None:
             others = [each.term for each in ways if each is not None and each is not way and not each.is_of_model]
-            found.append(panel_of(diagnosis.evidence, finding.effect, way, others, finding))
+            place = where_text({name: plain(what) for name, what in finding.where.items()})
+            found.append(replace(panel_of(diagnosis.evidence, finding.effect, way, others, finding), place=place))
     return found
 
 
@@ -206,6 +221,13 @@ def folded_panels(diagnosis: Diagnosis) -> list[ResidualPanel]:
     for each in diagnosis.folded:
         found.setdefault((each.effect, each.about, each.triad), []).append(each)
     return [_folded_panel(key[0], key[1], each) for key, each in found.items()]
+
+
+def in_outputs(panel: ResidualPanel, unit: str) -> ResidualPanel:
+    """Return a panel of a triad whose scale factor is not known in the ``unit`` of its outputs."""
+    factor = {"deg/h": 1 / DEG_H_PER_DEG_S, "ug": 1 / UG_PER_G}.get(panel.unit, 1.0)
+    sizes = {name: getattr(panel, name) * factor for name in ("before", "after", "sigma")}
+    return replace(panel, unit=unit, **sizes)
 
 
 def _folded_panel(effect: str, about: str, folded: Sequence[FoldedResidual]) -> ResidualPanel:

@@ -23,7 +23,7 @@ from station.errors import DataRefused
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign, effects_of
 from station.files.toml_file import read_text_file
 from station.results.diagnosis.diagnosis_json import (
-    diagnosis_document,
+    diagnosis_json,
     effect_entries,
     finding_document,
     reference_solution,
@@ -87,7 +87,7 @@ def refine_model(campaigns: Sequence[LoadedCampaign]) -> ModelRefinement:
     if not found.is_calibrated:
         raise NotObservable("the scale factor and bias of either triad", ALL_POSITIONS)
     found = with_undetectable_tilts(found)
-    document = diagnosis_document(found, campaigns)
+    document = diagnosis_json(found, campaigns)
     if any(is_of_unit(each) and each.confidence not in CARRIED_CONFIDENCES for each in found.findings):
         if (alone := found.bench_alone) is not None:
             declared = tuple(effect_entries(alone.declared, files))

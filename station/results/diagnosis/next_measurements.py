@@ -33,6 +33,11 @@ class Measurement:
     steps: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
     imu_axes: tuple[str, ...] = ()
 
+    @property
+    def phrase(self) -> str:
+        """The words as part of a sentence."""
+        return f"{self.say[0].lower()}{self.say[1:].rstrip('.')}"
+
 
 Make = Callable[[Mapping[str, Any], Sequence[str]], Measurement]  # of a finding of diagnosis/2, and imu_axes
 

@@ -5,7 +5,7 @@ They change neither the diagnosis' verdict nor its solution. A measurement is gi
 """
 
 import hashlib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from procedures.effects.term.effect_of_term import TermEffect
 from procedures.effects.term.latex import latex_of_law
 from station.files.effect_file import FORMAT
 from station.files.toml_file import toml_text
+from station.results.diagnosis.log_measurements import AGAIN
 from station.results.diagnosis.next_measurements import (
     DWELL_S,
     MIXED,
@@ -63,12 +64,13 @@ def next_in_words(one: Proposal, best: NextMeasurement | None) -> str:
         return ""
     if best is None:
         return "no repetition of this campaign's steps parts it from them"
-    say = MEASUREMENTS[best.name]({}, ()).say.rstrip(".")
+    say = MEASUREMENTS[best.name]({}, ()).phrase
     return f"{say}: parts it from {best.parted} of them, in {best.minutes:.0f} minutes at the bench"
 
 
-def planned(names: Iterable[str]) -> list[Measurement]:
-    """Return the measurements of some options, each once."""
+def planned(document: Mapping[str, Any]) -> list[Measurement]:
+    """Return the measurements that the proposals of a `diagnosis/2` ask for, each once."""
+    names = [one["next"]["measurement"] for one in document["findings"] if "next" in one]
     return [MEASUREMENTS[name]({}, ()) for name in dict.fromkeys(names)]
 
 
@@ -78,8 +80,12 @@ MAX_READINGS = 12  # that are written; the best
 
 def with_proposed(document: Mapping[str, Any], found: Discovery) -> dict[str, Any]:
     """Return a `diagnosis/2` with what a search proposes, each with the `effect/1` that `adopt` writes."""
-    nexts = parted_by(found)
-    proposed = [_finding(one, best) for one, best in zip(found.proposals, nexts, strict=True)]
+    recording = document["recording"]
+    nexts = parted_by(found) if recording == "campaign" else [None] * len(found.proposals)  # its steps done again
+    proposed = [
+        _finding(one, best) | ({} if recording == "campaign" else {"separate_by": AGAIN[recording].phrase})
+        for one, best in zip(found.proposals, nexts, strict=True)
+    ]
     findings = [*document["findings"], *proposed]
     return {**document, "findings": findings, "searched": {"terms": found.tried}}
 

@@ -22,7 +22,7 @@ from station.files.effect_file import stored_effect
 from station.results.solution_json import provenance
 from station.results.solution_text import measured
 
-OUTPUT = "output"  # the unit of a triad whose unit is not specified
+OUTPUT = "output"  # the unit of a triad whose unit is not specified, and whose columns name none
 PARTS = ("scale_factor", "misalignment", "bias")
 _SIZES = ("value", "std", "before", "after", "held_out_before", "held_out_after")
 
@@ -37,20 +37,29 @@ def without_solution(campaigns: Sequence[LoadedCampaign]) -> dict[str, Any]:
     }
 
 
-def in_specified_unit(part: Mapping[str, Any], of: str, scales: Mapping[str, float]) -> dict[str, Any]:
-    """Return a finding or an error in outputs where its triad's unit is not in ``scales``.
+def output_unit(campaigns: Sequence[LoadedCampaign], triad: str) -> str:
+    """Return the unit of a triad's outputs as they were recorded, where that is none of rates or accelerations."""
+    return (campaigns[0].output_name if triad == "gyroscope" else "") or OUTPUT
+
+
+def in_specified_unit(part: Mapping[str, Any], of: str, campaigns: Sequence[LoadedCampaign]) -> dict[str, Any]:
+    """Return a finding with its errors, or an error, in outputs where its triad's unit is not specified.
 
     Without one the outputs were taken for g and deg/s; ``of`` begins with the triad's name.
     """
+    found = dict(part)
+    if "error" in part:
+        found["error"] = [in_specified_unit(each, each["quantity"], campaigns) for each in part["error"]]
     triad = next((name for name in TRIADS if of.startswith(name)), None)
     head, slash, rest = part["unit"].partition("/")
-    if triad is None or triad in scales or head not in {"g", "deg"}:
-        return dict(part)
+    if triad is None or triad in campaigns[0].campaign.nominal_scale or head not in {"g", "deg"}:
+        return found
     factor = 1.0
     if head == "deg" and (rest == "h" or rest.startswith("h/")):  # deg/h, deg/h/K; an output counts as deg/s
         factor, rest = 1 / DEG_H_PER_DEG_S, rest.removeprefix("h").removeprefix("/")
         slash = "/" if rest else ""
-    return _times(part, factor, _parameters(part)) | {"unit": f"{OUTPUT}{slash}{rest}"}
+    found.pop("times_expected", None)  # of a size in g or deg/h
+    return _times(found, factor, _parameters(found)) | {"unit": f"{output_unit(campaigns, triad)}{slash}{rest}"}
 
 
 def _parameters(part: Mapping[str, Any]) -> frozenset[str]:
@@ -179,14 +188,10 @@ def turns_lines(document: Mapping[str, Any]) -> Iterator[str]:
         yield from (f"   {text}" for text in document["turns_leave_open"])
 
 
-NOT_KNOWN = "unknown: the recording is too short, or the counts are too coarse"
-
-
 def channels_of(campaigns: Sequence[LoadedCampaign], solved: Sequence[str]) -> list[dict[str, Any]]:
     """Return what the live channels of triads that are not ``solved`` show by themselves."""
-    counts, scales = campaigns[0].tables.imu.output != "rate", campaigns[0].campaign.nominal_scale
     found = single_channels([one.campaign for one in campaigns], solved)
-    return [_channel_document(each, _unit_of(each, counts, scales)) for each in found]
+    return [_channel_document(each, _unit_of(each, campaigns)) for each in found]
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,11 +204,13 @@ class _ChannelUnit:
     noise_factor: float
 
 
-def _unit_of(found: SingleChannel, counts: bool, scales: Mapping[str, float]) -> _ChannelUnit:
+def _unit_of(found: SingleChannel, campaigns: Sequence[LoadedCampaign]) -> _ChannelUnit:
     """Return the unit by a gyroscope's own scale factor, else by the specified unit, else the output itself."""
+    scales = campaigns[0].campaign.nominal_scale
     scale = found.scale[0] if found.scale is not None else scales.get(found.triad)
     if scale is None:
-        name = "count/s" if counts else "output"
+        counts = campaigns[0].tables.imu.output != "rate"
+        name = "count/s" if counts else output_unit(campaigns, found.triad)
         return _ChannelUnit(name, 1.0, f"{name} sqrt(s)", 1.0)
     if found.triad == "gyroscope":
         return _ChannelUnit("deg/h", DEG_H_PER_DEG_S / scale, "deg/sqrt(h)", S_PER_H**0.5 / abs(scale))
@@ -224,7 +231,8 @@ def _channel_document(found: SingleChannel, unit: _ChannelUnit) -> dict[str, Any
     document |= _noise_term("bias_instability", found.instability, abs(unit.factor), unit.name)
     document |= _correlated_line("drift", found.drift, unit.factor, f"{unit.name}/h")
     document |= _correlated_line("by_temperature", found.warming, unit.factor, f"{unit.name}/K")
-    return document | {"temperature_moved_k": found.kelvin}
+    document |= {"temperature_moved_k": found.kelvin}
+    return document | ({"is_confounded": True} if found.is_confounded else {})
 
 
 def _noise_term(name: str, term: NoiseTerm, factor: float, unit: str) -> dict[str, Any]:
@@ -238,28 +246,3 @@ def _correlated_line(name: str, line: CorrelatedLine | None, factor: float, unit
     if line is None:
         return {}
     return {name: {"value": line.slope * factor, "std": line.std * abs(factor), "unit": unit}}
-
-
-def channel_lines(channels: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    """Yield what single channels show, as text in 80 columns; +- is the standard uncertainty."""
-    for each in channels:
-        yield f"{each['channel']} alone, {each['seconds']:.0f} s of {each['recording']}"
-        for key, name in (
-            ("scale_factor", "scale factor"),
-            ("drift", "drift"),
-            ("by_temperature", "by temperature"),
-        ):
-            if key in each:
-                yield f"   {name:<16}{measured(each[key]['value'], each[key]['std'])} {each[key]['unit']}"
-        yield f"   {'random walk':<16}{_between(each.get('random_walk')) or NOT_KNOWN}"
-        if flicker := _between(each.get("bias_instability")):
-            yield f"   {'instability':<16}{flicker}"
-        if "drift" in each and "by_temperature" in each:
-            moved = f"{each['temperature_moved_k']:.1f} K"
-            yield f"   the temperature changed by {moved}: drift and temperature cannot be separated"
-
-
-def _between(term: Mapping[str, Any] | None) -> str:
-    if term is None:
-        return ""
-    return f"{term['value']:.3g} {term['unit']}, 95 % {term['low']:.3g} to {term['high']:.3g}"

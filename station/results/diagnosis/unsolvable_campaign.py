@@ -23,6 +23,7 @@ from procedures.samples.held_samples import constant_channels, records_at_rest
 from procedures.statistics.spectrum import MIN_SAMPLES
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.results.diagnosis.diagnosis_json import FORMAT
+from station.results.diagnosis.log_measurements import recording_of
 from station.results.diagnosis.uncalibrated import channels_of, rests_and_moves, turns, without_solution
 
 ALSO_IN_A_TILT = ("accelerometer.bias", "accelerometer.misalignment", "slab.tilt", "placement.dwell")
@@ -41,6 +42,7 @@ def partial_document(campaigns: Sequence[LoadedCampaign], missing: NotObservable
     needed = _next_of(recorded, missing)
     return {
         "format": FORMAT,
+        "recording": recording_of(campaigns),
         "verdict": "ambiguous",
         "findings": [_finding(name, face, tilt, needed) for name, face, tilt in tilts],
         "error": [],

@@ -15,7 +15,8 @@ from procedures.statistics.noise_conditions import Condition
 from procedures.statistics.spectrum import Line
 from procedures.units import DEG_H_PER_DEG_S, STANDARD_GRAVITY, UG_PER_G
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
-from station.results.diagnosis.diagnosis_wording import p_text
+from station.results.diagnosis.finding_wording import p_text
+from station.results.diagnosis.uncalibrated import output_unit
 from station.results.solution_json import provenance
 from station.results.solution_text import measured
 from station.text import plural, unit_in_words
@@ -46,19 +47,22 @@ ACCELEROMETER: Terms = MappingProxyType({  # from ug
     "rate_random_walk": ("random walk of bias", "K", "ug/sqrt(h)", 60.0),
     "rate_ramp": ("ramp", "R", "ug/h", 3600.0),
 })  # fmt: skip
-OUTPUT: Terms = MappingProxyType({
-    "quantisation": ("quantisation", "Q", "output s", 1.0),
-    "random_walk": ("random walk", "N", "output sqrt(s)", 1.0),
-    "bias_instability": ("bias instability", "B", "output", 1.0),
-    "rate_random_walk": ("rate random walk", "K", "output/sqrt(s)", 1.0),
-    "rate_ramp": ("rate ramp", "R", "output/s", 1.0),
+OUTPUT: Terms = MappingProxyType({  # each in what follows the unit of the output
+    "quantisation": ("quantisation", "Q", " s", 1.0),
+    "random_walk": ("random walk", "N", " sqrt(s)", 1.0),
+    "bias_instability": ("bias instability", "B", "", 1.0),
+    "rate_random_walk": ("rate random walk", "K", "/sqrt(s)", 1.0),
+    "rate_ramp": ("rate ramp", "R", "/s", 1.0),
 })  # fmt: skip
 
 
-def units_of(triad: str, is_scaled: bool) -> NoiseUnits:
-    """Return the units of a triad's noise; ``output`` where its own is not known."""
+def units_of(triad: str, is_scaled: bool, output: str = "output") -> NoiseUnits:
+    """Return the units of a triad's noise; those of its ``output`` where its scale factor is not known."""
     if not is_scaled:
-        return NoiseUnits("output", 1.0, OUTPUT)
+        terms = {
+            key: (name, sign, f"{output}{unit}", factor) for key, (name, sign, unit, factor) in OUTPUT.items()
+        }
+        return NoiseUnits(output, 1.0, terms)
     if triad == "gyroscope":
         return NoiseUnits("deg/h", DEG_H_PER_DEG_S, GYROSCOPE)
     return NoiseUnits("ug", UG_PER_G, ACCELEROMETER)
@@ -74,16 +78,16 @@ def noise_document(campaigns: Sequence[LoadedCampaign], solution: Any = None) ->
     found = channel_noise(bare, known_scales(bare, solution))
     return {
         "format": FORMAT,
-        "channels": [channel_document(each) for each in found],
+        "channels": [channel_document(each, output_unit(campaigns, each.triad)) for each in found],
         "left_out": [f"{name}: never changes" for name in constant_channels(records_at_rest(bare))],
         "warnings": list(dict.fromkeys(w for loaded in campaigns for w in loaded.warnings)),
         "provenance": provenance(campaigns),
     }
 
 
-def channel_document(found: ChannelNoise) -> dict[str, Any]:
-    """Return a channel's noise."""
-    units, curve = units_of(found.triad, found.is_scaled), found.curve
+def channel_document(found: ChannelNoise, output: str = "output") -> dict[str, Any]:
+    """Return a channel's noise, in units of its ``output`` where its scale factor is not known."""
+    units, curve = units_of(found.triad, found.is_scaled, output), found.curve
     seen = curve.deviation > 0
     allan = {"tau_s": curve.tau[seen].tolist(), "unit": units.unit, "edf": curve.edf[seen].tolist()}
     for name in ("deviation", "low", "high"):

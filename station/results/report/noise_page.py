@@ -87,7 +87,8 @@ def _allan(axes: Axes, channel: Mapping[str, Any]) -> None:
 
 def _fitted(channel: Mapping[str, Any], tau: np.ndarray[Any, np.dtype[np.float64]]) -> Any:
     """Return the deviation that the terms with a value make."""
-    units = units_of(channel["channel"].split()[0], channel["allan"]["unit"] != "output")
+    scaled = units_of(channel["channel"].split()[0], True)
+    units = scaled if channel["allan"]["unit"] == scaled.unit else units_of("", False)
     shapes, total = noise_shapes(tau), np.zeros_like(tau)
     for name, term in channel["terms"].items():
         total += (shapes[name] * (term.get("value") or 0.0) / units.terms[name][3]) ** 2
@@ -146,10 +147,11 @@ def _triad_table(channels: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     }
 
 
-def _cell(term: Mapping[str, Any]) -> str:
+def _cell(term: Mapping[str, Any]) -> tuple[str, str]:
+    """Return a term's value, or what stands in its place, and its interval."""
     if is_undetermined(term):
-        return "not determined"
+        return "not determined", ""
     if "below" in term:
-        return f"< {significant(term['below'], DIGITS)}"
+        return f"< {significant(term['below'], DIGITS)}", ""
     value, low, high = (significant(term[key], DIGITS) for key in ("value", "low", "high"))
-    return f"{value} [{low}, {high}]"
+    return value, f"[{low}, {high}]"

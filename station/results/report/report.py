@@ -1,5 +1,6 @@
 """A calibration's report: all that it says as one typed value, laid out as HTML."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
@@ -23,6 +24,7 @@ from station.files.atomic_file import replace_file
 from station.results.certificate.printed_results import Row, measured, result_groups
 from station.results.diagnosis.diagnosis_html import section_html
 from station.results.diagnosis.diagnosis_wording import verdict_sentence
+from station.results.diagnosis.finding_wording import MIN_LOG10_P, p_text
 from station.results.diagnosis.model_refinement import ModelRefinement, budget_document
 from station.results.html_templates import html_template
 from station.results.measurement_circumstances import procedure_name
@@ -173,7 +175,8 @@ def calibration_report(
     ``truth`` (simulated campaigns) is keyed as `Solution.names`, in the units of files; ``bench`` adds conditions.
     """
     origin, known = document["provenance"], truth or {}
-    noise = [channel_document(one) for one in channel_noise(campaigns, known_scales(campaigns, solution))]
+    found = channel_noise(campaigns, known_scales(campaigns, solution))
+    noise = [channel_document(one) for one in found]
     return CalibrationReport(
         model=origin["model"],
         serial=origin["serial"],
@@ -223,7 +226,7 @@ def _facts(solution: Solution) -> list[tuple[str, str, str]]:
     facts = [
         (
             "Residuals against noise",
-            f"p = {quality.p_value:.2g}",
+            p_text(math.log10(max(quality.p_value, 10.0**MIN_LOG10_P))),
             f"{_fits(quality)}; \u03c7\u00b2 = {quality.chi2:.1f}, {quality.dof} degrees of freedom",
         )
     ]

@@ -15,25 +15,25 @@ from procedures.statistics.line_fits import CorrelatedLine
 from procedures.units import DEG_H_PER_DEG_S
 from station.files.effect_file import effect_in
 from station.results.diagnosis import uncalibrated
-from station.results.diagnosis.diagnosis_text import not_looked_at
-from station.results.diagnosis.diagnosis_wording import p_text, verdict_sentence
+from station.results.diagnosis.diagnosis_wording import not_looked_at, verdict_sentence
 from station.results.diagnosis.finding_figure import Coordinate, ResidualPanel, caption, draw_panel
+from station.results.diagnosis.finding_wording import p_text
 from station.results.diagnosis.uncalibrated import channels_of, in_specified_unit, turns, turns_lines
 from tests.procedures.diagnosis.test_turns_seen import SCALE, recorded
 
 
 def test_a_chance_is_said_in_plain_words_however_small() -> None:
     said = [p_text(log10_p) for log10_p in (0.0, -0.42, -2.5, -5.3, -12.2, -400.0)]
-    assert said == ["p = 1", "p = 0.38", "p = 0.0032", "p = 5e-06", "p = 6e-13", "p < 1e-300"]
+    assert said == ["p > 0.99", "p = 0.38", "p = 0.0032", "p = 5e-06", "p = 6e-13", "p < 1e-300"]
 
 
 def test_gyroscopes_that_no_residual_was_diagnosed_of_are_said_to_be_not_looked_at() -> None:
     solution = {"accelerometer": {}, "gyroscope": {}}
     document = {"error": [{"quantity": "accelerometer bias"}], "solution": solution}
-    assert not_looked_at(document).startswith("not diagnosed: the gyroscopes")
-    assert not_looked_at(document | {"error": [{"quantity": "gyroscope bias"}]}) == ""
-    assert not_looked_at(document | {"solution": {"gyroscope": {}}}) == ""
-    assert not_looked_at({"error": []}) == ""
+    assert len(not_looked_at(document)) == 1
+    assert not_looked_at(document | {"error": [{"quantity": "gyroscope bias"}]}) == []
+    assert not_looked_at(document | {"solution": {"gyroscope": {}}}) == []
+    assert not_looked_at({"error": []}) == []
 
 
 LIVE = SingleChannel(
@@ -42,14 +42,17 @@ LIVE = SingleChannel(
 )  # fmt: skip
 
 
+def recording(**nominal_scale: float) -> SimpleNamespace:
+    """A recording of counts, or in a unit that was stated."""
+    imu, campaign = SimpleNamespace(output="counts"), SimpleNamespace(nominal_scale=nominal_scale)
+    return SimpleNamespace(tables=SimpleNamespace(imu=imu), campaign=campaign, output_name="")
+
+
 @pytest.fixture
 def told(monkeypatch: pytest.MonkeyPatch) -> dict[str, object]:
     """The document of the channel, whatever campaign it came from."""
     monkeypatch.setattr(uncalibrated, "single_channels", lambda campaigns, solved: [LIVE])
-    campaign = SimpleNamespace(
-        tables=SimpleNamespace(imu=SimpleNamespace(output="counts")), campaign=SimpleNamespace(nominal_scale={})
-    )
-    (found,) = channels_of([campaign], [])  # type: ignore[list-item]
+    (found,) = channels_of([recording()], [])  # type: ignore[list-item]
     return found
 
 
@@ -96,14 +99,20 @@ def test_the_parameters_of_an_effect_of_ones_own_stay_as_they_are() -> None:
     seconds = {"value": 600.0, "std": 20.0}
     entry = {
         "effect": file.name, "unit": "deg/h/K", "definition": file.text, "sha256": file.sha256,
+        "times_expected": 3.0,
+        "error": [{"quantity": "gyroscope soaks", "unit": "deg/h", "held_out_before": 36.0}],
         "coefficients": {"x": {"value": 36.0, "std": 3.6}, "relaxes": seconds, "tau_s": seconds},
     }  # fmt: skip
-    found = in_specified_unit(entry, file.name, {})
+    found = in_specified_unit(entry, file.name, [recording()])  # type: ignore[list-item]
     assert found["unit"] == "output/K"
+    assert found["error"] == [{
+        "quantity": "gyroscope soaks", "unit": "output", "held_out_before": 36.0 / DEG_H_PER_DEG_S,
+    }]  # fmt: skip
+    assert "times_expected" not in found  # that is of deg/h
     assert found["coefficients"]["x"] == {"value": 36.0 / DEG_H_PER_DEG_S, "std": 3.6 / DEG_H_PER_DEG_S}
     assert found["coefficients"]["relaxes"] == seconds
     assert found["coefficients"]["tau_s"] == seconds
-    assert in_specified_unit(entry, file.name, {"gyroscope": 1.0}) == entry
+    assert in_specified_unit(entry, file.name, [recording(gyroscope=1.0)]) == entry  # type: ignore[list-item]
 
 
 PANEL = ResidualPanel(

@@ -10,7 +10,7 @@ from procedures.diagnosis.diagnose import diagnose
 from station import cli
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.results.diagnosis.diagnosis_html import section_html
-from station.results.diagnosis.diagnosis_json import diagnosis_document
+from station.results.diagnosis.diagnosis_json import diagnosis_json
 from station.results.diagnosis.finding_figure import caption, residual_panels
 from tests.procedures.diagnosis.test_rate_tables import table
 
@@ -63,7 +63,7 @@ def test_points_of_a_table_are_drawn_at_their_own_rate_and_temperature_in_deg_s(
     (tmp_path / "campaign.toml").write_text(TOML.replace("OUTPUT", "rate"))
     loaded = read_campaign(tmp_path)
     found = diagnose([loaded.campaign])
-    page = section_html(diagnosis_document(found, [loaded]), None)
+    page = section_html(diagnosis_json(found, [loaded]), None)
     assert "gyroscope scale factor z" in page  # what the summary says the page says
     assert "gyroscope.scale_nonlinearity" in page
     panels = residual_panels(found)

@@ -1,0 +1,175 @@
+"""What a reader is shown of a `diagnosis/2`: one number for each term, many findings of a term as one cause."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from procedures.effects import EFFECTS
+from station.results.diagnosis.diagnosis_document import DiagnosisDocument, Table, channel_table, document_of
+from station.results.diagnosis.diagnosis_html import section_html
+from station.results.diagnosis.diagnosis_text import diagnosis_text
+from station.results.diagnosis.finding_wording import MANY, probability_text, where_text
+from station.results.diagnosis.log_measurements import AGAIN, REPETITIONS, fitted_to, recording_of, wanted
+from station.results.diagnosis.next_measurements import write_plans
+
+
+def finding(effect: str, probability: float, where: dict[str, Any] | None = None, **more: Any) -> dict[str, Any]:
+    confidence = "established" if probability >= 0.99 else "likely" if probability >= 0.9 else "possible"
+    return {
+        "effect": effect, "kind": "instrument", "coefficients": {"z": {"value": 14.0, "std": 0.5}},
+        "unit": "deg/h", "where": where or {}, "probability": probability, "confidence": confidence,
+        "aliases": [], "separate_by": "", **more,
+    }  # fmt: skip
+
+
+def diagnosis(*findings: dict[str, Any], **more: Any) -> dict[str, Any]:
+    return {
+        "format": "diagnosis/2", "recording": "rest", "verdict": "established", "log10_p": -0.3,
+        "findings": list(findings), "error": [], "parameters": [], "next_measurement": "", "warnings": [], **more,
+    }  # fmt: skip
+
+
+DRIFT, WARM = "gyroscope.bias_drift", "gyroscope.bias_temperature"
+AMBIGUOUS = diagnosis(
+    finding(WARM, 0.6, aliases=[DRIFT], shares={WARM: 0.7, DRIFT: 0.31}, joint_probability=0.99),
+    verdict="ambiguous",
+    probabilities={WARM: 0.6, DRIFT: 0.37, "gyroscope.jump": 0.02},
+)
+SHOCKS = diagnosis(
+    *(
+        finding("disturbance.dwell", p, {"file": "log.csv", "channel": "ay", "from_s": 40.0 * i, "to_s": 41.0})
+        for i, p in enumerate([0.999] * 40 + [0.93, 0.995], 1)
+    )
+)
+
+
+def both(found: dict[str, Any]) -> tuple[str, str]:
+    return diagnosis_text(found), section_html(found, None)
+
+
+def test_a_term_has_one_probability_wherever_it_stands() -> None:
+    for shown in both(AMBIGUOUS):
+        assert "0.37" in shown
+        assert "0.31" not in shown
+    document = document_of(AMBIGUOUS)
+    assert [row[0].split()[-1] for row in document.causes[0].rows(1)] == [WARM, DRIFT]
+    assert [row[2] for row in document.causes[0].rows(1)] == ["0.60", "0.37"]
+    assert document.cause_note
+    [others] = [each for each in document.sections if isinstance(each, Table)]
+    assert others.rows == (("gyroscope.jump", "0.02"),)  # no alternative once more
+
+
+def test_the_likeliest_cause_is_first_and_one_without_a_name_stands_among_them() -> None:
+    nameless = {
+        "what": "a function of time",
+        "note": "",
+        "probability": 0.9,
+        "joint_probability": 0.95,
+        "shares": {},
+    }
+    found = diagnosis(finding(DRIFT, 0.92), finding(WARM, 0.99), unnamed=[nameless], verdict="partly")
+    assert [each.effect for each in document_of(found).causes] == [WARM, "", DRIFT]
+
+
+def test_many_findings_of_a_term_are_one_cause_with_number_first_and_last_time() -> None:
+    [cause] = document_of(SHOCKS).causes
+    for part in ("42 times", "first at 40 s", "last at 1680 s"):
+        assert part in cause.about
+    [occurrences] = cause.tables
+    assert len(occurrences.rows) == 42
+    assert cause.probability == "0.93 to 0.999"
+    for shown in both(SHOCKS):
+        assert "from_s" not in shown
+        assert "to_s" not in shown
+
+
+def test_few_findings_of_a_term_stand_each_for_itself() -> None:
+    found = diagnosis(*SHOCKS["findings"][:MANY])
+    assert len(document_of(found).causes) == MANY
+
+
+@pytest.mark.parametrize("p", [0.0, 1e-9, 0.5, 0.9999, 1.0])
+def test_no_probability_is_zero_or_one(p: float) -> None:
+    text = probability_text(p)
+    assert text.startswith(("<", ">")) or 0 < float(text) < 1
+
+
+def test_the_first_sentence_has_sensor_size_and_time() -> None:
+    found = diagnosis(finding("gyroscope.jump", 0.995, {"in": "log.csv", "after_s": 2000.0}))
+    for part in ("z 14.00 +- 0.50 deg/h", "2000 s", "log.csv", "0.995"):
+        assert part in document_of(found).headline
+
+
+def test_a_place_names_no_key() -> None:
+    where = {"file": "a.csv", "channel": "ay", "from_s": 1.5, "to_s": 2.0, "position": [3, 4], "others": 6}
+    text = where_text(where)
+    assert "_s" not in text
+    for part in ("1.5 s", "2 s", "a.csv", "3 or 4", "7"):
+        assert part in text
+
+
+def channel(**more: Any) -> dict[str, Any]:
+    line = {"value": 1.0, "std": 0.1, "unit": "deg/h/h"}
+    return {
+        "channel": "gyroscope z",
+        "recording": "a.csv",
+        "seconds": 9.0,
+        "drift": line,
+        "by_temperature": line,
+    } | more
+
+
+@pytest.mark.parametrize(
+    ("is_confounded", "found", "is_said"),
+    [
+        (True, [], True),
+        (False, [], False),
+        (True, [finding(WARM, 0.99)], False),
+        (True, [finding(WARM, 0.6)], True),
+    ],
+)
+def test_drift_and_temperature_are_inseparable_only_where_no_finding_separates_them(
+    is_confounded: bool, found: list[dict[str, Any]], is_said: bool
+) -> None:
+    channels = [channel(**({"is_confounded": True} if is_confounded else {}))]
+    assert bool(channel_table(channels, found, has_noise=True).note) is is_said
+
+
+def loaded(**steps: Any) -> Any:
+    kinds = dict.fromkeys(("dwells", "rests", "sequences", "moves", "turns", "soaks", "rate_tables"), ())
+    return SimpleNamespace(campaign=SimpleNamespace(**kinds | steps))
+
+
+@pytest.mark.parametrize(
+    ("step", "recording"),
+    [
+        ("dwells", "campaign"),
+        ("sequences", "rests"),
+        ("turns", "rotation"),
+        ("soaks", "rest"),
+        ("rate_tables", "rate table"),
+    ],
+)
+def test_the_kind_of_a_recording(step: str, recording: str) -> None:
+    assert recording_of([loaded(**{step: (1,)})]) == recording
+
+
+@pytest.mark.parametrize("recording", REPETITIONS)
+def test_outside_a_campaign_nothing_asks_for_positions_of_a_cube(recording: Any, tmp_path: Any) -> None:
+    findings = [fitted_to(recording, finding(each.name, 0.5)) for each in EFFECTS]
+    assert all(each["separate_by"] for each in findings)
+    every = [*wanted(diagnosis(*findings, recording=recording), []), AGAIN[recording]]
+    steps = [step for one in every for of_kind in one.steps.values() for step in of_kind]
+    assert not any("position" in step for step in steps)
+    assert bool(steps) is (recording != "rate table")
+    assert all(path.read_text() for path in write_plans(tmp_path / "next.toml", every))
+
+
+def test_the_document_of_a_bare_verdict_is_its_headline() -> None:
+    found = document_of(diagnosis(verdict="consistent"))
+    assert found == DiagnosisDocument(
+        verdict="consistent", title="consistent", headline=found.headline, causes=(), cause_note="",
+        not_separable=(), measure_next="", plan_hint="", searched="", sections=(), noise=(), not_observable="",
+        warnings=(),
+    )  # fmt: skip
