@@ -108,9 +108,9 @@ ACCELEROMETER_CYCLE, GYROSCOPE_CYCLE = twins(
     meaning="Bias that cycles in time",
     about="Air conditioning or a thermostat warm the unit and let it cool, and no thermometer was read that shows "
     "it; where one was, the bias follows that. t_on is the time since the first sample. One period for the triad, "
-    "fitted. It is looked for in a soak of eight blocks or more, from two blocks to a cycle and a half in what was "
-    "recorded: a slower one is a drift, a faster one a line of the samples. Plausible: 100 ug and 0.5 deg/h, as of "
-    "a room that cycles by a kelvin.",
+    "fitted. It is looked for in a soak of eight blocks or more, from two blocks to 1 / 1.5 of what was recorded: "
+    "a slower one is a drift, a faster one a line of the samples. Plausible: 100 ug and 0.5 deg/h, as of a room "
+    "that cycles by a kelvin.",
     source=("IEEE Std 1293, bias, environmental sensitivity", "IEEE Std 952, bias, environmental sensitivity"),
     separate_by="the temperature recorded with the samples, or the same recording with the air conditioning off",
     driver="time",

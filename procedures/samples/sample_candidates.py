@@ -67,7 +67,7 @@ def periodic(effect: str, phase: Phase) -> Candidate:
 
 def line_in_time(line: Line, period: float, samples: int) -> Candidate:
     """Return a line of a recording of so many ``samples``, ``period`` [s] apart."""
-    turns: FloatArray = line.hertz * period * np.arange(samples)
+    turns: FloatArray = line.hertz * period * np.arange(samples).astype(np.float64)
     phase = Phase(TIME, 1 / line.hertz, (turns,), samples // 2)
     return replace(periodic("disturbance.line", phase), about=f"{line.hertz:.5g} Hz", hertz_std=line.hertz_std)
 

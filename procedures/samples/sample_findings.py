@@ -73,7 +73,7 @@ def _finding(blocks: SampleBlocks, candidate: Candidate, triad: str, fits: dict[
 
 
 def _std(blocks: SampleBlocks, candidate: Candidate, fit: Fitted) -> FloatArray:
-    """Return 1 sigma (k,) of coefficients; those of a line refer to its beginning, by a frequency that has its own."""
+    """Return 1 sigma (k,) of coefficients; those of a line are of its beginning, by a frequency with its own."""
     variance = np.diag(fit.covariance)
     if candidate.hertz_std:
         seconds = len(blocks.sensors[0].rate) * blocks.period

@@ -35,9 +35,9 @@ from procedures.statistics.spectrum import (
 def without_slow_lines(
     blocks: SampleBlocks, is_usable: Sequence[bool], named: Sequence[Finding]
 ) -> tuple[SampleBlocks, list[SampleFinding], list[FoldedResidual]]:
-    """Return blocks less the lines that are slower than they are, and those that are none of the findings ``named``.
+    """Return blocks less the lines that are slower than they are, and those that no finding in ``named`` is.
 
-    Also the means of the recording by the phase of each.
+    The last are the means of the recording by the phase of each.
     """
     found, folded = list[SampleFinding](), list[FoldedResidual]()
     if len(blocks.channels) > 1 or len(blocks.sensors[0].parts) > 1:
@@ -53,7 +53,7 @@ def without_slow_lines(
 
 
 def _slow_lines(blocks: SampleBlocks, whole: SampleBlocks, is_usable: Sequence[bool]) -> Iterator[SampleFinding]:
-    """Yield the lines of a recording as a ``whole`` that are slower than one of its blocks, the strongest first."""
+    """Yield the lines of a ``whole`` recording that are slower than one of its blocks, the strongest first."""
     n, period = whole.rates.shape[1], whole.period
     tried, found = n // 2 * sum(is_usable), list[tuple[float, int, Line]]()
     for sensor in np.flatnonzero(is_usable).tolist():

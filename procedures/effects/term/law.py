@@ -216,7 +216,7 @@ def orders_of(keys: Sequence[str]) -> tuple[int, ...]:
 
 
 def alike(a: FloatArray, b: FloatArray) -> bool:
-    """Say whether columns (n,), in one unit, are so alike that no minimum hides between their constants."""
+    """Say whether columns ``a`` and ``b`` (n,), in one unit, are so alike that no minimum hides between them."""
     size = float(np.linalg.norm(a) * np.linalg.norm(b))
     if not size:  # zero is like zero alone: next to it there may be a cliff
         return not (a.any() or b.any())
