@@ -11,6 +11,7 @@ from procedures.effects.jump import block_times, soak_of
 from procedures.effects.temperature_history import since_begun
 from procedures.effects.term.law import Law, Parameter
 from procedures.effects.time_constant import search
+from procedures.statistics.spectrum import MIN_PERIODS
 
 SHORTEST_S, SHORTEST_AT_REST_S = 30.0, 3.0  # s, of a time constant to begin with
 BY_CHANGE, BY_FORCE = "by the change of f", "by f"
@@ -68,7 +69,7 @@ ACCELEROMETER_BIAS, GYROSCOPE_BIAS = twins(
     not_corrected=NOT_CORRECTED,
 )
 
-MIN_BLOCKS = 8  # of a soak: of fewer a cycle is a curve
+MIN_BLOCKS = 2 * int(MIN_PERIODS)  # of a soak: of fewer a cycle that no spectrum shows would look like a slow one
 MIN_CYCLES = 1.5  # in what was recorded: less is a drift
 PER_CYCLE = (
     2  # steps of a frequency in 1 / T: of a sine between two of them the nearer one keeps 81 % of the power
@@ -108,7 +109,7 @@ ACCELEROMETER_CYCLE, GYROSCOPE_CYCLE = twins(
     meaning="Bias that cycles in time",
     about="Air conditioning or a thermostat warm the unit and let it cool, and no thermometer was read that shows "
     "it; where one was, the bias follows that. t_on is the time since the first sample. One period for the triad, "
-    "fitted. It is looked for in a soak of eight blocks or more, from two blocks to 1 / 1.5 of what was recorded: "
+    "fitted. It is looked for in a soak of 32 blocks or more, from two blocks to 1 / 1.5 of what was recorded: "
     "a slower one is a drift, a faster one a line of the samples. Plausible: 100 ug and 0.5 deg/h, as of a room "
     "that cycles by a kelvin.",
     source=("IEEE Std 1293, bias, environmental sensitivity", "IEEE Std 952, bias, environmental sensitivity"),

@@ -14,8 +14,8 @@ from procedures.effects.term.law import OUTPUT_UNITS, Law
 from procedures.effects.term.units import Unit, parse_unit
 from tests.procedures.effects.laws_by_hand import BY_HAND, ORDER, Felt
 
-KINDS = ("dwell", "turn", "dwell", "move", "rest", *("soak",) * 9)  # a soak in nine blocks
-NODES = 30  # of a step, 2 s each
+KINDS = ("dwell", "turn", "dwell", "move", "rest", *("soak",) * 32)  # a soak in 32 blocks
+NODES = 10  # of a step, 2 s each
 LAWS = [(effect, law) for effect in EFFECTS for law in effect.laws]
 each_law = pytest.mark.parametrize(("effect", "law"), LAWS, ids=[f"{e.name} {law.shape}" for e, law in LAWS])
 
