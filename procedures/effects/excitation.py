@@ -10,8 +10,9 @@ from procedures.frames import rotation, skew
 
 TAU = "tau_s"  # name of the coefficient that is a time constant [s]
 PLAY = "play_k"  # name of the coefficient that is half the width of a play [K]
+PERIOD = "period_s"  # name of the coefficient that is the period of a cycle [s]
 KNEE = "knee_deg_s"  # name of the coefficient that is the rate from which on an effect acts [deg/s]
-UNITS_OF_NONLINEAR = {TAU: "s", PLAY: "K", KNEE: "deg/s"}
+UNITS_OF_NONLINEAR = {TAU: "s", PLAY: "K", PERIOD: "s", KNEE: "deg/s"}
 REFERENCE_C = 25.0  # degC: temperature effects vanish there, and bias and scale factor hold there
 
 

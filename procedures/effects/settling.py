@@ -1,14 +1,17 @@
-"""What settles or drifts in time: biases and scale factors since power-on, accelerometers after a flip."""
+"""What settles, drifts or cycles in time: biases and scale factors since power-on, accelerometers after a flip."""
 
+from collections import Counter
 from collections.abc import Iterator
 
 import numpy as np
 
 from procedures.effects.effect import effect_of, twins
-from procedures.effects.excitation import TAU, Columns, Excitation
+from procedures.effects.excitation import PERIOD, TAU, Columns, Excitation
+from procedures.effects.jump import block_times, soak_of
 from procedures.effects.temperature_history import since_begun
 from procedures.effects.term.law import Law, Parameter
 from procedures.effects.time_constant import search
+from procedures.statistics.spectrum import MIN_PERIODS
 
 SHORTEST_S, SHORTEST_AT_REST_S = 30.0, 3.0  # s, of a time constant to begin with
 BY_CHANGE, BY_FORCE = "by the change of f", "by f"
@@ -62,6 +65,55 @@ ACCELEROMETER_BIAS, GYROSCOPE_BIAS = twins(
     "records. Plausible: 200 ug and 1 deg/h, as of units that are ten times as stable when warm.",
     source=("IEEE Std 1293, warm-up time and bias stability", "IEEE Std 952, warm-up time and turn-on bias"),
     separate_by="the campaign once more, in another order, when the unit has been on for an hour",
+    driver="time",
+    not_corrected=NOT_CORRECTED,
+)
+
+MIN_BLOCKS = 2 * int(MIN_PERIODS)  # of a soak: of fewer a cycle that no spectrum shows would look like a slow one
+MIN_CYCLES = 1.5  # in what was recorded: less is a drift
+PER_CYCLE = (
+    2  # steps of a frequency in 1 / T: of a sine between two of them the nearer one keeps 81 % of the power
+)
+MAX_PERIODS = 50  # to begin with, to 26 cycles: from 16 on the spectrum of the samples shows lines
+
+
+def most_cycles(blocks: int) -> float:
+    """Return how many cycles the means of a soak's blocks show; of one in two blocks they miss a phase."""
+    return (blocks - 1) / 2
+
+
+def _cycles(seen: Excitation) -> Iterator[Columns]:
+    """Yield the periods that a search begins with; none without a soak, or where no time is known."""
+    since, times = since_begun(seen), block_times(seen)
+    blocks = Counter((step.campaign, soak_of(step)) for step in times)
+    longest, most = max(blocks.items(), key=lambda each: each[1], default=(None, 0))
+    if most < MIN_BLOCKS or not np.isfinite(since).all():
+        return
+    soak_s = sum(seconds for step, (_, seconds) in times.items() if (step.campaign, soak_of(step)) == longest)
+    recorded_s, first = float(since.max() + since.min()), round(PER_CYCLE * MIN_CYCLES)
+    last = int(PER_CYCLE * most_cycles(most) * recorded_s / soak_s + 1e-6)
+    for number in range(first, min(last, first + MAX_PERIODS - 1) + 1):
+        yield Columns((), nonlinear={PERIOD: PER_CYCLE * recorded_s / number})
+
+
+ACCELEROMETER_CYCLE, GYROSCOPE_CYCLE = twins(
+    "bias_cycle",
+    Law(
+        terms=tuple(f"{sine}(2 * pi * t_on / {PERIOD})" for sine in ("sin", "cos")),
+        suffixes=(".sin", ".cos"),
+        parameters={PERIOD: Parameter("s")},
+    ),
+    unit=("g", "deg/h"),
+    plausible=(1e-4, 0.5),
+    starts=_cycles,
+    meaning="Bias that cycles in time",
+    about="Air conditioning or a thermostat warm the unit and let it cool, and no thermometer was read that shows "
+    "it; where one was, the bias follows that. t_on is the time since the first sample. One period for the triad, "
+    "fitted. It is looked for in a soak of 32 blocks or more, from two blocks to 1 / 1.5 of what was recorded: "
+    "a slower one is a drift, a faster one a line of the samples. Plausible: 100 ug and 0.5 deg/h, as of a room "
+    "that cycles by a kelvin.",
+    source=("IEEE Std 1293, bias, environmental sensitivity", "IEEE Std 952, bias, environmental sensitivity"),
+    separate_by="the temperature recorded with the samples, or the same recording with the air conditioning off",
     driver="time",
     not_corrected=NOT_CORRECTED,
 )

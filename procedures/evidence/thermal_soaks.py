@@ -20,11 +20,13 @@ from procedures.campaign.dead_channels import dead_in_soak
 from procedures.campaign.observations import channel, rest_rates
 from procedures.counts.count_rate import MIN_DWELL_SAMPLES
 from procedures.counts.dwell_means import MIN_DWELL_BLOCKS
-from procedures.counts.sample_records import Series, series_rows
+from procedures.counts.sample_records import CountSeries, Series, series_rows
 from procedures.effects.excitation import ExcitationStep
+from procedures.effects.settling import most_cycles
 from procedures.evidence.excitation import NodeBuilder, StepNodes, attitude, on_face
 from procedures.frames import AXES, TRIADS
 from procedures.geodesy import EARTH_RATE
+from procedures.statistics.spectrum import has_line, lines_of, sine_at
 from procedures.twelve_positions.accelerometer_fit import TriadFit
 from procedures.units import S_PER_MIN
 
@@ -32,7 +34,7 @@ BLOCK_S = 100.0
 LEAST_BLOCKS = 10  # of a short soak, as long as each has `SHORT_BLOCK_S`; of one below 200 s `SAMPLES_PER_BLOCK`
 SHORT_BLOCK_S = 30.0
 SAMPLES_PER_BLOCK = MIN_DWELL_BLOCKS  # of which a mean's sigma is known to 6 %
-BLOCK_NODES = 4
+BLOCK_NODES = 8  # the mean of a cycle of two blocks is 0.6 % off by them
 MIN_BLOCKS = 3
 MAX_BLOCKS = 200  # of a soak: its effects are tried at each of them, and the time this takes goes with the square
 
@@ -106,7 +108,27 @@ def block_rates(soak: SoakRecord, triad: str) -> tuple[tuple[Series, ...], Float
     if channel(soak.series, triad) is None or len(series) < MIN_BLOCKS:
         return None
     found = rest_rates([(0, RestRecord(soak.name, None, each)) for each in series], triad)
-    return None if found is None else (series, found.rate, found.std)
+    return None if found is None else (series, found.rate - _of_lines(soak.series, triad, series), found.std)
+
+
+def _of_lines(whole: Series, triad: str, blocks: tuple[Series, ...]) -> FloatArray:
+    """Return what lines too fast for blocks to show add to their means (m, 3) [output/s, or output].
+
+    The means would show a slow cycle, which nothing makes. A line that the temperature has as well stays: the
+    means of both show the same.
+    """
+    added, samples = np.zeros((len(blocks), 3)), channel(whole, triad)
+    if samples is None or len(whole.starts) > 1:
+        return added
+    sizes = np.array([len(each) for each in blocks])
+    middles, fastest = np.cumsum(sizes) - (sizes + 1) / 2, most_cycles(len(blocks)) / (len(whole) * whole.period)
+    for axis, rate in enumerate(samples.T / (whole.period if isinstance(whole, CountSeries) else 1.0)):
+        for line in lines_of(rate, whole.period):
+            if line.hertz > fastest and not has_line(whole.temperature, whole.period, line.hertz):
+                turns = line.hertz * whole.period
+                mean = np.sinc(turns * sizes) / np.sinc(turns) * np.exp(2j * np.pi * turns * middles)
+                added[:, axis] += np.real(sine_at(rate, turns) * mean)
+    return added
 
 
 def _cut(series: Series) -> tuple[Series, ...]:

@@ -2,10 +2,12 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from procedures.effects.term.law import alike
 from procedures.evidence.candidates import Candidate
 from procedures.evidence.linear_model import Term
 from procedures.inference import priors
@@ -19,7 +21,8 @@ CUBIC = 4  # neighbours that a cubic goes through
 def between(candidates: Sequence[Candidate]) -> Iterator[Candidate]:
     """Yield more candidates between neighbours on a grid of a time constant.
 
-    A column is smooth in the constant's logarithm: it is interpolated by a cubic through four neighbours.
+    A column is smooth in the constant's logarithm: it is interpolated by a cubic through four neighbours, where
+    these are alike. Of periods they are not, and one that acts is resolved.
     """
     lines = dict[tuple[object, ...], list[Candidate]]()
     for each in candidates:
@@ -32,15 +35,22 @@ def between(candidates: Sequence[Candidate]) -> Iterator[Candidate]:
         line.sort(key=lambda each: next(iter(each.columns.nonlinear.values())))
         (name,) = line[0].columns.nonlinear
         x = np.log([each.columns.nonlinear[name] for each in line])
+        is_fine = [_alike(a.term, b.term) for a, b in pairwise(line)]
         for i in range(len(line) - 1):
             first = min(max(i - 1, 0), len(line) - CUBIC)
             near = range(first, first + CUBIC)
+            if not all(is_fine[first : first + CUBIC - 1]):
+                continue
             for part in range(1, priors.FINER):
                 at = x[i] + (x[i + 1] - x[i]) * part / priors.FINER
                 weights = [np.prod([(at - x[k]) / (x[j] - x[k]) for k in near if k != j]) for j in near]
                 H = np.tensordot(weights, np.stack([line[j].term.H for j in near]), 1)
                 columns = replace(line[i].columns, nonlinear={name: float(np.exp(at))})
                 yield replace(line[i], columns=columns, term=Term(H, line[i].term.plausible))
+
+
+def _alike(one: Term, other: Term) -> bool:
+    return all(alike(a, b) for a, b in zip(one.H.T, other.H.T, strict=True))
 
 
 def resolved(board: Board) -> Iterator[Candidate]:

@@ -64,7 +64,8 @@ SAME_ATTITUDE = 0.1  # of the elements of two rotation matrices, six degrees: pl
 Options = list[tuple[float, FloatArray, str]]  # share of the prior, whitened columns (n, k), what it is
 # What drives a function, by its coordinate: what an effect of the catalogue names as its ``driver``.
 DRIVERS = {
-    "time": "time", "time times the output": "time", "temperature": "temperature",
+    "time": "time", "time times the output": "time", "a temperature that was not recorded": "time",
+    "temperature": "temperature",
     "temperature times the output": "temperature", "specific force": "input", "the input at rest": "input",
     "the rate": "input", "the time at rest and before": "time at rest",
 }  # fmt: skip

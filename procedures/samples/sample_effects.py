@@ -13,8 +13,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
-from procedures.effects.effect import INSTRUMENT, Kind
-from procedures.frames import AXES, TRIADS
+from procedures.frames import AXES
 from procedures.inference import odds
 from procedures.inference.result import (
     Because,
@@ -26,15 +25,17 @@ from procedures.inference.result import (
     verdict_of,
 )
 from procedures.samples.held_samples import Scales, records_at_rest
-from procedures.samples.sample_blocks import (
-    Columns,
-    Fitted,
-    SampleBlocks,
-    detrended,
-    fit_scores,
-    sample_blocks,
-    scores_of,
+from procedures.samples.sample_blocks import Columns, SampleBlocks, detrended, fit_scores, sample_blocks, scores_of
+from procedures.samples.sample_candidates import (
+    MIN_LINE_SHARE,
+    Candidate,
+    SampleFinding,
+    harmonics,
+    line_in_time,
+    periodic,
+    without_finding,
 )
+from procedures.samples.sample_findings import findings_of_samples, folded_by_phase, recordings, sample_errors
 from procedures.samples.sample_lines import coherent_line, repeated_lines
 from procedures.samples.sample_phases import (
     Phase,
@@ -45,64 +46,14 @@ from procedures.samples.sample_phases import (
     with_linear,
     with_order,
 )
-from procedures.samples.sample_rectification import by_variance, rectified, steady_channels
+from procedures.samples.sample_rectification import by_variance, rectified
 from procedures.samples.sample_turns import periodic_in_turns
+from procedures.samples.slow_lines import without_slow_lines
 from procedures.statistics.spectrum import lines_of
-from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
 
 BESIDE_A_LINE = 0.005  # of its frequency
-TIME = "time"  # in the place of a channel: the phase of a line
-MIN_LINE_SHARE = 0.02  # of a line in time, below which it is only reported with the noise
 ROUNDS = 5
-HARMONICS = 8  # by which a phase is found; how many it has, `with_order` finds
 MAX_LAG = 64  # samples, either way
-MAX_NAMED = 3  # recordings
-FOLDS = 32  # parts of a turn, in which samples are shown
-SEPARATE = "the channel changed on purpose, at another speed, while the unit rests"
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Candidate:
-    """Something that may act: name of the effect, columns (m, k) in groups of ``group``, what it is about.
-
-    ``tried`` is how many that are as likely were looked at.
-    """
-
-    effect: str
-    about: str
-    columns: Columns
-    group: int
-    tried: int
-    sensor: int = -1
-    phase: Phase | None = None
-    lag: int = 0
-    is_linear: bool = False
-
-    @property
-    def is_line(self) -> bool:
-        """Say whether it is a line in time, not in the phase of a channel."""
-        return self.phase is not None and self.phase.channel == TIME
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class SampleFinding:
-    """A candidate with what it does to each sensor that it acts on, by the sensor's number."""
-
-    candidate: Candidate
-    fitted: dict[int, Fitted]
-
-    @property
-    def share(self) -> float:
-        """What it explains of the sensor that it explains most of."""
-        return max(fit.share for fit in self.fitted.values())
-
-    def predicts(self, samples: int) -> float:
-        """Return ln of how much likelier it makes ``samples`` of held-out blocks, its share of the prior counted.
-
-        Of several that act, this says which: blocks are too few for their scatter to tell large gains apart.
-        """
-        left = [np.log1p(-min(fit.share, 1 - np.finfo(float).eps)) for fit in self.fitted.values()]
-        return float(-0.5 * samples * np.sum(left) - np.log(self.candidate.tried))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -117,7 +68,7 @@ class SampleEffects:
 
 def with_sample_effects(found: Diagnosis, campaigns: Sequence[Campaign], scales: Scales) -> Diagnosis:
     """Return a diagnosis with what acts sample by sample among its findings."""
-    seen = sample_effects(campaigns, scales)
+    seen = sample_effects(campaigns, scales, found.findings)
     turning, errors = periodic_in_turns(campaigns, scales)
     seen = replace(seen, findings=seen.findings + turning, errors=seen.errors + errors)
     new = tuple(each for each in seen.findings if not any(_is_same(each, one) for one in found.findings))
@@ -138,13 +89,14 @@ def _is_same(one: Finding, other: Finding) -> bool:
     return one.effect == other.effect and one.where.get("channel") == other.where.get("channel")
 
 
-def sample_effects(campaigns: Sequence[Campaign], scales: Scales) -> SampleEffects:
-    """Return what acts sample by sample in recordings at rest."""
+def sample_effects(campaigns: Sequence[Campaign], scales: Scales, named: Sequence[Finding] = ()) -> SampleEffects:
+    """Return what acts sample by sample in recordings at rest; slow lines may be ``named`` already."""
     blocks = sample_blocks(records_at_rest(campaigns), scales)
     if blocks is None:
         return SampleEffects((), ())
-    whole, found, before = blocks, list[SampleFinding](), list[SampleBlocks]()
     is_usable = [not is_rounded(blocks, sensor) for sensor in range(len(blocks.sensors))]
+    blocks, slow, of_slow = without_slow_lines(blocks, is_usable, named)
+    whole, found, before = blocks, list[SampleFinding](), list[SampleBlocks]()
     for _ in range(ROUNDS):
         best = _best(blocks, is_usable, [one.candidate for one in found])
         if best is None:
@@ -152,23 +104,26 @@ def sample_effects(campaigns: Sequence[Campaign], scales: Scales) -> SampleEffec
         best = _with_order(blocks, best)
         found.append(best)
         before.append(blocks)
-        blocks = _without(blocks, best)
+        blocks = without_finding(blocks, best)
     has_phase = any(one.candidate.phase is not None for one in found)
     if not has_phase and (line := coherent_line(blocks, is_usable)) is not None:
         about, has_phase = f"{line.hertz:.6g} Hz", True
-        candidate = replace(_periodic("disturbance.line", line.phase), about=about, tried=line.tried)
+        candidate = replace(periodic("disturbance.line", line.phase), about=about, tried=line.tried)
         found.append(SampleFinding(candidate, line.fitted))
         before.append(blocks)
-        blocks = _without(blocks, found[-1])
-    findings = [each for one in found for each in _findings(whole, one)]
+        blocks = without_finding(blocks, found[-1])
+    findings = [each for one in (*slow, *found) for each in findings_of_samples(whole, one)]
     of_vibration = list(rectified(whole, is_usable, recordings(whole)))
     findings += of_vibration
     if not has_phase:  # else it may be the same, by its power
         findings += repeated_lines(whole, is_usable, recordings(whole))
-    folded = [each for one, old in zip(found, before, strict=True) for each in _folded(one, old, blocks)]
+    folded = [
+        *of_slow,
+        *(each for one, old in zip(found, before, strict=True) for each in folded_by_phase(one, old, blocks)),
+    ]
     folded += [each for one in of_vibration for each in by_variance(whole, is_usable, one)]
     left = tuple(_left(blocks, is_usable, [one.candidate.phase for one in found]))
-    return SampleEffects(tuple(findings), tuple(_errors(whole, blocks, found)), tuple(folded), left)
+    return SampleEffects(tuple(findings), tuple(sample_errors(whole, blocks, found, slow)), tuple(folded), left)
 
 
 def _with_order(blocks: SampleBlocks, found: SampleFinding) -> SampleFinding:
@@ -181,7 +136,7 @@ def _with_order(blocks: SampleBlocks, found: SampleFinding) -> SampleFinding:
     if len(better) < len(found.fitted):
         return found
     order = max(fit.order for fit in better.values())
-    columns = with_linear(phase, order) if is_linear else _harmonics(phase, order)
+    columns = with_linear(phase, order) if is_linear else harmonics(phase, order)
     return SampleFinding(replace(candidate, columns=columns, is_linear=is_linear), better)
 
 
@@ -193,27 +148,6 @@ def _left(blocks: SampleBlocks, is_usable: Sequence[bool], known: Sequence[Phase
     for phase, sensor, share in left_by_phase(blocks, list(by_phase.values()), is_usable):
         channel = blocks.sensors[sensor]
         yield Reason(Because.STRUCTURE, f"{phase.channel}, {channel.triad} {AXES[channel.axis]}", share)
-
-
-def _folded(found: SampleFinding, before: SampleBlocks, after: SampleBlocks) -> Iterator[FoldedResidual]:
-    """Yield the samples of every sensor that a periodic finding is of, by its phase."""
-    phase = found.candidate.phase
-    if phase is None:
-        return
-    parts = [phase.turns[number][part] for number, part in before.blocks]
-    at = (np.concatenate(parts) % 1.0 * FOLDS).astype(np.int64) % FOLDS
-    count = np.maximum(np.bincount(at, minlength=FOLDS), 1)
-    for sensor in found.fitted:
-        channel = before.sensors[sensor]
-        factor, unit = (DEG_H_PER_DEG_S, "deg/h") if channel.triad == "gyroscope" else (UG_PER_G, "ug")
-        means = [
-            factor * np.bincount(at, one.rates[:, :, sensor].ravel(), FOLDS) / count for one in (before, after)
-        ]
-        sigma: FloatArray = factor * np.std(after.rates[:, :, sensor]) / np.sqrt(count)
-        yield FoldedResidual(
-            found.candidate.effect, found.candidate.about, channel.triad, channel.axis, unit,
-            (np.arange(FOLDS) + 0.5) / FOLDS, means[0], means[1], sigma,
-        )  # fmt: skip
 
 
 def _best(blocks: SampleBlocks, is_usable: Sequence[bool], known: Sequence[Candidate]) -> SampleFinding | None:
@@ -248,23 +182,14 @@ def _is_stated(one: Candidate, known: Candidate) -> bool:
 
 def _candidates(blocks: SampleBlocks) -> Iterator[Candidate]:
     for phase in channel_phases(blocks):
-        yield _periodic("auxiliary.periodic", phase)
+        yield periodic("auxiliary.periodic", phase)
     for phase in count_phases(blocks):
         triad = blocks.sensors[phase.sensor].triad
-        yield _periodic(f"{triad}.count_periodic", phase)
+        yield periodic(f"{triad}.count_periodic", phase)
     for name, values in blocks.auxiliary.items():
         lag = _lag(blocks, values)
         yield Candidate("auxiliary.channel", f"{name} itself", _lagged(values, lag), 1, 2 * MAX_LAG + 1, lag=lag)
     yield from _lines(blocks)
-
-
-def _periodic(effect: str, phase: Phase) -> Candidate:
-    about = f"{phase.channel} mod {phase.period:.6g}"
-    return Candidate(effect, about, _harmonics(phase, HARMONICS), 2, phase.tried, phase.sensor, phase)
-
-
-def _harmonics(phase: Phase, order: int) -> Columns:
-    return lambda number, part: phase.columns(number, part, order)
 
 
 def _lines(blocks: SampleBlocks) -> Iterator[Candidate]:
@@ -274,10 +199,7 @@ def _lines(blocks: SampleBlocks) -> Iterator[Candidate]:
     for sensor in range(len(blocks.sensors)):
         lines = lines_of(blocks.rates[:, :, sensor].ravel(), blocks.period)
         if lines and lines[0].share > MIN_LINE_SHARE:
-            samples = len(blocks.sensors[0].rate)
-            turns: FloatArray = lines[0].hertz * blocks.period * np.arange(samples).astype(np.float64)
-            phase = Phase(TIME, 1 / lines[0].hertz, (turns,), samples // 2)
-            yield replace(_periodic("disturbance.line", phase), about=f"{lines[0].hertz:.5g} Hz")
+            yield line_in_time(lines[0], blocks.period, len(blocks.sensors[0].rate))
 
 
 def _lag(blocks: SampleBlocks, values: tuple[FloatArray, ...]) -> int:
@@ -301,97 +223,3 @@ def _lagged(values: tuple[FloatArray, ...], lag: int) -> Columns:
         return found
 
     return columns
-
-
-def _without(blocks: SampleBlocks, found: SampleFinding) -> SampleBlocks:
-    """Return the samples less what a finding does."""
-    rates = blocks.rates.copy()
-    for i, (number, part) in enumerate(blocks.blocks):
-        H = detrended(found.candidate.columns(number, part))
-        for sensor, fit in found.fitted.items():
-            rates[i, :, sensor] -= H[:, : len(fit.value)] @ fit.value
-    return replace(blocks, rates=rates)
-
-
-def _findings(blocks: SampleBlocks, found: SampleFinding) -> Iterator[Finding]:
-    """Yield a finding of what acts, of each triad by itself where units differ."""
-    candidate = found.candidate
-    for triad in TRIADS:
-        fits = {s: fit for s, fit in found.fitted.items() if blocks.sensors[s].triad == triad}
-        if fits:
-            yield _finding(blocks, candidate, triad, fits)
-
-
-def _finding(blocks: SampleBlocks, candidate: Candidate, triad: str, fits: dict[int, Fitted]) -> Finding:
-    factor, unit = (DEG_H_PER_DEG_S, "deg/h") if triad == "gyroscope" else (1.0, "g")
-    names, value, std = list[str](), list[FloatArray](), list[FloatArray]()
-    for sensor, fit in fits.items():
-        axis = AXES[blocks.sensors[sensor].axis]
-        prefix = ("g" if triad == "gyroscope" else "a") + axis
-        if candidate.phase is None:
-            names.append(prefix)
-        else:
-            names += [f"{prefix}.linear"] if candidate.is_linear else []
-            names += [f"{prefix}.{part}{1 + i // 2}" for i, part in enumerate(("cos", "sin") * fit.order)]
-        value.append(fit.value * factor)
-        std.append(np.sqrt(np.diag(fit.covariance)) * factor)
-    probability = odds.probability(odds.log_odds(max(fit.gain for fit in fits.values()), candidate.tried))
-    effect = candidate.effect
-    owner = effect.split(".")[0]
-    kind: Kind = "instrument" if owner in INSTRUMENT else "procedure"
-    where: dict[str, object] = {"file": recordings(blocks)}
-    if candidate.phase is None:
-        unit, where["channel"] = f"{unit}/unit", candidate.about.removesuffix(" itself")
-    elif not candidate.is_line:
-        where["channel"] = candidate.phase.channel
-    aliases: tuple[str, ...] = ()
-    separate = SEPARATE
-    if candidate.is_line and candidate.phase is not None:
-        hertz = candidate.phase.step / blocks.period
-        if turning := steady_channels(blocks, hertz):
-            aliases = ("auxiliary.periodic",)
-            separate = f"{', '.join(turning)} at another speed"
-    one = Finding(
-        effect, kind, tuple(names), np.concatenate(value), np.concatenate(std), unit, where, probability,
-        separate, _shape(blocks, candidate, fits), max(f.share for f in fits.values()),
-    )  # fmt: skip
-    return one.or_else(*aliases) if aliases else one
-
-
-def recordings(blocks: SampleBlocks) -> list[str]:
-    """Return the recordings' names, of many the first and how many more."""
-    names = sorted({found[0].recording for found in blocks.channels})
-    return names if len(names) <= MAX_NAMED else [names[0], f"{len(names) - 1} more"]
-
-
-def _shape(blocks: SampleBlocks, candidate: Candidate, fits: dict[int, Fitted]) -> str:
-    """Return period, harmonics or lag in words, and what the sample rate may have folded."""
-    if candidate.phase is None:
-        return f"{candidate.lag * blocks.period:.4g} s after the channel"
-    order = max(fit.order for fit in fits.values())
-    harmonics = "1 harmonic" if order == 1 else f"{order} harmonics"
-    if candidate.is_line:
-        folded = f"it may be any multiple of {1 / blocks.period:.5g} Hz away"
-        return f"{1 / candidate.phase.period:.6g} Hz, {harmonics}; {folded}"
-    folded = ", folded by the sample rate" if order * candidate.phase.step > 0.5 else ""
-    harmonics += " and a linear term by the turn" if candidate.is_linear else ""
-    return f"period {candidate.phase.period:.6g} of {candidate.phase.channel}, {harmonics}{folded}"
-
-
-def _errors(whole: SampleBlocks, left: SampleBlocks, found: Sequence[SampleFinding]) -> Iterator[ResidualRms]:
-    """Yield the samples' rms of each triad whose sensors something acts on, less each block's own line."""
-    for triad in TRIADS:
-        touched = sorted({s for one in found for s in one.fitted if whole.sensors[s].triad == triad})
-        if not touched:
-            continue
-        factor, unit = (DEG_H_PER_DEG_S, "deg/h") if triad == "gyroscope" else (UG_PER_G, "ug")
-        before, after = (_mean_squares(blocks)[touched] for blocks in (whole, left))
-        kept = [np.prod([1 - one.fitted[s].share for one in found if s in one.fitted]) for s in touched]
-        rms = [factor * float(np.sqrt(np.mean(each))) for each in (before, after, before * np.array(kept))]
-        yield ResidualRms(f"{triad} samples", unit, rms[0], rms[1], rms[0], rms[2])
-
-
-def _mean_squares(blocks: SampleBlocks) -> FloatArray:
-    """Return the variance (s,) of every sensor within blocks."""
-    found: FloatArray = np.mean(blocks.rates**2, axis=(0, 1))
-    return found

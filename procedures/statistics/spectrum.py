@@ -113,6 +113,24 @@ def without_lines(rate: FloatArray, period: float, lines: Sequence[Line]) -> Flo
     return left
 
 
+def sine_at(rate: FloatArray, turns: float) -> complex:
+    """Return a of the sine real(a exp(2 pi i turns k)) in ``rate`` (n,), its unit, ``turns`` [turns per sample].
+
+    Under Hann's window, so that a drift is not taken for it.
+    """
+    window = 0.5 - 0.5 * np.cos(2 * np.pi * (np.arange(len(rate)) + 0.5) / len(rate))
+    return 2 * sine_sum(without_straight_line(rate) * window / window.sum(), turns)
+
+
+def has_line(values: FloatArray, period: float, hertz: float) -> bool:
+    """Say whether ``values`` (n,) in any unit, read now and then and nan between, have a line at a frequency."""
+    known = np.flatnonzero(np.isfinite(values))
+    if len(known) < MIN_SAMPLES:
+        return False
+    filled = np.interp(np.arange(len(values)), known, values[known])
+    return any(abs(line.hertz - hertz) * len(values) * period < 1 for line in lines_of(filled, period))
+
+
 def without_straight_line(rate: FloatArray) -> FloatArray:
     """Return records ``rate`` (..., n), in their unit, less their mean and slope."""
     t = (np.arange(rate.shape[-1]) + 0.5) / rate.shape[-1] - 0.5

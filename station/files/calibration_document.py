@@ -61,7 +61,7 @@ def _check_of_catalogue(entry: Mapping[str, Any], name: str, where: str) -> None
         raise DataRefused(where, None, f"{name} in {shown(entry['unit'])}", repr(expected), "convert it")
     keys = _KEYS.get(name)
     for key in entry["coefficients"]:
-        is_one = key in keys if keys else _OF_SENSOR.fullmatch(key) or key in UNITS_OF_NONLINEAR
+        is_one = key in UNITS_OF_NONLINEAR or (key in keys if keys else _OF_SENSOR.fullmatch(key))
         if not is_one:
             named = ", ".join(keys) if keys else f"x, y, z, or x.1 to z.{MAX_ORDER}"
             raise DataRefused(where, None, f"coefficient {shown(key)} of {name}", named)

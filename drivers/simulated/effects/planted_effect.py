@@ -106,6 +106,18 @@ def bias_settling(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatA
     return added
 
 
+CYCLE_KEYS = tuple(f"{axis}.{part}" for axis in AXES for part in ("sin", "cos"))
+CYCLE_OPTIONS = {"period_s": 600.0}
+
+
+def bias_cycle(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
+    """Return what is added (n, 3) [unit of the sizes]: c sin(2 pi t / period) + d cos(same), t since power-on."""
+    phase = 2 * np.pi * stimulus.t / sizes["period_s"]
+    sine, cosine = (np.array([sizes.get(f"{axis}.{part}", 0.0) for axis in AXES]) for part in ("sin", "cos"))
+    added: FloatArray = sine * np.sin(phase) + cosine * np.cos(phase)
+    return added
+
+
 def scale_settling(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
     """Return what is added (n, 3) [g, deg/s]: 1e-6 c exp(-t / tau) (u + D), c in ppm, t since power-on."""
     added: FloatArray = 1e-6 * vector(sizes) * np.exp(-stimulus.t / sizes["tau_s"]) * (triad.raw + triad.bias)

@@ -16,6 +16,8 @@ import numpy as np
 
 from drivers.simulated.effects.planted_effect import (
     AXES,
+    CYCLE_KEYS,
+    CYCLE_OPTIONS,
     JUMP_OPTIONS,
     MATRIX_KEYS,
     REFERENCE_C,
@@ -24,6 +26,7 @@ from drivers.simulated.effects.planted_effect import (
     PlantedEffect,
     Stimulus,
     TriadInput,
+    bias_cycle,
     bias_settling,
     jump,
     matrix,
@@ -136,6 +139,8 @@ GYROSCOPE = (
                   gyro=scale_temperature_lag),
     PlantedEffect("gyroscope.bias_settling", "deg/h", VECTOR_KEYS, SETTLING_OPTIONS,
                   gyro=lambda seen, triad, sizes: bias_settling(seen, triad, sizes) / DEG_H_PER_DEG_S),
+    PlantedEffect("gyroscope.bias_cycle", "deg/h", CYCLE_KEYS, CYCLE_OPTIONS,
+                  gyro=lambda seen, triad, sizes: bias_cycle(seen, triad, sizes) / DEG_H_PER_DEG_S),
     PlantedEffect("gyroscope.scale_settling", "ppm", VECTOR_KEYS, SETTLING_OPTIONS, gyro=scale_settling),
     PlantedEffect("gyroscope.temperature_hysteresis", "deg/h", VECTOR_KEYS, PLAY_OPTIONS,
                   gyro=lambda seen, triad, sizes: _deg_s(sizes) * direction(seen, sizes)),
@@ -192,6 +197,7 @@ ACCELEROMETER = (
     PlantedEffect("accelerometer.scale_temperature_lag", "ppm/K", POLYNOMIAL_KEYS, LAG_OPTIONS,
                   accel=scale_temperature_lag),
     PlantedEffect("accelerometer.bias_settling", "g", VECTOR_KEYS, SETTLING_OPTIONS, accel=bias_settling),
+    PlantedEffect("accelerometer.bias_cycle", "g", CYCLE_KEYS, CYCLE_OPTIONS, accel=bias_cycle),
     PlantedEffect("accelerometer.scale_settling", "ppm", VECTOR_KEYS, SETTLING_OPTIONS, accel=scale_settling),
     PlantedEffect("accelerometer.temperature_hysteresis", "g", VECTOR_KEYS, PLAY_OPTIONS,
                   accel=lambda seen, triad, sizes: vector(sizes) * direction(seen, sizes)),

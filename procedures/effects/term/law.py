@@ -199,7 +199,7 @@ class Law:
         for count in (n for n in STARTS if n <= most and one.high > one.low):
             grid = np.geomspace(one.low, one.high, count).tolist()
             shapes = [self.values(seen, {**middle, name: value}).ravel() for value in grid]
-            if all(_alike(a, b) for a, b in itertools.pairwise(shapes)):
+            if all(alike(a, b) for a, b in itertools.pairwise(shapes)):
                 break
         return grid
 
@@ -215,7 +215,8 @@ def orders_of(keys: Sequence[str]) -> tuple[int, ...]:
     return tuple(max([int(n or 1) for name, _, n in parts if name == axis], default=1) for axis in AXES)
 
 
-def _alike(a: FloatArray, b: FloatArray) -> bool:
+def alike(a: FloatArray, b: FloatArray) -> bool:
+    """Say whether columns ``a`` and ``b`` (n,), in one unit, are so alike that no minimum hides between them."""
     size = float(np.linalg.norm(a) * np.linalg.norm(b))
     if not size:  # zero is like zero alone: next to it there may be a cliff
         return not (a.any() or b.any())

@@ -126,6 +126,12 @@ OTHER_ORDER = always(
     "time, of temperature and of the position before can then be separated.",
     **positions(MIXED),
 )
+STEADY_ROOM = always(
+    "steady_room",
+    "Record the same rest again with the air conditioning off, and with the temperature recorded beside the unit: "
+    "a cycle of the bias then goes, or follows that temperature.",
+    soak=[{"position": 9, "seconds": SOAK_S}],
+)
 OTHER_FIELD = always(
     "other_field",
     "Do the twelve positions again with the IMU shielded from the Earth's magnetic field, or elsewhere, and enter "
@@ -196,6 +202,7 @@ MEASUREMENTS: Mapping[str, tuple[Make, ...]] = {
     "accelerometer.temperature_rate": (HEATING,),
     "accelerometer.bias_drift": (OTHER_ORDER,),
     "accelerometer.bias_settling": (OTHER_ORDER,),
+    "accelerometer.bias_cycle": (STEADY_ROOM,),
     "accelerometer.scale_settling": (OTHER_ORDER,),
     "accelerometer.temperature_lag": (HEATING,),
     "accelerometer.scale_temperature_lag": (OTHER_ORDER,),
@@ -210,6 +217,7 @@ MEASUREMENTS: Mapping[str, tuple[Make, ...]] = {
     "gyroscope.temperature_hysteresis": (HEATING,),
     "gyroscope.bias_drift": (OTHER_ORDER,),
     "gyroscope.bias_settling": (OTHER_ORDER,),
+    "gyroscope.bias_cycle": (STEADY_ROOM,),
     "gyroscope.scale_settling": (OTHER_ORDER,),
     "gyroscope.magnetic": (OTHER_FIELD,),
     "gyroscope.scale_asymmetry": (TWO_SPEEDS,),

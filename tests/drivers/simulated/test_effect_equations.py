@@ -52,6 +52,13 @@ def test_an_effect_adds_what_its_equation_says(name: str) -> None:
     assert EFFECTS[name].keys[:3] == ("x", "y", "z")
 
 
+@pytest.mark.parametrize(("name", "per"), [("accelerometer.bias_cycle", 1.0), ("gyroscope.bias_cycle", DPH)])
+def test_a_cycle_is_a_sine_and_a_cosine_of_one_period(name: str, per: float) -> None:
+    found = added(name, {"x.sin": 2.0, "x.cos": 1.0, "z.cos": 5.0, "period_s": 2400.0})  # t: 75 and 105 deg
+    np.testing.assert_allclose(found[0] / per, [2 * 0.9659258 + 0.2588190, 0.0, 5 * 0.2588190], atol=1e-6)
+    np.testing.assert_allclose(found[1] / per, [2 * 0.9659258 - 0.2588190, 0.0, -5 * 0.2588190], atol=1e-6)
+
+
 @pytest.mark.parametrize(
     ("name", "acts"), [("gyroscope.g_sensitivity", SEEN.f), ("gyroscope.magnetic", SEEN.magnetic)]
 )

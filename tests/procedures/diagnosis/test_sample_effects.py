@@ -87,8 +87,9 @@ def test_a_channel_that_acts_later_is_found_with_its_lag() -> None:
 def test_a_line_is_found_and_what_the_sample_rate_may_have_folded_is_said() -> None:
     (finding,) = found(soak(white(8) + 0.5 * np.sin(2 * np.pi * 17.77 * T)[:, None]))
     assert finding.effect == "disturbance.line"
-    hertz, _, rest = finding.shape.partition(" ")
-    assert float(hertz) == pytest.approx(17.77, abs=2e-4)  # four of its own sigmas
+    hertz, _, std, rest = finding.shape.split(" ", 3)
+    assert float(hertz) == pytest.approx(17.77, abs=4 * float(std))
+    assert float(std) < 1e-4
     assert rest == "Hz, 1 harmonic; it may be any multiple of 100 Hz away"
     assert finding.share == pytest.approx(0.125 / 1.125, rel=0.05)
 

@@ -204,3 +204,63 @@ def test_rests_that_differ_by_their_attitude_alone_are_consistent(tmp_path: Path
     found = diagnosed_levels(tmp_path, np.zeros((5, 3)), moved=moved)
     assert not found.findings
     assert found.verdict == "consistent"
+
+
+# A bias that cycles
+
+
+CYCLE_SECONDS, CYCLE, CYCLE_NOISE = 3600, 50e-6, 40e-6  # s, g, g of a sample
+CYCLE_TIME = np.arange(CYCLE_SECONDS * WALK_RATE) / WALK_RATE
+
+
+def cycling(folder: Path, period_s: float, temperature: FloatArray | None = None) -> Diagnosis:
+    """Diagnose an hour whose accelerometer x follows a sine that begins with 0.7 rad."""
+    accel = CYCLE_NOISE * np.random.default_rng(int(period_s)).standard_normal((len(CYCLE_TIME), 3)) + [0, 0, 1.0]
+    accel[:, 0] += CYCLE * np.sin(2 * np.pi * CYCLE_TIME / period_s + 0.7)
+    return diagnose([soak(folder, accel, temperature=temperature)])
+
+
+@pytest.mark.parametrize(("period_s", "is_warming"), [(250.0, True), (1500.0, False)])
+def test_a_bias_that_cycles_is_named_with_its_period(tmp_path: Path, period_s: float, is_warming: bool) -> None:
+    warming = 25 + 3 * (1 - np.exp(-CYCLE_TIME / 1500)) if is_warming else None
+    (finding,) = cycling(tmp_path, period_s, warming).findings
+    assert finding.effect == "accelerometer.bias_cycle"
+    assert finding.probability > 0.99
+    at = dict(zip(finding.coefficients, zip(finding.value, finding.std, strict=True), strict=True))
+    truth = {"x.sin": CYCLE * np.cos(0.7), "x.cos": CYCLE * np.sin(0.7), "period_s": period_s}
+    assert at.keys() == truth.keys()
+    for name, (value, std) in at.items():
+        assert value == pytest.approx(truth[name], abs=4 * std)
+        assert std < 0.03 * truth[name]
+
+
+@pytest.mark.parametrize("period_s", [60.0, 100.0])
+def test_a_line_slower_than_a_block_is_named_with_its_frequency(tmp_path: Path, period_s: float) -> None:
+    """One cycle in each block of the soak, or in one and a half of them, is no other cycle and no walk."""
+    found = cycling(tmp_path, period_s)
+    (finding,) = found.findings
+    assert (finding.effect, finding.coefficients) == ("disturbance.line", ("ax.cos1", "ax.sin1"))
+    assert not found.unnamed
+    hertz, _, std, _ = finding.shape.split(" ", 3)
+    assert float(hertz) == pytest.approx(1 / period_s, abs=4 * float(std))
+    assert np.hypot(*finding.value) == pytest.approx(
+        CYCLE, abs=4 * np.sqrt(2 / len(CYCLE_TIME)) * CYCLE_NOISE * 1.3
+    )
+    for value, std_of, true in zip(finding.value, finding.std, (np.sin(0.7), np.cos(0.7)), strict=True):
+        assert value == pytest.approx(CYCLE * true, abs=4 * std_of)
+    (error,) = (each for each in found.errors if each.quantity == "accelerometer samples")
+    assert error.before == pytest.approx(1e6 * np.hypot(CYCLE_NOISE, CYCLE / np.sqrt(2)), rel=0.02)
+    assert error.after == pytest.approx(1e6 * CYCLE_NOISE, rel=0.02)
+
+
+def test_a_bias_that_follows_a_recorded_temperature_is_no_cycle(tmp_path: Path) -> None:
+    temperature = 25 + np.sin(2 * np.pi * CYCLE_TIME / 500 + 0.7)
+    (finding,) = cycling(tmp_path, 500.0, temperature).findings
+    assert finding.effect == "accelerometer.bias_temperature"
+
+
+def test_a_smooth_drift_is_no_cycle(tmp_path: Path) -> None:
+    accel = CYCLE_NOISE * np.random.default_rng(3).standard_normal((len(CYCLE_TIME), 3)) + [0, 0, 1.0]
+    accel[:, 0] += CYCLE * np.tanh((CYCLE_TIME - 1500) / 600)
+    found = diagnose([soak(tmp_path, accel)])
+    assert not [each for each in found.findings if each.effect == "accelerometer.bias_cycle"]

@@ -14,7 +14,7 @@ class Felt:
     """What a triad felt at n moments: vectors (n, 3) in g, deg/s, uT, g^2; all else (n,), K above 25 degC, s.
 
     ``behind`` is a temperature that follows with a lag, ``branch`` where a hysteresis with a play is, ``tau``,
-    ``knee`` [deg/s] what an effect has beside its coefficients.
+    ``period`` [s], ``knee`` [deg/s] what an effect has beside its coefficients.
     """
 
     u: FloatArray
@@ -33,6 +33,7 @@ class Felt:
     vibration: FloatArray | None = None
     tau: float = 1.0
     knee: float = 0.0
+    period: float = 1.0
 
 
 Value = Callable[[Felt], FloatArray]  # (n, 3, terms)
@@ -73,6 +74,17 @@ def fading(felt: Felt) -> FloatArray:
 def settling(felt: Felt) -> FloatArray:
     assert felt.since_power_on is not None
     return np.exp(-felt.since_power_on / felt.tau)
+
+
+def cycle(per: float) -> Value:
+    """Sine and cosine of one period for all sensors."""
+
+    def whole(felt: Felt) -> FloatArray:
+        assert felt.since_power_on is not None
+        turning = np.exp(2j * np.pi * felt.since_power_on / felt.period)
+        return per * np.repeat(np.stack((turning.imag, turning.real), axis=1)[:, None, :], 3, axis=1)
+
+    return whole
 
 
 def settling_output(felt: Felt) -> FloatArray:
@@ -122,6 +134,7 @@ BY_HAND: Mapping[tuple[str, str], Value] = {
             ("temperature_hysteresis", "with a play", of(lambda felt: felt.branch, per)),
             ("bias_drift", "", of(lambda felt: np.asarray(felt.t) / 3600, per)),
             ("bias_settling", "", of(settling, per)),
+            ("bias_cycle", "", cycle(per)),
             ("scale_settling", "", of(settling_output, PPM)),
         )
     },

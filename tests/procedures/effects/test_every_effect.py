@@ -24,7 +24,7 @@ from procedures.campaign.plan_steps import Turn
 from procedures.counts.sample_records import CountSeries, RateSeries
 from procedures.effects import EFFECTS
 from procedures.effects.effect import BENCH, INSTRUMENT, Effect, no_columns
-from procedures.effects.excitation import TAU
+from procedures.effects.excitation import TAU, Columns
 from procedures.effects.term.law import orders_of
 from procedures.evidence.residual_rows import KINDS, Evidence, evidence_of
 from procedures.frames import rotation
@@ -128,8 +128,9 @@ def predicted(
         assert len(ways) == 1
         way = ways[0]
     else:  # one of many with which a search begins
-        found = {key: sizes.get(key, value) for key, value in ways[0].nonlinear.items()}
-        way = replace(ways[0], nonlinear=found)
+        begin = ways[0] if ways else Columns((), nonlinear=dict.fromkeys(effect.laws[0].parameters, 0.0))
+        found = {key: sizes.get(key, value) for key, value in begin.nonlinear.items()}
+        way = replace(begin, nonlinear=found)
         way = effect.at(seen, replace(way, orders=orders_of(list(sizes)) if way.orders else ()))
     c = [0.0 if key in way.nonlinear else sizes.get(key, 0.0) for key in way.coefficients]
     return evidence.column(way) @ np.array(c)
@@ -152,6 +153,7 @@ FLOOR = (1e-8, 1e-9)  # g, deg/s: rounding to whole counts, and products of effe
 TURN_FLOOR = 1e-5  # deg: a third of a real count
 JUMP_S = 200.0  # of device time, while the cube is moved from the sixth to the seventh position
 BEGUN_S = 20.0  # of device time, when the first dwell begins
+PHASE = 2 * np.pi * BEGUN_S / 400  # rad, of a cycle of 400 s by then
 # effect, what is planted, the coefficients that must come to it, where, shape; all others: `plausible_case`
 CASES = [
     ("accelerometer.quadratic", {"x": 4e-4, "y": -2e-4}, None, {}, ""),
@@ -184,6 +186,11 @@ CASES = [
      {"x": 100.0 * np.exp(-BEGUN_S / 300), "z": -200.0 * np.exp(-BEGUN_S / 300), "tau_s": 300.0}, {}, ""),
     ("gyroscope.scale_settling", {"y": 150.0, "tau_s": 500.0},
      {"y": 150.0 * np.exp(-BEGUN_S / 500), "tau_s": 500.0}, {}, ""),
+    ("accelerometer.bias_cycle", {"x.sin": 1e-4, "z.cos": -2e-4, "period_s": 400.0},
+     {"x.sin": 1e-4 * np.cos(PHASE), "x.cos": 1e-4 * np.sin(PHASE),
+      "z.sin": 2e-4 * np.sin(PHASE), "z.cos": -2e-4 * np.cos(PHASE), "period_s": 400.0}, {}, ""),
+    ("gyroscope.bias_cycle", {"y.sin": 150.0, "period_s": 400.0},
+     {"y.sin": 150.0 * np.cos(PHASE), "y.cos": 150.0 * np.sin(PHASE), "period_s": 400.0}, {}, ""),
     ("gyroscope.g_sensitivity", {"xx": 1.0, "yz": -2.0, "zx": 1.5}, None, {}, ""),
     ("gyroscope.bias_temperature", {"x": 0.3, "z": -0.2}, None, {}, ""),
     ("gyroscope.scale_temperature", {"x": 50.0, "y": -80.0, "z": 70.0}, None, {}, ""),
@@ -215,6 +222,7 @@ CASES = [
 SHAKEN = {f"{triad}.vibration_rectification" for triad in ("accelerometer", "gyroscope")}  # a test of their own
 # tests of soaks have them
 OF_SOAKS = {
+    "accelerometer.bias_cycle", "gyroscope.bias_cycle",
     "accelerometer.turn_on_bias", "gyroscope.turn_on_bias", "accelerometer.bias_instability",
     "gyroscope.bias_instability", "accelerometer.acceleration_random_walk", "gyroscope.rate_random_walk",
 }  # fmt: skip

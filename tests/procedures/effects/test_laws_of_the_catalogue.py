@@ -7,21 +7,21 @@ from drivers.simulated.effects import EFFECTS as PLANTED
 from procedures.arrays import FloatArray
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
-from procedures.effects.excitation import KNEE, PLAY, TAU, Columns, Excitation, ExcitationStep
+from procedures.effects.excitation import KNEE, PERIOD, PLAY, TAU, Columns, Excitation, ExcitationStep
 from procedures.effects.term.dimensions import COEFFICIENT, Dimensions
 from procedures.effects.term.latex import latex_of_law
 from procedures.effects.term.law import OUTPUT_UNITS, Law
 from procedures.effects.term.units import Unit, parse_unit
 from tests.procedures.effects.laws_by_hand import BY_HAND, ORDER, Felt
 
-KINDS = ("dwell", "turn", "dwell", "move", "rest")
-NODES = 30  # of a step, 2 s each
+KINDS = ("dwell", "turn", "dwell", "move", "rest", *("soak",) * 32)  # a soak in 32 blocks
+NODES = 10  # of a step, 2 s each
 LAWS = [(effect, law) for effect in EFFECTS for law in effect.laws]
 each_law = pytest.mark.parametrize(("effect", "law"), LAWS, ids=[f"{e.name} {law.shape}" for e, law in LAWS])
 
 
 def campaign() -> Excitation:
-    """Five steps of a unit that warms and cools, one of them a turn."""
+    """Steps of a unit that warms and cools, one of them a turn."""
     rng, n = np.random.default_rng(6), NODES * len(KINDS)
     t = 2.0 * np.arange(n) + 40.0
     T = 25 + 6 * np.sin(t / 40)
@@ -50,6 +50,7 @@ def felt(seen: Excitation, way: Columns, triad: str) -> Felt:
         u, out, seen.f, seen.magnetic, T, rate, followed(seen, tau), np.array(directions(T.tolist())),
         played(T, width, float(T[0] - rate[0] * seen.t[0] / 60)), seen.t, seen.t - 39.0,
         np.where(rests, seen.rest_s, np.nan), seen.change, seen.vibration, tau, way.nonlinear.get(KNEE, 0.0),
+        way.nonlinear.get(PERIOD, 1.0),
     )  # fmt: skip
 
 

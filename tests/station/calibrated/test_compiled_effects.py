@@ -21,6 +21,7 @@ CASES = [key for key in BY_HAND if not CATALOGUE[key[0]].not_corrected]
 ALWAYS_LEFT = (
     "bias_drift",
     "bias_settling",
+    "bias_cycle",
     "scale_settling",
     "relaxation",
     "counts_lost",
