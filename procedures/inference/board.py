@@ -47,6 +47,11 @@ class Hypothesis:
         """Say whether an effect of the catalogue stands behind it."""
         return self.effect is not None
 
+    @property
+    def takes_any_shape(self) -> bool:
+        """Say whether it may stand for several causes: a function without a name, or draws."""
+        return self.effect is None or self.effect.is_scatter
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Option:

@@ -165,7 +165,7 @@ class Search:
             for child in self._children(smaller):
                 if child.log_odds > least:
                     self._keep(child)
-            if len(gone) == 1 and not self.board.hypotheses[_of(self.board, model.members[gone[0]])].is_named:
+            if len(gone) == 1 and self.board.hypotheses[_of(self.board, model.members[gone[0]])].takes_any_shape:
                 self._two_for_one(smaller, least)
             # of options that overlap, those that were the best beside what is gone may be so again
             as_it_stood = Model(rest, smaller.log_odds, smaller.names)
@@ -175,16 +175,16 @@ class Search:
                         self._keep(self.polished(child.members))
 
     def _has_rivals(self, model: Model, i: int) -> bool:
-        """Say whether something else, or two causes for a function without a name, may be in a member's place."""
+        """Say whether something else, or two causes for one that takes any shape, may be in a member's place."""
         own = _of(self.board, model.members[i])
-        if not self.board.hypotheses[own].is_named:
+        if self.board.hypotheses[own].takes_any_shape:
             return True
         total = self.beside(model.members[:i] + model.members[i + 1 :]).total
         return bool(np.any(np.delete(total, own) > total[own] - 2 * priors.WINDOW))
 
     def _two_for_one(self, smaller: Model, least: float) -> None:
-        """Keep what two causes with names do in the place of a function without one."""
-        named = (child for child in self._children(smaller) if _is_last_named(self.board, child))
+        """Keep what two causes with names do in the place of one that takes any shape."""
+        named = (child for child in self._children(smaller) if _is_last_of_one_shape(self.board, child))
         for child in sorted(named, key=lambda each: -each.log_odds)[: priors.BREADTH]:
             for pair in sorted(self._children(child), key=lambda each: -each.log_odds)[: priors.BREADTH]:
                 if pair.log_odds > least:
@@ -195,5 +195,5 @@ def _of(board: Board, member: Member) -> int:
     return board.options[member.option].hypothesis
 
 
-def _is_last_named(board: Board, model: Model) -> bool:
-    return board.hypotheses[_of(board, model.members[-1])].is_named
+def _is_last_of_one_shape(board: Board, model: Model) -> bool:
+    return not board.hypotheses[_of(board, model.members[-1])].takes_any_shape

@@ -142,6 +142,15 @@ def test_noise_of_a_bias_is_named_and_its_coefficient_is_within_its_uncertainty(
     assert abs(np.mean(sigmas)) < 1.2
 
 
+def test_two_jumps_are_no_random_walk() -> None:
+    accel, places = 0.1 * noise(1), (620.0, 1440.0)
+    for seconds, size in zip(places, (2e-4, -1.2e-4), strict=True):
+        accel[int(seconds * WALK_RATE) :, 2] += size
+    found = diagnose([at_rest(accel)]).findings
+    assert [each.effect for each in found] == ["accelerometer.jump"] * 2
+    assert sorted(float(str(each.where["after_s"])) for each in found) == pytest.approx(places, abs=20)
+
+
 # Several recordings at one temperature each
 
 
