@@ -29,7 +29,7 @@ def test_a_whole_docstring_passes(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
 
 @pytest.mark.parametrize(("docstring", "said"), CASES)
-def test_what_lacks_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, docstring: str, said: str) -> None:
+def test_what_lacks_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, docstring: str, said: str) -> None:
     monkeypatch.chdir(tmp_path)
     head = "def turned(C_nb: FloatArray, f_b: FloatArray) -> FloatArray:\n    "
     (line,) = found(Path(), head + docstring + "\n")

@@ -105,7 +105,7 @@ def test_a_newer_schema_is_refused_and_left_alone(sqlite_db: Database, tmp_path:
         ("DROP TABLE alembic_version", "calibrations"),
     ],
 )
-def test_a_schema_version_that_is_not_that_of_the_tables_is_said(
+def test_a_schema_version_that_is_not_that_of_the_tables_is_reported(
     db: Database, db_url: str, statement: str, said: str
 ) -> None:
     with db.write() as session:

@@ -111,7 +111,7 @@ def test_a_covariance_that_is_none_and_a_name_that_is_none_are_refused(measured:
         add_measurement(session, "C9", was, campaigns=CAMPAIGNS, measured_utc=datetime(2026, 1, 1, tzinfo=UTC))
 
 
-def test_a_cube_of_an_older_database_is_dated_anew_by_the_first_of_its_faces(db: Database) -> None:
+def test_a_cube_of_an_older_database_is_dated_again_by_the_first_of_its_faces(db: Database) -> None:
     with db.write() as session:
         add_fixture(session, CubeRow(id="C8", side_mm=400.0))
         days = (("x_up", NOON, date(2027, 1, 1)), ("x_up", LATER, date(2029, 1, 1)), ("y_up", LATER, None))

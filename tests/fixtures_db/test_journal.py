@@ -112,7 +112,7 @@ def test_tables_that_were_rebuilt_hidden_or_taken_away_are_found(
 
 
 @pytest.mark.parametrize("how", REBUILT)
-def test_a_table_built_anew_with_the_same_rows_is_found_where_it_is_declared_otherwise(
+def test_a_table_rebuilt_with_the_same_rows_is_found_where_it_is_declared_otherwise(
     rolled_back: Database, how: str
 ) -> None:
     unseen = []

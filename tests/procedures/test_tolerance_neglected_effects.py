@@ -145,7 +145,7 @@ FLOOR = {"g": 3e-9, "1": 1e-8, "rad": 1e-8, "rad/s": 2e-13}  # of the second ord
 
 
 @pytest.mark.parametrize("name", SET_ASIDE)
-def test_each_item_by_itself_does_what_is_said_of_it_and_nothing_else(name: str) -> None:
+def test_each_item_by_itself_does_what_is_stated_of_it_and_nothing_else(name: str) -> None:
     drawn = found({name: SIZES[name]}, 1)
     said = set_aside_errors({name: SIZES[name]}, CASE)[name]
     assert said.keys() <= QUANTITIES.keys()
@@ -170,7 +170,7 @@ def test_all_items_together_add_up_as_variances() -> None:
 @pytest.mark.parametrize(
     ("name", "draws"), [("slab-flatness", 12), ("quadratic", 12), ("accelerometer-wander", 120)]
 )
-def test_the_joint_bias_of_the_real_solve_is_off_by_what_is_said(name: str, draws: int) -> None:
+def test_the_joint_bias_of_the_real_solve_is_off_by_what_is_stated(name: str, draws: int) -> None:
     a = Drawn({name: SIZES[name]}, 3).accelerometer()[:draws]
     said = set_aside_errors({name: SIZES[name]}, CASE)[name].get("accelerometer.bias", np.zeros(3))
     errors = []

@@ -20,7 +20,7 @@ SHOWN = [0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14]  # E off its diagonal
 @pytest.mark.proof
 @pytest.mark.parametrize("certificate", [None, 5e-6])
 @pytest.mark.parametrize("triad", ["accelerometer", "gyroscope"])
-def test_the_fit_s_covariance_is_the_scatter_of_its_rows_drawn_anew(triad: str, certificate: float | None) -> None:
+def test_the_fit_s_covariance_is_the_scatter_of_its_rows_redrawn(triad: str, certificate: float | None) -> None:
     fits = fitted(simulated(1, certificate))
     assert fits.accelerometer is not None
     assert fits.gyroscope is not None

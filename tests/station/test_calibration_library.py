@@ -75,7 +75,7 @@ def test_part_by_part_it_is_what_it_is_at_once(tmp_path: Path, size: int) -> Non
     assert parts[-1].warnings == whole.warnings == ()
 
 
-def test_what_an_effect_lacks_is_said_with_its_size(tmp_path: Path) -> None:
+def test_what_an_effect_lacks_is_reported_with_its_size(tmp_path: Path) -> None:
     found = loaded(tmp_path, LAGGED).apply(counts(), T_S)
     # 3 deg/h/K at 25 K from 25 degC
     (said,) = found.warnings
@@ -94,7 +94,7 @@ def wild(at: list[int], rate: float = 700.0) -> np.ndarray:
 
 
 @pytest.mark.parametrize("others", [(), (EFFECTS[1],)])
-def test_a_sample_that_does_not_settle_is_nan_and_said(tmp_path: Path, others: tuple[dict[str, Any], ...]) -> None:
+def test_a_sample_that_does_not_settle_is_nan_and_reported(tmp_path: Path, others: tuple[dict[str, Any], ...]) -> None:
     calm, at = loaded(tmp_path, SINE, *others).apply(counts(), T_S), [70, 16_500]
     found = loaded(tmp_path, SINE, *others).apply(wild(at), T_S)
     rest = np.delete(np.arange(N), at)

@@ -36,7 +36,7 @@ def test_ctrl_c_is_130_and_one_line(monkeypatch: pytest.MonkeyPatch, capsys: pyt
     assert capsys.readouterr().err == "cancelled\n"
 
 
-def test_the_version_is_said() -> None:
+def test_the_version_is_reported() -> None:
     command = [sys.executable, "-P", "-c", "from station.cli import main; main()", "--version"]
     said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     assert said.startswith("station 1.")

@@ -26,7 +26,7 @@ def items_file(path: Path, more: str = "", **changed: float) -> Path:
     return path
 
 
-def test_the_paper_s_cube_of_the_database_is_told_in_a_table(
+def test_the_paper_s_cube_of_the_database_is_reported_in_a_table(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     code, text = run(capsys, tmp_path, "P1", "--want-ug", "100", "--estimator", "twelve")

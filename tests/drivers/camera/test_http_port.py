@@ -92,7 +92,7 @@ def test_a_camera_that_hangs_up_is_lost(server: Server) -> None:
             port.read(100)
 
 
-def test_who_asks_is_told_as_basic(server: Server) -> None:
+def test_who_asks_is_answered_as_basic(server: Server) -> None:
     server.answer(OK)
     open_port(server.url.replace("http://", "http://me:p%40ss@")).close()
     assert b"Authorization: Basic " + b64encode(b"me:p@ss") in server.asked

@@ -175,7 +175,7 @@ def test_a_port_in_use_is_busy(adapter: SlcanAdapter) -> None:
     open_port(adapter.address).close()
 
 
-def test_what_is_no_adapter_is_told() -> None:
+def test_what_is_no_adapter_is_reported() -> None:
     far, near = os.openpty()
     with pytest.raises(PortNotFound, match=os.ttyname(near)):
         open_port(f"can://slcan{os.ttyname(near)}")

@@ -187,7 +187,7 @@ def test_rates_are_in_their_units() -> None:
     assert block.gyro.tolist() == [[3.0, 5.0, 249.0]]  # 8, 16, 992
 
 
-def test_running_totals_are_told_apart_by_the_sample_before() -> None:
+def test_running_totals_are_distinguished_by_the_sample_before() -> None:
     fed = Fed(replace(MAP, output="cumulative"))
 
     def total(u: int, value: int) -> list[bytes]:

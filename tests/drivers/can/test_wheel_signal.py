@@ -43,7 +43,7 @@ def test_frames_that_cantools_made_are_read_in_m_s(foreign: str) -> None:
     assert [each.speed for each in mph] == pytest.approx([v * 0.44704 for v in speeds], abs=1e-3)
 
 
-def test_what_is_no_speed_is_counted_and_never_told() -> None:
+def test_what_is_no_speed_is_counted_and_never_reported() -> None:
     signal = wheel_signal(DBC, SIGNAL)
     good = signal.frame(12.34, 0)
     assert good == pack(288, 0, (4442).to_bytes(2, "little") + bytes(6))

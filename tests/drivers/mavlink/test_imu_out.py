@@ -88,7 +88,7 @@ def test_its_heartbeat_is_an_imus_once_a_second(station: Station) -> None:
 
 
 @pytest.mark.parametrize(("t", "boot_ms"), [(1.2344, 1234), (1.2346, 1235), (2**32 * 1e-3 + 5.0, 5000)])
-def test_an_attitude_is_told_after_the_heartbeat(t: float, boot_ms: int, station: Station) -> None:
+def test_an_attitude_is_sent_after_the_heartbeat(t: float, boot_ms: int, station: Station) -> None:
     station.hears().attitude(t, 0.25, -0.5, W, 1.5)
     assert station.message().get_type() == "HEARTBEAT"
     said = station.message()
@@ -110,7 +110,7 @@ NONE = (0.0, 0.0, 0.0)
         ((math.nan,) * 3, (math.nan,) * 3, 31.5, TEMPERATURE),
     ],
 )
-def test_what_is_not_measured_is_nought_and_not_among_the_fields(
+def test_what_is_not_measured_is_zero_and_not_among_the_fields(
     force: tuple[float, float, float],
     rate: tuple[float, float, float],
     temperature: float,

@@ -103,7 +103,7 @@ def test_a_question_is_put_three_times_a_second_apart_and_then_the_old_way() -> 
         (9, "result 9"),
     ],
 )
-def test_an_answer_is_told_and_what_is_refused_is_asked_the_old_way(result: int, outcome: str) -> None:
+def test_an_answer_is_reported_and_what_is_refused_is_asked_the_old_way(result: int, outcome: str) -> None:
     session = begun()
     session.hear(answer(result), 0.5)
     assert session.asked == [RequestedMessage("GPS_RAW_INT", 5.0, outcome)]
@@ -122,14 +122,14 @@ def test_every_message_is_asked_for_in_order_and_in_the_stream_that_has_it() -> 
 
 
 @pytest.mark.parametrize(("silent_s", "is_asked"), [(4.9, False), (5.0, True)])
-def test_who_was_silent_for_five_seconds_is_asked_anew(silent_s: float, is_asked: bool) -> None:
+def test_who_was_silent_for_five_seconds_is_asked_again(silent_s: float, is_asked: bool) -> None:
     session = agreed(now=100.0)
     session.hear(heartbeat(), 100.0 + silent_s)
     assert [each.param1 for each in said(session, 100.0 + silent_s)] == is_asked * [mavlink.GPS_RAW_INT]
     assert session.asked == [] if is_asked else len(session.asked) == 6
 
 
-def test_a_system_that_restarted_is_asked_anew_once() -> None:
+def test_a_system_that_restarted_is_asked_again_once() -> None:
     session = agreed()
     session.hear(clock(60_000) + heartbeat(), 1.0)
     assert said(session, 1.0) == []

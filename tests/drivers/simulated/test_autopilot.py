@@ -59,7 +59,7 @@ def test_system_time_is_utc_and_the_time_since_boot() -> None:
     assert last(autopilot(fault("no_fix")), "SYSTEM_TIME", 12.0).time_unix_usec == 0
 
 
-def test_the_time_since_boot_begins_anew_after_49_days_and_after_a_reboot() -> None:
+def test_the_time_since_boot_restarts_after_49_days_and_after_a_reboot() -> None:
     assert last(autopilot(), "SYSTEM_TIME", 2**32 * 1e-3 + 5.0).time_boot_ms == 5000
     one = autopilot(fault("reboot", at_s=7.0, seconds=2.0))
     assert last(one, "SYSTEM_TIME", 6.0).time_boot_ms == 6000
@@ -234,7 +234,7 @@ def test_a_stream_holds_its_messages(stream: int, sent: set[str]) -> None:
 
 
 @pytest.mark.parametrize(("interval", "times"), [(-1.0, []), (0.0, [1500, 2000])])
-def test_an_interval_of_nought_is_the_usual_one_and_a_negative_one_is_none(
+def test_an_interval_of_zero_is_the_usual_one_and_a_negative_one_is_none(
     interval: float, times: list[int]
 ) -> None:
     one = quiet(default_hz=2.0)

@@ -22,7 +22,7 @@ def identity(truth: Truth) -> bytes:
     return COUNTS.encode_identity(Identity(truth.model, truth.serial, truth.sample_period_s))
 
 
-def test_who_it_is_is_said_once_a_second() -> None:
+def test_who_it_is_is_reported_once_a_second() -> None:
     device, said = ByteDevice(SLOW, None, "counts"), list[int]()
     sizes = list[int]()
     for _ in range(6):

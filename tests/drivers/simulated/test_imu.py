@@ -67,7 +67,7 @@ def test_a_rate_output_is_what_the_counts_of_the_same_unit_add_up_to() -> None:
         assert rate.mean(axis=0) * samples * counting.period == pytest.approx(count.sum(axis=0), abs=1.0)
 
 
-def test_commands_queue_and_the_end_is_foretold() -> None:
+def test_commands_queue_and_the_end_is_predicted() -> None:
     imu = moved()
     done = imu.done
     assert imu.is_moving

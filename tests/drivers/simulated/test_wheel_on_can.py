@@ -14,7 +14,7 @@ from station.stream.wheel import read_description
 from tests.patience import until
 
 
-def test_a_wheel_tells_its_own_speed_with_noise_while_it_turns_and_nothing_while_it_stands() -> None:
+def test_a_wheel_gives_its_own_speed_with_noise_while_it_turns_and_nothing_while_it_stands() -> None:
     """10 s at rest, then 5 m/s: the wheel is 1 % smaller than it says; its noise is 0.02 m/s, never backwards."""
     t = np.arange(0.0, 400.0, 0.02)
     track: Any = SimpleNamespace(velocities=lambda t: np.where(t[:, None] < 200.0, 0.0, [3.0, 4.0, 0.0]))

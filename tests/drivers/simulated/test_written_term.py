@@ -60,7 +60,7 @@ def test_a_planted_term_adds_what_plain_numpy_says(law: Law) -> None:
 
 
 @pytest.mark.parametrize("name", sorted(UNKNOWN))
-def test_what_a_moment_does_not_tell_is_refused(name: str) -> None:
+def test_what_a_moment_does_not_determine_is_refused(name: str) -> None:
     law = next(law for law in LAWS if law.name == name)
     with pytest.raises(TruthRefused):
         planted({}, {f"{law.triad}.{law.name}": text_of(law)})

@@ -149,7 +149,7 @@ def test_fixes_that_cut_the_updates_of_coarse_counts_deny_no_rest(fix_hz: int | 
     assert np.mean(resting) > 0.95
 
 
-def test_a_gap_widens_sigma_and_a_long_one_begins_anew() -> None:
+def test_a_gap_widens_sigma_and_a_long_one_restarts() -> None:
     log = paper_bench(1, 9, seconds=40.0)
     for seconds, wider in ((2.0, 1.2), (60.0, 5.0)):
         late = log.t > 20

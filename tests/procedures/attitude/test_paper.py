@@ -80,7 +80,7 @@ def test_figure_5_the_velocity_filter_reduces_both_whatever_its_first_covariance
 
 
 @pytest.mark.parametrize("aid", ["paper-airspeed", "airspeed", "paper-airspeed-rate", "paper-filter"])
-def test_the_law_settles_at_the_error_of_the_accelerometers_angle(aid: str) -> None:
+def test_the_filter_settles_at_the_error_of_the_accelerometers_angle(aid: str) -> None:
     """Equation 8, a minute and more into a turn: told from what the law leaves out, against the truth."""
     for seed in range(3):
         log = flight(seed, 300.0, 200.0, 3.0)

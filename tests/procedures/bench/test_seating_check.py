@@ -68,7 +68,7 @@ def test_a_tilt_of_the_cube_is_measured_along_its_own_axes(axes: tuple[str, str,
 
 
 @pytest.mark.parametrize("order", [(1, 2, 3, 4), (9, 10, 5, 6), (1, 2, 3, 4, 5, 6, 7, 8)])
-def test_what_is_off_by_chance_has_the_sigma_that_is_told(order: tuple[int, ...]) -> None:
+def test_what_is_off_by_chance_has_the_sigma_that_is_reported(order: tuple[int, ...]) -> None:
     z = []
     for seed in range(40):
         unit = Unit(100 + seed, 2e-6)
@@ -114,7 +114,7 @@ def recorded(position: int, series: CountSeries, seconds: float) -> PositionRate
 
 
 @pytest.mark.parametrize("k", [1e3, 1e5])
-def test_a_crumb_is_caught_in_seconds_and_a_clean_cube_is_left_alone(k: float) -> None:
+def test_debris_is_caught_in_seconds_and_a_clean_cube_is_left_alone(k: float) -> None:
     truth = Truth.example(11)
     truth = replace(truth, accel_k=truth.accel_k * k / 1e3)
     bench, accepted = SimulatedBench(truth, 11), list[PositionRates]()

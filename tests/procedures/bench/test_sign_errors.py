@@ -126,6 +126,6 @@ def test_a_diagnosis_turns_them_round_says_so_and_finds_the_truth() -> None:
     assert not [text for text in found.solution.warnings if "backwards" in text]
 
 
-def test_without_a_dwell_the_earths_rate_tells_no_sign() -> None:
+def test_without_a_dwell_the_earths_rate_shows_no_sign() -> None:
     signs = earth_signs([recorded(1)], [], np.zeros((0, 3)), np.zeros((0, 3)), np.eye(3))
     assert signs.of_faces([0, 1, 2]) == 0

@@ -346,7 +346,7 @@ def test_the_global_test_is_uniform_where_the_model_is_right() -> None:
     assert distance < 0.40  # Kolmogorov-Smirnov, 24 values, one in two thousand
 
 
-def test_the_closed_forms_of_the_papers_stand_beside_the_fit_and_are_the_units_bias() -> None:
+def test_the_closed_forms_of_the_papers_stand_next_to_the_fit_and_are_the_units_bias() -> None:
     truth = replace(fine(8), faces_rad=np.zeros((6, 2)))
     accelerometer, _ = both(solve([simulate_campaign(truth, 8, dwell_s=2.0)]))
     for found in (accelerometer.bias_12_position, accelerometer.bias_two_direction):

@@ -41,7 +41,7 @@ def test_both_positions_of_every_face_leave_nothing_unnoticed() -> None:
     assert not found_of([simulate_campaign(TRUTH, 3, dwell_s=100.0, moves=True)])
 
 
-def test_of_each_dwell_it_is_said_what_shows_and_what_a_smaller_lean_moves() -> None:
+def test_of_each_dwell_it_is_reported_what_shows_and_what_a_smaller_tilt_moves() -> None:
     """Of twelve positions of 100 s 6 arcsec show, and move a value by no more than by what they show."""
     solution = solve([campaign_of(*range(1, 13))])
     noticed = solution.quality.noticed_sigmas
@@ -52,7 +52,7 @@ def test_of_each_dwell_it_is_said_what_shows_and_what_a_smaller_lean_moves() -> 
         assert each.value.split()[0] == "accelerometer"
 
 
-def test_a_face_that_stood_once_is_named_with_what_leans_on_it() -> None:
+def test_a_face_that_stood_once_is_named_with_what_depends_on_it() -> None:
     found = found_of([campaign_of(1, 2, 3, 5, 6, 7, 8, 9, 10, 11, 12)])
     assert list(found) == [3]
     assert set(found[3].harmed) == {"misalignment yx", "misalignment zx"}
@@ -73,7 +73,7 @@ def lean_of(fits: CampaignFits, i: int, tilt: np.ndarray) -> TriadFit:
 
 
 @pytest.mark.parametrize("position", [3, 7])
-def test_a_lean_of_the_size_that_is_said_shows_by_so_much_and_makes_a_value_so_wrong(position: int) -> None:
+def test_a_tilt_of_the_size_that_is_stated_shows_by_so_much_and_makes_a_value_so_wrong(position: int) -> None:
     """Solved with the lean in the direction that hides most, chi2 rises to its limit, and a value moves so far."""
     campaign = campaign_of(1, 2, 3, 5, 6, 7, 9, 10, 11, 12)
     exact = replace(campaign, sigma=replace(campaign.sigma, seat=1e-12))  # the fit's sigmas are without the seats

@@ -60,7 +60,7 @@ def test_a_pulse_that_errs_to_both_sides_is_used_to_its_full_worth(seed: int) ->
 
 
 @pytest.mark.parametrize("ppm", [0.0, 37.0, -50.0, 1000.0])
-def test_whole_seconds_tell_no_more_than_the_moment_they_go_on(ppm: float) -> None:
+def test_whole_seconds_show_no_more_than_the_moment_they_go_on(ppm: float) -> None:
     rate = fit_clock(stamped(ppm, lambda true: np.floor(true) - true))
     assert rate is not None
     assert abs(rate.ppm - ppm) < 4 * rate.std
@@ -134,7 +134,7 @@ def test_a_delay_is_found_within_its_own_sigma(late_s: float) -> None:
     assert np.std(off) > 0.3
 
 
-def test_a_rate_that_never_changes_tells_no_delay() -> None:
+def test_a_rate_that_never_changes_shows_no_delay() -> None:
     t = PERIOD * np.arange(4000)
     late, std = lateness(t, 20 * t, 20 * SCALE + 0.01 * np.random.default_rng(3).standard_normal(4000))
     assert abs(late) < SURE * std

@@ -135,7 +135,7 @@ def test_a_jump_while_the_cube_rests_is_found_within_its_dwell() -> None:
 # Error terms that the user declared, beside one that nobody declared
 
 
-def test_an_effect_that_nobody_declared_is_found_beside_one_that_somebody_did() -> None:
+def test_an_effect_that_nobody_declared_is_found_with_one_that_somebody_did() -> None:
     """The declared one, quadratic, is a parameter of the model; what that lacks is a finding with its size."""
     planted = {"accelerometer.quadratic": {"x": 8e-5}, "gyroscope.g_sensitivity": {"xy": 0.8, "zz": -0.5}}
     campaign = simulate_campaign(unit(2, effects=planted), 2, certificate_sigma=5e-6, draw_stated=False)

@@ -84,7 +84,7 @@ def test_a_channel_that_acts_later_is_found_with_its_lag() -> None:
     assert np.all(np.abs(errors(finding, {"ay": 0.06})) < 4)
 
 
-def test_a_line_is_found_and_what_the_sample_rate_may_have_folded_is_said() -> None:
+def test_a_line_is_found_and_what_the_sample_rate_may_have_folded_is_reported() -> None:
     (finding,) = found(soak(white(8) + 0.5 * np.sin(2 * np.pi * 17.77 * T)[:, None]))
     assert finding.effect == "disturbance.line"
     hertz, _, std, rest = finding.shape.split(" ", 3)
@@ -148,7 +148,7 @@ NOISES: dict[str, Callable[[np.random.Generator], FloatArray]] = {
 
 
 @pytest.mark.parametrize("noise", NOISES)
-def test_noise_of_any_colour_beside_any_channel_has_nothing(noise: str) -> None:
+def test_noise_of_any_colour_with_any_channel_has_nothing(noise: str) -> None:
     for seed in range(1):
         rng = np.random.default_rng(seed)
         beside = {

@@ -164,7 +164,7 @@ def test_a_lag_and_lines_in_the_temperature_are_named_and_none_is_ambiguous(seed
         lambda t: np.where((t > 2000) & (t < 3100), 1.0, 0.0) * np.sin(2 * np.pi * t / 500.0),
     ],
 )
-def test_what_no_effect_does_is_not_explained_beside_one_that_is(
+def test_what_no_effect_does_is_not_explained_with_one_that_is(
     shape: Callable[[FloatArray], FloatArray],
 ) -> None:
     temperature = np.interp(OVEN_T, KNOTS_S, KNOTS_C) - 25

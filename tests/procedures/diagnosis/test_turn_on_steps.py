@@ -40,7 +40,7 @@ def switched(seed: int, lean: FloatArray | None = None) -> Campaign:
     return replace(after, dwells=(*before.dwells[:FIRST], *later), turns=turns)
 
 
-def test_a_cube_that_leans_before_the_unit_is_switched_off_is_named_and_the_instrument_is_not() -> None:
+def test_a_cube_that_is_tilted_before_the_unit_is_switched_off_is_named_and_the_instrument_is_not() -> None:
     found = diagnose([switched(1, np.array([-4e-4, 1e-3]))])
     seats = [each for each in found.findings if each.effect == "placement.dwell"]
     assert [(each.where["position"], each.confidence) for each in seats] == [(3, "established")]

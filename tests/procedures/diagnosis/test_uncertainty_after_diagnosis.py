@@ -82,7 +82,7 @@ def expanded(fits, unexplained) -> np.ndarray:  # type: ignore[no-untyped-def]
     return np.array([found[f"gyroscope.scale_factor.{axis}"] for axis in "xyz"])
 
 
-def test_it_does_so_too_where_an_effect_of_the_instrument_is_in_doubt_beside_it() -> None:
+def test_it_does_so_too_where_an_effect_of_the_instrument_is_ambiguous_with_it() -> None:
     """On faces K2 is one with an asymmetry: the calibration carries neither, but its turns stay as loose."""
     planted = {"procedure.closure": {"value": CLOSURE_DEG}, "accelerometer.quadratic": {"x": 5e-5}}
     truth = unit(SEED, effects=planted)

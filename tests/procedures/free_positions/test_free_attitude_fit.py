@@ -115,7 +115,7 @@ def on_faces(seed: int, slab: float) -> tuple[TriadRests, Unit]:
 
 
 @pytest.mark.parametrize("seed", range(2))
-def test_six_faces_without_heading_give_the_truth_as_far_as_a_slab_may_lean(seed: int) -> None:
+def test_six_faces_without_heading_give_the_truth_as_far_as_a_slab_may_be_tilted(seed: int) -> None:
     rests, true = on_faces(seed, 5e-3)
     joint = solve_with_rests([campaign()], None, rests)
     assert joint is not None
@@ -162,7 +162,7 @@ def test_accelerometers_that_say_nothing_determine_nothing(spoil: str) -> None:
 
 
 @pytest.mark.parametrize(("attitudes", "is_said"), [(10, True), (12, True), (13, False), (24, False)])
-def test_a_fit_without_redundancy_is_said(attitudes: int, is_said: bool) -> None:
+def test_a_fit_without_redundancy_is_reported(attitudes: int, is_said: bool) -> None:
     rng = np.random.default_rng(attitudes)
     scale, bias = np.array([0.99, 1.01, 1.02]), np.array([0.03, -0.02, 0.05])
     rests = []

@@ -103,7 +103,7 @@ def rms_z(cases: list[Case]) -> float:
     )
 
 
-def test_a_seat_that_gives_leans_the_directions_and_is_in_their_sigma() -> None:
+def test_a_seat_that_gives_tilts_the_directions_and_is_in_their_sigma() -> None:
     cases = [disturbed(seed, rest_g=1e-3) for seed in range(5)]
     for campaign, _, _, fits in cases:
         assert fits.accelerometer is not None

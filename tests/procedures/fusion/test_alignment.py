@@ -113,7 +113,7 @@ def test_a_fog_at_rest_finds_north_by_the_earths_rate() -> None:
     assert np.arccos(E[2, 2]) < 4 * found.tilt_std
 
 
-def test_a_bench_that_is_knocked_or_a_gyro_that_is_too_poor_is_refused() -> None:
+def test_a_bench_that_is_disturbed_or_a_gyro_that_is_too_poor_is_refused() -> None:
     rng = np.random.default_rng(6)
     imu, _, noise = fog(rng, 60.0, np.zeros(3))
     imu.f_b[300:310] += 0.5

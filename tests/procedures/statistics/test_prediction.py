@@ -49,7 +49,7 @@ def test_a_long_trend_is_followed_and_narrow() -> None:
     assert year_on.high_95 - year_on.low_95 < 20.0  # of the 36 that the trend makes in that year
 
 
-def test_the_interval_touches_the_limit_on_the_day_that_is_said() -> None:
+def test_the_interval_touches_the_limit_on_the_day_that_is_stated() -> None:
     day = np.linspace(0, 1500, 12)
     series = CalibrationSeries(day, 0.02 * day + np.random.default_rng(2).standard_normal(12), np.ones(12))
     found = forecast(series, low=-50.0, high=50.0)

@@ -64,7 +64,7 @@ def test_they_are_what_every_sample_by_itself_gives(n: int) -> None:
     assert sine_sum(values, TURNS) == pytest.approx(complex(values @ np.conj(wave)), abs=1e-9)
 
 
-def test_parts_sums_tell_a_frequency_near_by() -> None:
+def test_parts_sums_determine_a_frequency_near_by() -> None:
     n, values = 10_007, np.random.default_rng(1).normal(size=10_007)
     middles, sums = slowed(values, TURNS, 1000)
     off = 1 / n

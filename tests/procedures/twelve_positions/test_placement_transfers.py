@@ -78,7 +78,7 @@ def test_the_residual_is_as_large_as_it_should_be(
         assert np.abs(found.moves.error / found.moves.sigma[:, None]).max() < 4.5
 
 
-def test_a_placing_with_a_wrong_heading_is_said_to_contradict_its_moves() -> None:
+def test_a_placement_with_a_wrong_heading_is_reported_to_contradict_its_moves() -> None:
     made = campaign(4, POSITIONS)
     steps = list(made.campaign.dwells)
     steps[4] = replace(steps[4], position=6)  # the same face, turned by half a turn
@@ -127,7 +127,7 @@ def test_the_24_attitudes_are_all_there_are_and_the_twelve_keep_their_numbers() 
 ORDER = tuple("ENU ESD USE DSW SUW NDW NWU SWD UWS DES EUS EDN".split())
 
 
-def test_brisk_moves_are_left_out_and_said_and_the_others_solve() -> None:
+def test_fast_moves_are_left_out_and_reported_and_the_others_solve() -> None:
     slow, brisk = campaign(3, ORDER, seconds=25.0, hz=50.0), campaign(3, ORDER, seconds=4.0, hz=12.5)
     moves = (*slow.campaign.moves[:-1], brisk.campaign.moves[-1])
     made = replace(slow, campaign=replace(slow.campaign, moves=moves))

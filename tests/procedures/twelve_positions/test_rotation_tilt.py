@@ -57,7 +57,7 @@ def tilts(of: CampaignFits) -> dict[str, RotationTilt]:
     return {turn.record.name: tilt for turn, tilt in named if tilt is not None}
 
 
-def test_a_crumb_under_turns_is_measured_and_said_and_in_the_sigma() -> None:
+def test_debris_under_turns_is_measured_and_reported_and_in_the_sigma() -> None:
     true = truth()
     clean = simulate_campaign(true, 7, dwell_s=20.0, certificate_sigma=5e-6)
     fits = fit([with_turns_of_z(clean, SimulatedImu(true, 8), CRUMB)])
@@ -74,7 +74,7 @@ def test_a_crumb_under_turns_is_measured_and_said_and_in_the_sigma() -> None:
     assert any(cell.source == sources.SEAT for cell in shares)
 
 
-def test_the_bias_step_of_another_turn_on_is_no_crumb_and_hides_none() -> None:
+def test_the_bias_step_of_another_turn_on_is_no_debris_and_hides_none() -> None:
     true = truth()
     clean = simulate_campaign(true, 7, dwell_s=20.0, certificate_sigma=5e-6)
     again = replace(true, accel_d_g=true.accel_d_g + np.array([2e-3, -1e-3, 1e-3]))  # 1 mg looks like 206 arcsec

@@ -218,7 +218,7 @@ def test_what_is_interrupted_leaves_nothing(tmp_path: Path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.npz", "calibration.json"]
 
 
-def test_warnings_of_every_block_are_said_with_counts(tmp_path: Path) -> None:
+def test_warnings_of_every_block_are_reported_with_counts(tmp_path: Path) -> None:
     n = 40_000  # more than two blocks
     temp = np.full(n, np.nan)
     temp[-100:] = 60.0  # nothing before
@@ -236,7 +236,7 @@ def test_warnings_of_every_block_are_said_with_counts(tmp_path: Path) -> None:
     assert "39900 samples" in missing
 
 
-def test_the_document_beside_it_says_of_what_and_by_what_it_is(tmp_path: Path) -> None:
+def test_the_document_next_to_it_says_of_what_and_by_what_it_is(tmp_path: Path) -> None:
     from fixtures_db.hash_chain import canonical, digest
 
     source = write_campaign(tmp_path / "c")

@@ -81,7 +81,7 @@ MAGNETIC = effect("gyroscope.magnetic", xx=30.0, yy=-20.0, zy=10.0)
 
 
 @pytest.mark.parametrize("step", [N, 7, 1])
-def test_a_field_that_is_not_told_is_that_of_the_sample_before(step: int) -> None:
+def test_a_field_that_is_not_given_is_that_of_the_sample_before(step: int) -> None:
     whole = np.random.default_rng(3).normal(0, 40, (N, 3))
     gaps, filled = whole.copy(), whole.copy()
     for row in (5, 6, 13, 14, 20):

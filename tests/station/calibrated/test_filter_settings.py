@@ -43,7 +43,7 @@ def test_an_accelerometers_error_across_gravity_is_of_bias_scale_factor_and_misa
     assert force_bias_std(turned) == pytest.approx(g * 1e-5 * np.sqrt(17 / 6))
 
 
-def test_without_a_calibration_a_gyros_bias_has_the_earths_rate_beside_it() -> None:
+def test_without_a_calibration_a_gyros_bias_has_the_earths_rate_with_it() -> None:
     found = filter_settings(None, "airspeed", STILL, 9.79, np.radians(30.0), knows_heading=True)
     assert found.gyro_bias_std == pytest.approx(np.hypot(AIDED_SETTINGS.gyro_bias_std, EARTH), rel=1e-12)
     assert (found.gravity, found.nominal_s, found.gyro_noise) == pytest.approx((9.79, 0.01, 1e-7))

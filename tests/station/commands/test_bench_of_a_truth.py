@@ -26,7 +26,7 @@ def _example(tmp_path: Path, text: str = TRUTH) -> int:
     return cli.run(["fixtures", "example", "--truth", str(tmp_path / "unit.toml"), "--db", str(tmp_path / "s.db")])
 
 
-def test_the_bench_of_a_truth_is_added_once_and_its_options_are_said(
+def test_the_bench_of_a_truth_is_added_once_and_its_options_are_reported(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert _example(tmp_path) == 0

@@ -63,7 +63,7 @@ def test_a_device_that_is_not_in_step_with_its_declared_rate_is_warned_of(
     assert "warning" not in capsys.readouterr().out
 
 
-def test_what_comes_instead_of_samples_is_told(device: SimulatedDevice, tmp_path: Path) -> None:
+def test_what_comes_instead_of_samples_is_reported(device: SimulatedDevice, tmp_path: Path) -> None:
     """Another device's frames by our DBC, and two devices at once."""
     (tmp_path / "other.dbc").write_text(Path(OWN_DBC).read_text().replace("BO_ 4", "BO_ 5"))
     port = open_port(device.url)

@@ -55,7 +55,7 @@ def sequence() -> tuple[FloatArray, FloatArray]:
     return table + at_rest(len(table) / RATE) - [0, 0, 0, 0, 0, 1.0], np.stack([scale, bias])
 
 
-def test_a_short_rest_is_not_enough_and_what_would_be_is_said(
+def test_a_short_rest_is_not_enough_and_what_would_be_is_reported(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cli.run(["diagnose", written(tmp_path, at_rest(200 / RATE)), *OPTIONS]) == 0

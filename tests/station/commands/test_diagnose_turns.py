@@ -67,7 +67,7 @@ def test_one_turn_alone_has_a_scale_factor_and_says_what_it_does_not_show(tmp_pa
         (720.0, 1.03, "turn:+z:2"),
     ],
 )
-def test_a_rotation_whose_true_angle_is_told_has_a_scale_factor(
+def test_a_rotation_whose_true_angle_is_specified_has_a_scale_factor(
     turned_deg: float, scale: float, kind: str, tmp_path: Path
 ) -> None:
     (turn,) = diagnosed(saved(tmp_path, turned_deg, scale), "--as", kind)["turns"]
@@ -77,7 +77,7 @@ def test_a_rotation_whose_true_angle_is_told_has_a_scale_factor(
 
 
 @pytest.mark.parametrize(("turned_deg", "scale"), [(360.0, 1.0188), (180.0, 1.0)])
-def test_an_angle_that_nobody_told_is_asked_for_and_not_rounded(
+def test_an_angle_that_nobody_specified_is_asked_for_and_not_rounded(
     turned_deg: float, scale: float, tmp_path: Path
 ) -> None:
     log = saved(tmp_path, turned_deg, scale)
@@ -149,7 +149,7 @@ def test_a_reference_and_a_gyroscope_that_agree_on_no_single_angle_are_asked_abo
         campaign_of_logs([log], told)
 
 
-def test_an_encoder_beside_a_turn_of_any_angle_gives_the_scale_factor(
+def test_an_encoder_with_a_turn_of_any_angle_gives_the_scale_factor(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     found = diagnosed(saved(tmp_path, 777.0, scale=1.03, late_s=0.05), "--reference", "enc_deg")
@@ -191,7 +191,7 @@ def test_a_motor_that_keeps_one_rate_is_held_against_the_whole_angle_and_is_no_r
     assert (said in told) if said else (" times " not in told)
 
 
-def test_a_log_that_turns_and_nobody_told_of_is_a_soak_only_where_it_rests(
+def test_a_log_with_turns_that_nobody_declared_is_a_soak_only_where_it_rests(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     rng, t = np.random.default_rng(5), np.arange(0.0, 400.0, 0.02)

@@ -141,7 +141,7 @@ def test_the_wrong_format_is_exit_4_and_named(tmp_path: Path, capsys: pytest.Cap
     assert "rawimusx" in said
 
 
-def test_a_device_that_does_not_say_its_serial_number_must_be_told(
+def test_the_serial_number_of_a_device_that_does_not_send_it_must_be_specified(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with SimulatedDevice(Truth.example(5), 5, "rawimusx", paced(SPEED)) as device:

@@ -41,7 +41,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return found
 
 
-def test_a_diagnosis_finds_the_other_effect_beside_the_declared_one(folder: Path, tmp_path: Path) -> None:
+def test_a_diagnosis_finds_the_other_effect_with_the_declared_one(folder: Path, tmp_path: Path) -> None:
     out = tmp_path / "diagnosis.json"
     assert cli.run(["diagnose", str(folder), "--json", str(out)]) == 0
     document = json.loads(out.read_text())

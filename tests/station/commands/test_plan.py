@@ -124,7 +124,7 @@ def test_without_a_site_nothing_is_planned(
         assert found == pytest.approx(np.radians(stated.latitude_deg))
 
 
-def test_a_campaign_that_was_begun_is_told_what_comes_next(
+def test_a_campaign_that_was_begun_is_shown_what_comes_next(
     recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     begun, truth = tmp_path / "begun", Truth.example(SEED)

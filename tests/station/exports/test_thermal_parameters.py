@@ -103,7 +103,7 @@ def test_a_cubic_of_the_offset_is_taken_off(stack: str, limits: tuple[float, flo
 
 
 @every_stack
-def test_beyond_the_third_order_the_error_is_what_is_said(stack: str, tmp_path: Path) -> None:
+def test_beyond_the_third_order_the_error_is_what_is_stated(stack: str, tmp_path: Path) -> None:
     fifth = effect("accelerometer.bias_temperature", **{"x.1": 1e-5, "x.5": 1e-10, "y.1": 0.0, "z.1": 0.0})
     text = exported(tmp_path, stack, document(fifth, GYRO))
     said = re.search(r"accelerometer offset beyond the third order: up to (\S+) m/s2", text)

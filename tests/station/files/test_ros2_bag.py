@@ -64,7 +64,7 @@ def test_a_time_is_in_whole_nanoseconds(t: float, seconds: int, nanoseconds: int
     assert (said.header.stamp.sec, said.header.stamp.nanosec) == (seconds, nanoseconds)
 
 
-def test_a_time_of_a_nanosecond_before_nought_is_refused(tmp_path: Path) -> None:
+def test_a_time_of_a_nanosecond_before_zero_is_refused(tmp_path: Path) -> None:
     writer = Ros2Samples(tmp_path / "bag", SampleColumns(NAMES, 1, "housing", is_si=True))
     with refused(DataRefused, None, "-6e-10"):
         writer.write(list(np.array([[-0.6e-9, *ROW[1:]]]).T))

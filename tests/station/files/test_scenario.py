@@ -33,7 +33,7 @@ STEPS = usual_steps(Setup(dwell_s=20.0, revolutions=1))
 ENOUGH = 4  # steps: the knock is in the fourth
 
 
-def test_the_shipped_calibration_is_accepted_step_by_step_also_after_the_knock(tmp_path: Path) -> None:
+def test_the_shipped_calibration_is_accepted_step_by_step_also_after_the_shock(tmp_path: Path) -> None:
     rig, moves = GuideRig(tmp_path, STEPS[:ENOUGH], SCENARIO.truth, asks=False), deque(SCENARIO.moves)
 
     def operate(_: CalibrationView) -> None:
@@ -111,7 +111,7 @@ def test_a_bad_file_is_refused_with_its_line(text: str, line: int, value: str, t
     assert cli.run(["simulate", "--scenario", str(path)]) == 3
 
 
-def test_a_bench_is_served_and_tells_what_happens(tmp_path: Path) -> None:
+def test_a_bench_is_served_and_reports_what_happens(tmp_path: Path) -> None:
     text = 'speed = 50\n[imu]\ntransport = "tcp"\n[gnss]\n[[hands]]\ndo = "place 3 5"\nat_s = 2\n'
     (tmp_path / "s.toml").write_text(SMALLEST + text + '[[fault]]\nkind = "lost"\nat_s = 4\n')
     with Program("simulate", "--scenario", str(tmp_path / "s.toml")) as program:

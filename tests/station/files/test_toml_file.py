@@ -34,7 +34,7 @@ def test_a_name_is_taken_as_it_is(name: str) -> None:
         ("a\ud800b", "U+D800"), ("x" * 1001, "at most 1000"),
     ],
 )  # fmt: skip
-def test_what_is_no_name_is_said(name: str, said: str) -> None:
+def test_what_is_no_name_is_reported(name: str, said: str) -> None:
     with pytest.raises(ValueError, match=said.replace("+", r"\+")):
         checked_name(name)
 

@@ -47,7 +47,7 @@ def test_it_turns_on_the_screen_while_hands_turn_it_and_counts_down_what_is_left
     assert guided.view.pose.text == "the position is correct"
 
 
-def test_before_anything_told_the_heading_it_is_said_to_be_unknown(rig: Make) -> None:
+def test_before_anything_determined_the_heading_it_is_reported_as_unknown(rig: Make) -> None:
     guided = rig(dwells(1), replace(Truth.example(1), latitude_deg=89.9))
     view = guided.rest(12)
     assert view.pose.heading_std_deg is None
@@ -55,7 +55,7 @@ def test_before_anything_told_the_heading_it_is_said_to_be_unknown(rig: Make) ->
     assert view.pose.text == "its heading is not known yet"
 
 
-def test_a_heading_that_stays_wrong_on_the_right_face_is_said_after_20_s_and_once(rig: Make) -> None:
+def test_a_heading_that_stays_wrong_on_the_right_face_is_reported_after_20_s_and_once(rig: Make) -> None:
     guided = rig(dwells(1, 2, seconds=60.0), asks=False)
     guided.run(guided.done(1))
     guided.hands("place 2 8 35 0 0")

@@ -27,7 +27,7 @@ def test_a_turned_mounting_is_taken_into_account() -> None:
     assert FaceAndStillnessGate(C_sb).seen_face(C_sb @ (1000 * face_normal("x_up")))[0] == "x_up"
 
 
-def test_two_opposite_faces_tell_the_biases_and_the_limit_widens() -> None:
+def test_two_opposite_faces_determine_the_biases_and_the_limit_widens() -> None:
     judge, bias = FaceAndStillnessGate(np.eye(3)), np.array([5.0, -30.0, 12.0])
     before = judge.limit_deg
     for up, down in opposite_faces():

@@ -79,7 +79,7 @@ def files(guided: GuideRig) -> list[str]:
     return [dwell.name for dwell in read_campaign(guided.folder).campaign.dwells]
 
 
-def test_the_usual_plan_ends_as_it_began_unless_it_is_told_not_to() -> None:
+def test_the_usual_plan_ends_as_it_began_unless_it_is_specified_otherwise() -> None:
     steps = usual_steps(Setup(dwell_s=60.0))
     assert (len(steps), steps[0], steps[-1]) == (19, Dwell(1, 60.0), Dwell(1, 60.0, 1))
     assert usual_steps(Setup(dwell_s=60.0, repeats=0)) == steps[:-1]

@@ -43,7 +43,7 @@ def up_of(rig: GuideRig, name: str) -> np.ndarray:
     return rig.context.gate.way_up(rig.context.free_attitudes[name])
 
 
-def test_leaning_cubes_are_recorded_each_where_it_is_asked_for(rig: Make) -> None:
+def test_tilted_cubes_are_recorded_each_where_it_is_asked_for(rig: Make) -> None:
     guided = rig(free(3))
     for count in (1, 2, 3):
         tilt = guided.rest(2).tilt
@@ -58,7 +58,7 @@ def test_leaning_cubes_are_recorded_each_where_it_is_asked_for(rig: Make) -> Non
     assert not any(text.startswith("rejected") for text in guided.texts)
 
 
-def test_a_face_is_no_free_position_and_says_how_to_lean(rig: Make) -> None:
+def test_a_face_is_no_free_position_and_says_how_to_tilt(rig: Make) -> None:
     guided = rig(free(1))
     view = guided.rest(30)
     assert view.line.startswith("tilt the cube on an edge, X and Y half up, near 45 deg")
@@ -71,7 +71,7 @@ def test_a_face_is_no_free_position_and_says_how_to_lean(rig: Make) -> None:
     assert re.match("1[4-6] deg from the nearest face", guided.view.hint)  # the biases are not known
 
 
-def test_an_attitude_taken_already_is_said_and_not_taken_twice(rig: Make) -> None:
+def test_an_attitude_taken_already_is_reported_and_not_taken_twice(rig: Make) -> None:
     guided = rig(free(2))
     guided.hands("lean 1 1 0 8")
     guided.run(guided.done(1))

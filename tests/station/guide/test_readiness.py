@@ -144,7 +144,7 @@ def test_the_answer_before_a_campaign_is_the_one_after_it(bench: Bench, monkeypa
     assert answers == {(True, True), (True, False), (False, True), (False, False)}
 
 
-def test_what_is_not_known_before_the_port_was_looked_at_is_said_to_be_so(bench: Bench) -> None:
+def test_what_is_not_known_before_the_port_was_looked_at_is_reported_as_such(bench: Bench) -> None:
     setup = Setup(url="x", cube="good", slab="good", operator="M. Huber", latitude_deg=31.17)
     facts = read_prior_knowledge(bench.database, bench.root, usual_steps(setup), None)
     for check in (None, PortCheck(url="y", is_good=True, model="SIM-FOG3"), PortCheck(url="x", is_good=False)):

@@ -137,7 +137,7 @@ def again(guided: GuideRig, position: int, tilt_deg: float = 0.0) -> None:
 
 
 @pytest.mark.parametrize("is_resumed", [False, True])
-def test_a_clean_seat_is_cleared_once_the_crumb_before_it_is_wiped_off(rig: Make, is_resumed: bool) -> None:
+def test_a_clean_seat_is_cleared_once_the_debris_before_it_is_wiped_off(rig: Make, is_resumed: bool) -> None:
     guided = guide(rig, 1, 2, 3, 4, 5, 6)
     placed(guided, (1, 2, 3, 4, 5), {5: 1.2})
     twice_off(guided, 6)

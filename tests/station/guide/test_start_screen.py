@@ -52,7 +52,7 @@ def test_a_broken_set_up_is_the_default_one(config: Path, content: bytes) -> Non
     assert load_setup().operator == "x"
 
 
-def test_a_place_that_cannot_be_written_is_said(config: Path) -> None:
+def test_a_place_that_cannot_be_written_is_reported(config: Path) -> None:
     config.write_text("a file, not a folder")
     assert load_setup() == Setup()
     with pytest.raises(CannotWrite):
@@ -85,7 +85,7 @@ def replayed(folder: Path, faults: Iterable[Fault] = (), truth: Truth | None = N
     return f"replay:{path}"
 
 
-def test_a_good_port_is_said_to_be_good(tmp_path: Path) -> None:
+def test_a_good_port_is_reported_as_good(tmp_path: Path) -> None:
     check = check_port(replayed(tmp_path), 60.0)
     assert check.is_good, check.text
     assert (check.format, check.serial, check.bad_frames) == ("counts", "SIM-5", 0)

@@ -198,7 +198,7 @@ def test_a_kill_while_a_step_is_done_again_leaves_its_old_moves_or_none(
 SLOW = replace(Truth.example(1), sample_period_s=0.1)  # 10 Hz, too few for a hand's tremor
 
 
-def test_a_brisk_flip_is_told_at_once_and_a_slow_one_is_not(rig: Make) -> None:
+def test_a_fast_flip_is_reported_at_once_and_a_slow_one_is_not(rig: Make) -> None:
     guided = rig(dwells(1, 4, 2, seconds=30.0), SLOW)
     guided.run(guided.done(1))
     guided.hands("carry 4 3 60")

@@ -68,7 +68,7 @@ def test_the_counter_runs_with_the_turn_and_ends_at_the_revolutions_asked_for(ri
         ("place 2 8", "wrong direction, expected counter-clockwise seen from above"),
     ],
 )
-def test_a_turn_that_is_not_the_one_asked_for_is_told_why(rig: Make, command: str, reason: str) -> None:
+def test_a_turn_that_is_not_the_one_asked_for_is_rejected_with_its_reason(rig: Make, command: str, reason: str) -> None:
     guided = rig([MINUS, PLUS])
     guided.run(ready)
     guided.hands("turn x - 3 2")
@@ -257,7 +257,7 @@ def turned(guided: GuideRig, command: str = "turn x + 1 2") -> None:
     guided.hands(command)
 
 
-def test_a_crumb_is_told_before_the_turn(rig: Make) -> None:
+def test_debris_is_reported_before_the_turn(rig: Make) -> None:
     guided = rig([*PAIR, ONCE], FINE)
     guided.run(guided.done(1))
     placed(guided, 2)

@@ -150,7 +150,7 @@ def test_what_is_found_uses_nothing_later_than_it_is_known(log: FusionLog) -> No
     assert (other.offset, other.std) == (whole.offset, whole.std)
 
 
-def test_an_offset_that_is_told_is_added(log: FusionLog) -> None:
+def test_an_offset_that_is_specified_is_added(log: FusionLog) -> None:
     told = on_imu_clock(said_of(log, time_offset_s=LATE, time_offset_std_s=None))
     assert isinstance(told, ClockedTracks)
     assert log.tracks is not None
@@ -159,7 +159,7 @@ def test_an_offset_that_is_told_is_added(log: FusionLog) -> None:
     assert told.since == -np.inf
 
 
-def test_a_clock_that_nothing_was_said_of_is_suspected(tmp_path: Path) -> None:
+def test_a_clock_that_nothing_is_known_of_is_suspected(tmp_path: Path) -> None:
     silent = read_fusion(write_late(tmp_path / "log", 14.0))
     assert re.search(r"wrong by -(7|8)\d\.\d \+- [345]\.\d ms: state time_offset_s", suspected_offset(silent))
     assert suspected_offset(said_of(silent, time_offset_s=0.0)) == ""  # told: as good as known

@@ -57,14 +57,14 @@ def test_it_goes_on_without_images_and_says_so(drive: DrivenAlong) -> None:
     assert max(np.diff(times)) < 0.35
 
 
-def test_lines_and_streams_tell_of_the_camera(drive: DrivenAlong) -> None:
+def test_lines_and_streams_report_the_camera(drive: DrivenAlong) -> None:
     view, location = located(drive)[-1]
     assert reading_line(view).endswith(f"; camera: {location.camera}")
     assert f'"camera": "{location.camera}"' in json_line(view)
     assert [stream.name for stream in view.streams][-1] == "camera simulated"
 
 
-def test_what_is_wrong_with_the_camera_is_said_once_and_when_it_is_over() -> None:
+def test_what_is_wrong_with_the_camera_is_reported_once_and_when_it_is_over() -> None:
     rig = DriveRig(TRUTH, TRACK, AUTOPILOT, sees=(0.04, (0.0, 0.0)), told=-0.04)
     for trouble in ("", "eye: no bytes for 2.0 s", "eye: no bytes for 2.1 s", ""):
         assert rig.sight is not None

@@ -95,7 +95,7 @@ def test_late_images_count_where_they_were_taken(lagging: tuple[str, DrivenAlong
         assert now - most - 0.5 < rig.seen_until < now - least
 
 
-def test_what_was_dropped_is_counted_and_said_once(lagging: tuple[str, DrivenAlong]) -> None:
+def test_what_was_dropped_is_counted_and_reported_once(lagging: tuple[str, DrivenAlong]) -> None:
     name, rig = lagging
     location = located(rig)[-1][1]
     said = [event.text for event in rig.view.events if "dropped" in event.text]

@@ -79,7 +79,7 @@ def test_a_recorded_drive_is_located_with_its_wheel_the_same_each_time(
 
 
 @pytest.mark.proof
-def test_a_wheel_that_comes_too_late_to_be_used_is_said_to(
+def test_a_wheel_that_comes_too_late_to_be_used_is_reported(
     drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for file in drive.parent.iterdir():

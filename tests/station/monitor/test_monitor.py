@@ -93,7 +93,7 @@ def test_with_a_heading_the_whole_of_the_earths_rate_is_taken_off() -> None:
     assert wrong.calibrated.drift > 15.0
 
 
-def test_half_a_minute_of_rest_tells_north_and_what_was_learnt_no_longer_holds_the_earths_rate() -> None:
+def test_half_a_minute_of_rest_determines_north_and_what_was_learnt_no_longer_holds_the_earths_rate() -> None:
     rig = MonitorRig(
         QUIET, MonitorOptions(latitude=LATITUDE), position=10
     )  # SEU: x, which is forward, points south
@@ -168,7 +168,7 @@ def test_lost_frames_are_counted_and_the_attitude_goes_on() -> None:
     assert np.degrees(np.arccos(np.clip(down_of(view) @ true_down(9), -1, 1))) < 3 * view.reading.sigma
 
 
-def test_what_a_drift_holds_of_the_earth_stands_beside_it() -> None:
+def test_what_a_drift_holds_of_the_earth_stands_next_to_it() -> None:
     assert RESTING.at_rest is not None
     held = "drift includes the Earth's rate: no --latitude"
     view = replace(RESTING, at_rest=replace(RESTING.at_rest, earth=held))
@@ -195,6 +195,6 @@ def test_a_calibration_of_another_model_is_refused() -> None:
         find_calibration(file, None, Unit("FOG3", "7", 0.02), FORMATS["counts"])
 
 
-def test_a_location_that_lags_behind_is_said_to() -> None:
+def test_a_location_that_lags_is_reported() -> None:
     assert reading_line(BEHIND).endswith("; 12 s behind")
     assert "behind" not in reading_line(LOCATED)

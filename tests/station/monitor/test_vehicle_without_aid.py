@@ -43,7 +43,7 @@ def ratio(rows: np.ndarray) -> float:
 
 
 @pytest.mark.parametrize("kind", ["motorway_car"])
-def test_from_when_it_is_told_sigma_is_what_the_error_is(kind: str) -> None:
+def test_from_when_it_is_reported_sigma_is_what_the_error_is(kind: str) -> None:
     log = vehicle_log(kind, 31, MEMS, 200.0)
     found, rows = followed(log)
     assert found.is_vehicle

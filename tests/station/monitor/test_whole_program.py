@@ -63,7 +63,7 @@ def test_json_lines_agree_with_the_truth_and_the_replay_ends_in_the_same(
         assert again[: len(live)] == live
 
 
-def test_attitude_is_told_by_mavlink(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_attitude_is_sent_by_mavlink(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     calibration = str(write_calibration(tmp_path, FLAT))
     heard = mavutil.mavlink_connection("udpin:127.0.0.1:0", source_system=9)
     port = heard.port.getsockname()[1]
@@ -133,7 +133,7 @@ def test_lines_of_text_take_keys_and_say_alarms(tmp_path: Path) -> None:
     assert all(f",{event}," in told for event in ("begin", "alarm", "mark", "zero"))
 
 
-def test_a_pulled_plug_is_said_and_gone_on_after(tmp_path: Path) -> None:
+def test_a_pulled_plug_is_reported_and_gone_on_after(tmp_path: Path) -> None:
     calibration = str(write_calibration(tmp_path, FLAT))
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
@@ -166,7 +166,7 @@ def test_a_pulled_plug_is_said_and_gone_on_after(tmp_path: Path) -> None:
         (["--mavlink-out", "tcp:127.0.0.1:1", "--calibration", "C"], 2, "udpout:HOST:PORT"),
     ],
 )
-def test_what_is_wrong_is_said_in_a_line_and_leaves_nothing_behind(
+def test_what_is_wrong_is_reported_in_a_line_and_leaves_nothing_behind(
     arguments: list[str], code: int, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     calibration = str(write_calibration(tmp_path, FLAT))

@@ -40,7 +40,7 @@ def test_a_limit_asks_for_what_its_guard_band_leaves(limit: Limit, values: dict[
     assert said == []
 
 
-def test_a_value_outside_its_limits_is_said_and_asks_for_nothing() -> None:
+def test_a_value_outside_its_limits_is_reported_and_asks_for_nothing() -> None:
     found, said = wanted_by([Limit(BIAS, -0.8, 0.8, "deg/h", 2.0)], {BIAS: 0.9})
     assert np.all(np.isinf(found.sigma))
     assert said == ["gyroscope.bias.x was 0.9 deg/h at last, outside its limits: no plan helps"]
@@ -90,7 +90,7 @@ def test_a_unit_whose_campaigns_are_gone_has_no_known_noise(tmp_path: Path) -> N
             known_noise(database, "FOG-3", "1", [])
 
 
-def test_noise_is_by_axis_in_deg_per_root_hour_and_the_wander_in_deg_per_hour() -> None:
+def test_noise_is_by_axis_in_deg_per_root_hour_and_the_bias_instability_in_deg_per_hour() -> None:
     noise = UnitNoise(np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 3.0]), np.ones(3), np.ones(3), 2e-6)
     found = noise_table(noise)
     assert found["accelerometer_g_sqrt_s"] == {"x": 1.0, "y": 2.0, "z": 3.0}

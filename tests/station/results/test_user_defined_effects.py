@@ -118,7 +118,7 @@ def said_of(found: Any, monkeypatch: pytest.MonkeyPatch) -> list[str]:
         (diagnosis(), ("absorb",)),
     ],
 )
-def test_what_became_of_it_is_said_with_its_values(
+def test_what_became_of_it_is_reported_with_its_values(
     found: Any, values: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     lines = said_of(found, monkeypatch)

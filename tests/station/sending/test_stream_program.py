@@ -146,7 +146,7 @@ def test_a_reader_that_leaves_ends_it(device: SimulatedDevice, calibration: str)
     program.stderr.close()
 
 
-def test_the_monitor_hands_on_beside_its_lines(
+def test_the_monitor_streams_in_addition_to_its_lines(
     device: SimulatedDevice, calibration: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with listener() as bound:

@@ -33,7 +33,7 @@ def test_the_layout_is_the_one_that_is_sent() -> None:
     assert MAGIC.decode() in PAGE
 
 
-def test_every_flag_is_told() -> None:
+def test_every_flag_is_reported() -> None:
     rows = re.findall(r"^\| (\d+) \| `(\w+)` \|", PAGE, re.MULTILINE)
     told = {name: 1 << int(bit) for bit, name in rows if name in {str(flag.name).lower() for flag in Quality}}
     assert told == {str(flag.name).lower(): int(flag) for flag in Quality}

@@ -120,7 +120,7 @@ def test_the_arrow_of_a_turn_shows_how_the_front_moves(step: StepView) -> None:
 
 
 @pytest.mark.parametrize("size", [(80, 24), LARGE_TERMINAL], ids=["80x24", "120x40"])
-async def test_the_cube_as_it_stands_is_drawn_beside_the_cube_as_wanted(size: tuple[int, int]) -> None:
+async def test_the_cube_as_it_stands_is_drawn_next_to_the_cube_as_wanted(size: tuple[int, int]) -> None:
     async with screens(views.TURN_IT, size) as seen:
         await seen.pilot.pause()
         said = "\n".join(seen.lines())

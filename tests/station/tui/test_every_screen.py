@@ -30,7 +30,7 @@ async def test_every_stage_has_its_screen_also_when_a_view_says_nothing_else() -
         assert len(seen.app.screen_stack) == 2
 
 
-async def test_nothing_is_cut_off_and_all_keys_are_told_in_a_large_terminal() -> None:
+async def test_nothing_is_cut_off_and_all_keys_are_reported_in_a_large_terminal() -> None:
     async with screens(CalibrationView(), LARGE) as seen:
         for name, view in views.VIEWS.items():
             await seen.show(view)
@@ -39,7 +39,7 @@ async def test_nothing_is_cut_off_and_all_keys_are_told_in_a_large_terminal() ->
             assert view.question is not None or keys_missing(seen) == [], name
 
 
-async def test_nothing_is_cut_off_and_all_keys_that_work_are_told() -> None:
+async def test_nothing_is_cut_off_and_all_keys_that_work_are_reported() -> None:
     """In the terminal's last line, with and without its focus, and in the palette."""
     async with screens(CalibrationView(), SMALL) as seen:
         for name, view in views.VIEWS.items():

@@ -53,7 +53,7 @@ def said_in(seen: Screens, widget: Widget) -> str:
 
 
 @pytest.mark.parametrize("error", STREAM, ids=lambda error: type(error).__name__)
-async def test_what_is_wrong_with_the_stream_is_said_whole_and_once(error: DriverError) -> None:
+async def test_what_is_wrong_with_the_stream_is_reported_whole_and_once(error: DriverError) -> None:
     async with screens(CalibrationView(stage="connecting")) as seen:
         link = views.LINK.model_copy(update={"is_live": False, "word": trouble_of(error)[0], "name": PORT})
         event = Event(number=99, sound="rejected", text=str(error))

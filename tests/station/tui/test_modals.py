@@ -38,7 +38,7 @@ async def test_a_question_is_answered_by_one_key(question: OperatorQuestion, key
         assert not isinstance(seen.app.screen, QuestionScreen)
 
 
-async def test_a_question_can_be_put_off_and_taken_up_and_cancel_is_there_meanwhile() -> None:
+async def test_a_question_can_be_put_off_and_taken_up_and_cancel_is_there_all_the_time() -> None:
     async with screens(views.ASKING) as seen:
         await seen.press("escape")
         seen.app.pull()

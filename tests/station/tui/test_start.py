@@ -101,7 +101,7 @@ async def test_what_is_typed_is_sent() -> None:
         assert seen.sent == [OperatorCommand(verb="begin", setup=expected)]
 
 
-async def test_a_wrong_value_is_said_in_words_as_it_is_typed() -> None:
+async def test_a_wrong_value_is_reported_in_words_as_it_is_typed() -> None:
     async with screens(FRESH) as seen:
         await fill(seen, "latitude_deg", "95")
         assert said(seen) == "✗ Latitude 95 is out of range, expected a number from -90 to 90 deg"
@@ -196,7 +196,7 @@ async def test_what_the_device_sends_is_not_missing_in_an_empty_field_with_the_c
         assert field.input.disabled
 
 
-async def test_a_wrong_address_of_a_receiver_is_said_and_not_listened_to() -> None:
+async def test_a_wrong_address_of_a_receiver_is_reported_and_not_listened_to() -> None:
     async with screens(FRESH) as seen:
         await fill(seen, "gnss", "receiver")
         expected = "'receiver' is no receiver, expected mavlink:udpin:0.0.0.0:14550, udpout or tcp"
@@ -287,7 +287,7 @@ async def test_what_lacks_nothing_begins_at_once_and_the_list_can_be_asked_for(r
         assert [command.verb for command in seen.sent] == ["begin"]
 
 
-async def test_the_engine_is_told_what_stands_in_the_form_as_far_as_it_is_right() -> None:
+async def test_the_engine_receives_what_stands_in_the_form_as_far_as_it_is_right() -> None:
     async with screens(of_start()) as seen:
         await fill(seen, "operator", "A. Weber")
         await fill(seen, "latitude_deg", "north")

@@ -152,7 +152,7 @@ def test_an_offset_left_in_the_cameras_stamps_is_found_by_the_window(
 
 
 @pytest.mark.proof
-def test_a_wheel_beside_the_camera_is_found_to_its_scale(
+def test_a_wheel_with_the_camera_is_found_to_its_scale(
     flight: Eight, imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes
 ) -> None:
     """It tells the speed along an axis of the body, as any log or wheel does, 2 % too little."""

@@ -131,7 +131,7 @@ def test_an_outage_is_bridged_and_standing_still_is_seen() -> None:
 
 
 @pytest.mark.proof
-def test_a_wheel_that_stops_telling_says_nought_while_driving_and_is_not_believed() -> None:
+def test_a_wheel_that_stops_reporting_says_zero_while_driving_and_is_not_believed() -> None:
     """A broken sensor: nought from 30 s on, while the car drives, GNSS there."""
     rng, earth_n = np.random.default_rng(2), earth_rate_n(LATITUDE)
     car = Drive(40.0, outage=None, slips=())

@@ -106,7 +106,7 @@ def test_time_that_does_not_rise_is_refused_with_its_line(third: float) -> None:
 @pytest.mark.parametrize(
     ("stated", "warns"), [(0.01, False), (0.010009, False), (0.0100112, True), (0.0099888, True)]
 )
-def test_a_period_a_thousandth_off_the_one_stated_is_said(stated: float, warns: bool) -> None:
+def test_a_period_a_thousandth_off_the_one_stated_is_reported(stated: float, warns: bool) -> None:
     t = PERIOD * np.arange(400)
     found = step_data(table(t, np.zeros((400, 6))), imu("increments", period=stated))
     said = [each for each in found.warnings if "off sample_period_s" in each]

@@ -162,7 +162,7 @@ def test_what_cannot_be_is_refused(folder: Path, tmp_path: Path, old: str, new: 
         read_campaign(edited(folder, tmp_path, (old, new)))
 
 
-def test_a_wrong_label_is_said_as_that(folder: Path, tmp_path: Path) -> None:
+def test_a_wrong_label_is_reported_as_that(folder: Path, tmp_path: Path) -> None:
     wrong = edited(folder, tmp_path, (f'axes = "{ATTITUDES[14]}"', f'axes = "{ATTITUDES[15]}"'))
     out = tmp_path / "solution.json"
     done = CliRunner().invoke(app, ["solve", str(wrong), "--json", str(out)])

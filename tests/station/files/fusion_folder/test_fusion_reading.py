@@ -87,7 +87,7 @@ def test_a_place_beyond_ten_thousand_kilometres_is_of_another_frame() -> None:
         ([6.0, 7.0], True),
     ],
 )
-def test_clocks_that_do_not_meet_are_told(t: list[float], overlaps: bool) -> None:
+def test_clocks_that_do_not_meet_are_reported(t: list[float], overlaps: bool) -> None:
     moved = np.arange(5.0, 9.1)
     if overlaps:
         refuse_apart(fixes(t), moved, "IMU", FILE)

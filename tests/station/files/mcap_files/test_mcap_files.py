@@ -159,7 +159,7 @@ def test_a_foreign_file_that_does_not_fit_is_refused(tmp_path: Path, change: dic
         read_step(_foreign(tmp_path / "x.mcap", **change))  # type: ignore[arg-type]
 
 
-def test_rates_are_refused_where_counts_are_said(tmp_path: Path) -> None:
+def test_rates_are_refused_where_counts_are_stated(tmp_path: Path) -> None:
     path = tmp_path / "x.mcap"
     write(path, 1)
     with path.open("rb") as stream, refused(DataRefused, None, "imu.output"):

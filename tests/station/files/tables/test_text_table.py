@@ -89,7 +89,7 @@ def test_empty_cells_are_no_number_and_comments_and_empty_lines_no_row(tmp_path:
     assert found.line(7) == 11
 
 
-def test_a_last_line_cut_short_is_left_out_and_said(tmp_path: Path) -> None:
+def test_a_last_line_cut_short_is_left_out_and_reported(tmp_path: Path) -> None:
     found = read_table(written(tmp_path, text(",") + "2.0,1"))
     assert found.rows == 20
     assert "line 21" in found.notes[0]

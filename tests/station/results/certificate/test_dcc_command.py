@@ -18,7 +18,7 @@ from tests.station.results.certificate.dcc_numbers import NS, of_type, parsed, r
 EMAIL = ("--customer-email", "imu@sky.example")
 
 
-def test_the_xml_is_written_beside_the_html_and_recorded(db: Database, station: Run) -> None:
+def test_the_xml_is_written_next_to_the_html_and_recorded(db: Database, station: Run) -> None:
     code, out, _ = certify(station, *EMAIL, "--dcc", "--out", "a.html")
     assert code == 0
     written = Path("a.xml").read_bytes()
@@ -67,7 +67,7 @@ def test_an_amended_one_names_the_one_that_it_replaces(db: Database, station: Ru
     assert [row.dcc.encode() == first for row in rows] == [True, False]
 
 
-def test_what_the_form_asks_for_beside_is_missed_by_name(db: Database, station: Run, tmp_path: Path) -> None:
+def test_what_the_form_also_asks_for_is_missed_by_name(db: Database, station: Run, tmp_path: Path) -> None:
     code, out, error = certify(station, "--dcc")
     assert code == 3
     assert re.search(r"missing +customer.email", out)

@@ -82,7 +82,7 @@ def test_the_covariance_matrix_is_the_solutions(made: dict[str, tuple[Document, 
     assert seen == {(row, column) for row in known for column in known}
 
 
-def test_the_calibration_within_is_the_one_whose_hash_is_said(made: dict[str, tuple[Document, bytes]]) -> None:
+def test_the_calibration_within_is_the_one_whose_hash_is_stated(made: dict[str, tuple[Document, bytes]]) -> None:
     document, xml = made["effects"]
     within = b64decode(parsed(xml).findtext(".//dcc:byteData/dcc:dataBase64", None, NS))
     assert json.loads(within) == document

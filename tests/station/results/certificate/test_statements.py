@@ -91,7 +91,7 @@ def budget(source: str) -> dict[str, Any]:
     return {"parameters": [{"name": "accelerometer.scale_factor.x", "value": 100.0, "contributions": [part]}]}
 
 
-def test_what_a_campaign_cannot_tell_apart_is_said() -> None:
+def test_what_a_campaign_cannot_distinguish_is_reported() -> None:
     said = diagnosis_in_words({"diagnosis": {"verdict": "ambiguous", "findings": [QUADRATIC]}})
     expected = "Not separated by this campaign: quadratic term of the accelerometers (K2) or cube parallelism."
     assert said == ["Diagnosis of the residual: ambiguous.", expected]
@@ -104,7 +104,7 @@ def test_what_a_campaign_cannot_tell_apart_is_said() -> None:
     assert diagnosis_in_words({}) == ["No diagnosis of the residual is stored with this calibration."]
 
 
-def test_what_is_taken_as_zero_is_said_once_and_not_if_carried() -> None:
+def test_what_is_taken_as_zero_is_reported_once_and_not_if_carried() -> None:
     document: dict[str, Any] = {"procedure": {}, "accelerometer": {}}
     assert taken_as_zero(document) == [K2, "accelerometer.scale_asymmetry"]
     assert taken_as_zero({**document, "effects": [{"name": K2}]}) == ["accelerometer.scale_asymmetry"]
@@ -180,7 +180,7 @@ def test_a_unit_is_received_before_it_is_measured(received: date | None, said: s
          "hier mit keinem Normal verglichen"),
     ],
 )  # fmt: skip
-def test_a_sentence_is_said_in_german(english: str, german: str) -> None:
+def test_a_sentence_is_worded_in_german(english: str, german: str) -> None:
     assert in_german(english) == german
 
 

@@ -120,7 +120,7 @@ def test_campaigns_of_two_units_are_not_diagnosed_together(
     assert "SIM-8" in capsys.readouterr().err
 
 
-def test_another_campaign_is_foretold_by_what_was_found(
+def test_another_campaign_is_predicted_by_what_was_found(
     warmed: Diagnosed, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     planted = {"accelerometer.bias_temperature": {"x": 8e-5, "y": -5e-5, "z": 9e-5}}

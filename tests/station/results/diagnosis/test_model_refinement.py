@@ -42,7 +42,7 @@ def test_counts_at_another_temperature_come_out_right(warmed: Diagnosed) -> None
     assert abs(without[0, 2] - up) > 1e-3
 
 
-def test_an_instrument_effect_in_doubt_is_not_carried(warmed: Diagnosed, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_instrument_effect_that_is_ambiguous_is_not_carried(warmed: Diagnosed, monkeypatch: pytest.MonkeyPatch) -> None:
     found = model_refinement.diagnose([one.campaign for one in read_for_solve([warmed.folder])])
     doubted = tuple(replace(each, probability=0.6) for each in found.findings)
     monkeypatch.setattr(model_refinement, "diagnose", lambda campaigns, declared: replace(found, findings=doubted))
@@ -53,7 +53,7 @@ def test_an_instrument_effect_in_doubt_is_not_carried(warmed: Diagnosed, monkeyp
 
 
 @pytest.mark.proof
-def test_in_the_dwell_that_is_left_of_a_face_a_crumb_is_said_not_to_show(tmp_path: Path) -> None:
+def test_in_the_dwell_that_is_left_of_a_face_debris_is_reported_not_to_show(tmp_path: Path) -> None:
     off = {"placement.dwell": {"position": 7.0, "x": 6e-4, "z": -3e-4}}
     (loaded,) = read_for_solve([simulated(tmp_path, off, 4, moves=True)])
     certified = refine_model([loaded])  # the certificate of the faces tells a crumb

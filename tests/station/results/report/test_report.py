@@ -82,7 +82,7 @@ def test_every_parameter_is_there_with_its_sigma(html: str) -> None:
         assert f">{fixed(value, 3)}<" in plain
 
 
-def test_the_expanded_uncertainty_stands_beside_the_value_and_is_that_of_the_budget() -> None:
+def test_the_expanded_uncertainty_stands_next_to_the_value_and_is_that_of_the_budget() -> None:
     first, *others = factory.budgets()
     wide = replace(
         first, expanded=2.04e-6

@@ -179,7 +179,7 @@ def test_the_workers_of_a_cluster_give_the_same_and_say_what_they_cannot_read(
     assert all(f"no such folder on {one['host']}" in one["reason"] for one in found.values())
 
 
-def test_a_campaign_is_diagnosed_again_and_what_changed_is_said(
+def test_a_campaign_is_diagnosed_again_and_what_changed_is_reported(
     resolve: Resolve, fleet: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder, file = fleet / "S2", fleet / "S2" / "diagnosis.json"

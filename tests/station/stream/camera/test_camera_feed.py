@@ -71,7 +71,7 @@ def test_images_come_are_recorded_and_come_again(camera: SimulatedCamera, tmp_pa
     assert list(recorded.take(came[-1].came_ns)) == came[before:]
 
 
-def test_what_is_wrong_is_said_and_over(camera: SimulatedCamera, tmp_path: Path) -> None:
+def test_what_is_wrong_is_reported_and_over(camera: SimulatedCamera, tmp_path: Path) -> None:
     clock = Clock()
     with camera:
         (tmp_path / "eye.toml").write_text(camera_toml(SMALL, camera.url))

@@ -111,7 +111,7 @@ def record(folder: Path, database: Path, ppm: float, positions: Iterable[int]) -
 
 
 @pytest.mark.proof
-def test_diagnose_finds_the_clock_of_a_campaign_recorded_beside_a_receiver(tmp_path: Path) -> None:
+def test_diagnose_finds_the_clock_of_a_campaign_recorded_with_a_receiver(tmp_path: Path) -> None:
     record(tmp_path / "c", tmp_path / "s.db", SMALL, range(1, 13))
     rows = [dwell.series.extra["utc_s"] for dwell in read_campaign(tmp_path / "c").campaign.dwells]
     assert all(np.isfinite(utc).sum() > 50 for utc in rows)
@@ -145,7 +145,7 @@ def test_a_running_campaign_names_the_clock_once_and_ends_where_it_is_worse() ->
         beside(REFUSED, 90.0)
 
 
-def test_without_a_receiver_the_machines_clock_tells_a_thousandth_and_leaves_another_pace_alone() -> None:
+def test_without_a_receiver_the_machines_clock_determines_a_thousandth_and_leaves_another_pace_alone() -> None:
     [said] = beside(WARNED, 60.0, has_gnss=False)
     assert re.search(r"clock.rate.* 0.0199\d+ s, -0.1[0-9]% off", said)
     with refused(DataRefused, ErrorCode.SAMPLE_RATE):

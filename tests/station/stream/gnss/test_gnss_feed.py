@@ -101,7 +101,7 @@ class InMemory:
     ],
     ids=lambda each: each.kind if isinstance(each, TimedFault) else "",
 )
-def test_what_is_wrong_is_said_within_two_seconds_and_then_that_it_is_over(
+def test_what_is_wrong_is_reported_within_two_seconds_and_then_that_it_is_over(
     fault: TimedFault, said: str, tmp_path: Path
 ) -> None:
     (tmp_path / "key").write_bytes(bytes(range(1, 33)))

@@ -157,7 +157,7 @@ def test_its_health_and_its_summary_count_what_came_and_what_did_not() -> None:
     assert feed.stream().trouble == feed.trouble
 
 
-def test_a_port_that_is_away_is_said_before_what_is_missing_therefore() -> None:
+def test_a_port_that_is_away_is_reported_before_what_is_missing_therefore() -> None:
     told = Told()
     feed = feed_of(told)
     told.mark("port lost: gone", is_open=False)
@@ -208,7 +208,7 @@ def test_a_receiver_may_take_three_of_its_periods_for_its_first_fix(rate: str, f
     assert "no GNSS message" in watched.at(first_s + 0.01, burst())
 
 
-def test_a_fix_at_no_place_is_said_with_why() -> None:
+def test_a_fix_at_no_place_is_reported_with_why() -> None:
     watched = Watched()
     watched.latest = GnssFix("GPS_INPUT", 1, 0, FixType.NO_FIX, no_place="latitude and longitude are exactly 0")
     assert "exactly 0" in watched.at(2.0, burst())

@@ -77,7 +77,7 @@ def test_a_rate_that_was_granted_is_not(rate_hz: float) -> None:
     assert set(heard(Asked(slow, hz=1.0), 40.0)) == {""}  # what the words said to do
 
 
-def test_a_message_that_stops_among_others_is_told_and_so_is_its_end() -> None:
+def test_a_message_that_stops_among_others_is_reported_and_so_is_its_end() -> None:
     source = Asked(AutopilotTruth(default_hz=5.0))
     feed = GnssFeed(source, clock=source.clock)
     while source.now < 20.0:

@@ -32,7 +32,7 @@ size = 5000.0
 """
 
 
-def test_an_autopilot_is_served_beside_the_imu_with_its_own_faults(tmp_path: Path) -> None:
+def test_an_autopilot_is_served_with_the_imu_with_its_own_faults(tmp_path: Path) -> None:
     (tmp_path / "faults").write_text(FAULTS)
     options = ("--speed", f"{paced(50.0):g}", "--gnss", "tcp", "--faults", str(tmp_path / "faults"))
     with Program("simulate", "--example", "7", "--pty", str(tmp_path / "imu"), *options) as program:

@@ -49,7 +49,7 @@ def runs() -> dict[str, Run]:
 
 @pytest.mark.parametrize("format", ["counts", "can"])
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name.replace(" ", "_"))
-def test_every_fault_is_told_within_two_seconds_and_over_within_three(
+def test_every_fault_is_reported_within_two_seconds_and_over_within_three(
     case: Case, format: str, runs: dict[str, Run]
 ) -> None:
     run, begins = runs[format], begins_s(case)

@@ -170,7 +170,7 @@ def test_a_line_without_a_byte_is_silent_after_so_long_and_no_sooner() -> None:
         feed.advance()
 
 
-def test_a_byte_begins_the_wait_for_bytes_anew_but_not_that_for_a_frame() -> None:
+def test_a_byte_restarts_the_wait_for_bytes_but_not_that_for_a_frame() -> None:
     feed = feed_of(Script([(1.0, []), (0.75, [Chunk(1, NOISE)]), (0.1, [Chunk(2, NOISE)])]))
     for _ in range(2):
         feed.advance()
@@ -178,7 +178,7 @@ def test_a_byte_begins_the_wait_for_bytes_anew_but_not_that_for_a_frame() -> Non
         feed.advance()
 
 
-def test_a_frame_begins_both_waits_anew() -> None:
+def test_a_frame_restarts_both_waits() -> None:
     first, second = (each for each in chunks(device(), 2))
     feed = feed_of(Script([(1.75, []), (0.0, [first]), (1.75, []), (0.01, [second]), (1.75, []), (0.1, [])]))
     for _ in range(5):

@@ -48,7 +48,7 @@ def test_a_clock_that_turns(before: float, now: float, elapsed: float, turn: flo
     ("kind", "restarts"),
     [("restart", 1), ("unplug", 0), ("counter_restart", 0), ("clock_jump", 0)],
 )
-def test_a_restart_is_told_from_all_else_that_interrupts_a_stream(format: str, kind: str, restarts: int) -> None:
+def test_a_restart_is_distinguished_from_all_else_that_interrupts_a_stream(format: str, kind: str, restarts: int) -> None:
     truth = Truth.example(1)
     feed = open_feed(Source(truth, [Fault(kind, at_s=30.0, seconds=8.0, count=20)], format))
     if format == "counts":

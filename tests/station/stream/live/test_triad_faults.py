@@ -77,7 +77,7 @@ def runs() -> dict[int, Run]:
 
 @pytest.mark.parametrize("axis", AXES)
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name.replace(" ", "_"))
-def test_a_fault_of_one_gyro_of_three_is_told_and_over(case: Case, axis: int, runs: dict[int, Run]) -> None:
+def test_a_fault_of_one_gyro_of_three_is_reported_and_over(case: Case, axis: int, runs: dict[int, Run]) -> None:
     begins, run = begins_s(case), runs[axis]
     said = [(at - begins, text) for at, text in run.said if begins <= at < begins + SLOT_S]
     told = [at for at, text in said if any(words in text for words in case.says.split("|"))]

@@ -60,7 +60,7 @@ def test_a_turn_is_the_counts_of_the_axis_less_its_rate_at_rest() -> None:
     assert made.rest_rate == pytest.approx(REST)
 
 
-def test_a_rest_with_a_gap_in_it_begins_anew() -> None:
+def test_a_rest_with_a_gap_in_it_restarts() -> None:
     for bad in (block(4), block(3, broken=True)):
         made = watch()
         made.rest(bad)
@@ -117,7 +117,7 @@ def test_one_revolution_more_or_less_is_seen_by_the_turns_before(total: float, s
     assert bool(said) == bool(made.fault())
 
 
-def test_lost_samples_and_no_rest_are_told() -> None:
+def test_lost_samples_and_no_rest_are_reported() -> None:
     assert turned(watch(), (500.0, 0.0, 0.0), first=4).fault() == "samples were lost while it turned"
     made = watch()
     made.take(block(3, 500.0, broken=True), is_still=False)

@@ -29,7 +29,7 @@ def runs() -> dict[str, Run]:
 
 @pytest.mark.parametrize("transport", TRANSPORTS)
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name.replace(" ", "_"))
-def test_every_fault_is_told_marked_and_over(case: Case, transport: str, runs: dict[str, Run]) -> None:
+def test_every_fault_is_reported_marked_and_over(case: Case, transport: str, runs: dict[str, Run]) -> None:
     run = runs[transport]
     texts, expected = run.texts(case), case.said_on(transport)
     if not expected:

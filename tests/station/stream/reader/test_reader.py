@@ -123,7 +123,7 @@ def test_a_replay_ends_after_all_of_its_bytes(journal: Path, tmp_path: Path) -> 
             reader.poll(1.0)
 
 
-def test_a_missing_port_is_said_as_it_is(journal: Path) -> None:
+def test_a_missing_port_is_reported_as_it_is(journal: Path) -> None:
     with refused(PortNotFound, ErrorCode.DEVICE, port="/dev/ttyNONE"), Reader("serial:///dev/ttyNONE", journal):
         pass
     assert not journal.exists()
@@ -205,7 +205,7 @@ class Crowded:
         return has_room
 
 
-def test_each_byte_that_was_not_collected_is_told_of_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_each_byte_that_was_not_collected_is_reported_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(process, "open_port", lambda url: None)
     outbox = Crowded(False, False, True, False, True, True, True)
     url = parse_device_url("serial:///dev/ttyUSB0?format=counts")

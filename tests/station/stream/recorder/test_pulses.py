@@ -81,7 +81,7 @@ def test_the_clock_is_fitted_by_pulses_to_a_sigma_that_readings_never_reach() ->
 
 
 @pytest.mark.parametrize("size", [1, 60, 64, 96])
-def test_the_pulse_is_told_however_reads_cut_the_datagrams(size: int) -> None:
+def test_the_pulse_is_reported_however_reads_cut_the_datagrams(size: int) -> None:
     form = FORMATS["stim300"].pulse
     data = b"".join(datagram(0xF7, pps=pps(8000 * k)) for k in range(60))
     decoder, ages, told = Decoder(FORMATS["stim300"]), PulseAges(form), list[float]()
@@ -114,7 +114,7 @@ def sample_s(name: str, data: bytes) -> float:
 
 
 @pytest.mark.parametrize("name", NOVATEL)
-def test_a_receiver_that_knows_gps_time_tells_the_seconds_of_its_samples(name: str) -> None:
+def test_a_receiver_that_knows_gps_time_gives_the_seconds_of_its_samples(name: str) -> None:
     wire = FORMATS[name]
     assert wire.pulse is not None
     at = sample_s(name, wire.example)

@@ -84,7 +84,7 @@ def test_its_health_and_its_summary_count_speeds_and_what_is_none(bus: Bus) -> N
     assert bus.feed.stream().rate_hz == pytest.approx(1 / 5)
 
 
-def test_frames_that_tell_no_speed_are_said_after_so_long(bus: Bus) -> None:
+def test_frames_that_give_no_speed_are_reported_after_so_long(bus: Bus) -> None:
     assert bus.hear(1.0, 5.0) == ""
     assert bus.hear(2.75, OTHERS, UNKNOWN) == ""
     assert bus.hear(2.85, OTHERS) == (
@@ -96,7 +96,7 @@ def test_frames_that_tell_no_speed_are_said_after_so_long(bus: Bus) -> None:
     assert bus.hear(2.9, 0.0) == ""
 
 
-def test_a_port_that_went_is_said_and_once_back_it_has_as_long_for_a_speed(bus: Bus) -> None:
+def test_a_port_that_went_is_reported_and_once_back_it_has_as_long_for_a_speed(bus: Bus) -> None:
     assert "port lost: gone; it is tried again and again" in bus.hear(1.0, GONE)
     assert "port lost" in bus.hear(9.0)
     assert bus.hear(10.0, BACK) == ""

@@ -72,6 +72,6 @@ def test_a_password_comes_from_a_descriptor_a_variable_or_a_person(monkeypatch: 
 @pytest.mark.parametrize(
     ("descriptor", "variable"), [(987, None), (-1, None), (10**14, None), (None, "NOT_SET_AT_ALL"), (None, None)]
 )
-def test_where_there_is_no_password_that_is_said(descriptor: int | None, variable: str | None) -> None:
+def test_where_there_is_no_password_that_is_reported(descriptor: int | None, variable: str | None) -> None:
     with refused(DataRefused, ErrorCode.KEY, file="lab.p12"):
         key_password(Path("lab.p12"), descriptor, variable)
