@@ -166,7 +166,7 @@ class SimulatedDevice:
     def __enter__(self) -> Self:
         self._line.plug()
         try:
-            self._control = _ControlServer(("127.0.0.1", self._control_port), self._obey)
+            self._control = _ControlServer(("127.0.0.1", self._control_port), self._execute)
         except OSError:
             self._line.unplug()
             raise
@@ -197,7 +197,7 @@ class SimulatedDevice:
         if self.failure is not None:
             raise self.failure
 
-    def _obey(self, command: str) -> str:
+    def _execute(self, command: str) -> str:
         if command.split() == ["go"]:
             self._go.set()
             return "ok"

@@ -79,7 +79,7 @@ def fit_correlated_line(
     places, steps = _steps(member) if dof > MIN_FREE_POINTS else (np.zeros(0, dtype=np.int64), np.zeros((n, 0)))
     d, V = _noises(np.abs(x[:, None] - x) / span)
     without = len(d)
-    if record is not None and _tells(record, member):
+    if record is not None and _determine_a_slope(record, member):
         d, V = (np.concatenate(each) for each in zip((d, V), _offsets_of_records(x, record), strict=True))
     found = _fit(d, V @ design, V @ y, V @ steps, least)
     log, slope, variance = found.log, found.slope, found.variance
@@ -106,7 +106,7 @@ def _noises(apart: FloatArray) -> tuple[FloatArray, FloatArray]:
     return np.vstack((np.ones(n), d.reshape(-1, n))), np.concatenate((np.eye(n)[None], turns))
 
 
-def _tells(record: IntArray, member: IntArray) -> bool:
+def _determine_a_slope(record: IntArray, member: IntArray) -> bool:
     """Say whether points within records give a slope, and a group has several: else its offset holds theirs."""
     pairs = np.unique(np.stack((record, member)), axis=1)
     return bool(len(np.unique(pairs[1])) < pairs.shape[1] < len(record))

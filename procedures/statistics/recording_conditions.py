@@ -294,9 +294,9 @@ def _cut(found: Examined, bad: BadRows) -> Examined:
     runs = edges[1::2] - edges[::2]
     if runs.max() <= LONE_ROWS and mask.mean() <= MAX_OUTLIER_SHARE:
         rows = np.arange(len(rate))
-        mended = np.interp(rows, rows[~mask], rate[~mask])
+        filled = np.interp(rows, rows[~mask], rate[~mask])
         condition = replace(bad.condition, text=f"{bad.condition.text} They are replaced by their neighbours.")
-        return replace(_with(found, condition), rate=mended, replaced=found.replaced + float(mask.mean()))
+        return replace(_with(found, condition), rate=filled, replaced=found.replaced + float(mask.mean()))
     part = _longest_clean(mask)
     kept = part.stop - part.start
     if kept < max(MIN_SAMPLES, MIN_CLEAN_SHARE * len(rate)):

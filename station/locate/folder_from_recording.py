@@ -79,7 +79,7 @@ def fusion_from_recording(url: str, folder: Path, asked: FusionOptions) -> list[
     made = FusionRecording(origin, gravity, imu, noise, fixes, std, asked.lever_arm, seen, wheel)
     write_fusion(folder, made)
     silent = [f"warning: {feed.silent}"] if feed.silent else []
-    return [*silent, *_said(folder, made, rest, applied)]
+    return [*silent, *_notes(folder, made, rest, applied)]
 
 
 def _device_s(feed: LiveFeed, sample: int) -> float:
@@ -144,7 +144,7 @@ def _placed(file: Path, records: list[Record], times: FixTimes, imu: ImuSeries) 
     return origin, level_fixes(origin, np.array(stamps), used)
 
 
-def _said(folder: Path, made: FusionRecording, rest: Rest, applied: AppliedCalibration) -> list[str]:
+def _notes(folder: Path, made: FusionRecording, rest: Rest, applied: AppliedCalibration) -> list[str]:
     imu, fixes, seen = made.imu, made.fixes, made.seen
     rested = f"noise from {rest.seconds:.0f} s of rest"
     if rest.seconds < MIN_REST_S:

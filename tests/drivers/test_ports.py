@@ -126,10 +126,10 @@ def test_a_missing_port_is_reported_with_those_present(monkeypatch: pytest.Monke
 
 @pytest.mark.parametrize("path", ["/dev/null", "/etc/passwd", "/tmp"])
 def test_what_is_no_serial_line_is_reported(path: str) -> None:
-    with refused(PortNotFound, ErrorCode.DEVICE, port=path) as told:
+    with refused(PortNotFound, ErrorCode.DEVICE, port=path) as reported:
         open_port(f"serial://{path}")
-    assert str(told.value).count(path) == 1
-    assert "Errno" not in str(told.value)
+    assert str(reported.value).count(path) == 1
+    assert "Errno" not in str(reported.value)
 
 
 def test_an_unplugged_line_is_lost_on_read_and_on_write(line: Line) -> None:

@@ -83,7 +83,7 @@ def changed(at: tuple[Any, ...], odd: Any) -> dict[str, Any]:
 @pytest.fixture(scope="module")
 def accepted() -> list[str]:
     """Documents with something odd in them that are taken all the same; every other is refused in one line."""
-    found, said = list[str](), list[str]()
+    found, reported = list[str](), list[str]()
     for at in paths(DOCUMENT):
         for odd in ODD[:: 7 if at[0] in UNREAD else 2]:
             text = json.dumps(changed(at, odd))
@@ -91,8 +91,8 @@ def accepted() -> list[str]:
                 parsed_calibration(text, "c.json")
                 found.append(text)
             except DataRefused as error:
-                said.append(str(error))
-    assert not [line for line in said if "\n" in line or len(line) > 300]
+                reported.append(str(error))
+    assert not [line for line in reported if "\n" in line or len(line) > 300]
     return found
 
 

@@ -164,7 +164,7 @@ def _opened(url: str, folder: Path, stack: ExitStack) -> tuple[RestartableReader
 def _after_power_cycle(done: AcceptedSteps, recorder: CampaignRecorder, feed: LiveFeed) -> AcceptedSteps:
     """Return what the steps so far leave, the unit perhaps switched off and on since the last of them."""
     files = [recorder.folder / table.file for table in recorder.tables.steps()]
-    if not files or not feed.tells_time or feed.stamp is None:
+    if not files or not feed.gives_time or feed.stamp is None:
         return done
     return after_pause(done, feed.stamp[1], time.time() - max(file.stat().st_mtime for file in files))
 

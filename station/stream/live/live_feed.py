@@ -95,7 +95,7 @@ class LiveFeed:
         return period
 
     @property
-    def tells_time(self) -> bool:
+    def gives_time(self) -> bool:
         """Whether the device sends a time that does not begin again as it runs."""
         return self.stream.decoder.kind.has_time and self.wire.time_modulus is None
 
@@ -133,9 +133,9 @@ class LiveFeed:
             If a replayed file ends before it is known how often samples come.
         """
         decoder, kind = self.stream.decoder, self.wire.identity
-        says_who = kind is not None and kind is not self.wire.imu
+        is_identity = kind is not None and kind is not self.wire.imu
         while (period := self.stream.period) is None or (
-            says_who and not decoder.serial and self.stream.counters.samples * period < IDENTITY_S
+            is_identity and not decoder.serial and self.stream.counters.samples * period < IDENTITY_S
         ):
             try:
                 self.advance()

@@ -148,14 +148,14 @@ def test_the_status_is_read_wherever_the_stream_is_cut(parts: list[bytes], flags
     assert line.flags == flags
 
 
-@pytest.mark.parametrize(("flags", "said"), [(0x20, "error passive"), (0x80, "bus-off"), (0xA0, "bus-off")])
-def test_a_bus_in_trouble_is_reported(flags: int, said: str) -> None:
+@pytest.mark.parametrize(("flags", "reported"), [(0x20, "error passive"), (0x80, "bus-off"), (0xA0, "bus-off")])
+def test_a_bus_in_trouble_is_reported(flags: int, reported: str) -> None:
     line = SlcanLine(serial.Serial())
     for harmless in (None, 0, 0x5F):  # a full queue, a lost frame, an arbitration lost
         line.flags = harmless
         line.refuse_trouble()
     line.flags = flags
-    with pytest.raises(can.CanOperationError, match=said):
+    with pytest.raises(can.CanOperationError, match=reported):
         line.refuse_trouble()
 
 

@@ -118,7 +118,7 @@ def test_every_field_of_gps_input_is_in_si_and_its_flags_leave_out_what_they_nam
 
 
 def test_a_filters_position_and_heading_are_in_si() -> None:
-    said = dialect.MAVLink_global_position_int_message(
+    reported = dialect.MAVLink_global_position_int_message(
         time_boot_ms=1500,
         lat=311700000,
         lon=1214000000,
@@ -129,7 +129,7 @@ def test_a_filters_position_and_heading_are_in_si() -> None:
         vz=0,
         hdg=9000,
     )
-    fix = fix_of(said)
+    fix = fix_of(reported)
     assert (fix.latitude, fix.longitude) == pytest.approx((0.5440191, 2.1188297), abs=1e-7)
     assert (fix.altitude, fix.speed, fix.heading) == pytest.approx((10.25, 5.0, 1.5707963))
     assert fix.course == pytest.approx(5.3558901)

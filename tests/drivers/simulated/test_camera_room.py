@@ -104,9 +104,9 @@ def test_a_mounting_that_cannot_be_is_refused(wrong: dict[str, np.ndarray]) -> N
 
 
 def test_the_description_is_that_of_the_camera() -> None:
-    told = tomllib.loads(camera_toml(CAMERA, "camera:http://127.0.0.1:8080/stream"))
-    assert (told["format"], told["url"]) == ("camera/1", "camera:http://127.0.0.1:8080/stream")
-    assert [told[name] for name in ("fx_px", "fy_px", "cx_px", "cy_px")] == [230.0, 230.0, 187.5, 119.5]
-    T = np.array(told["imu_from_camera"])
+    reported = tomllib.loads(camera_toml(CAMERA, "camera:http://127.0.0.1:8080/stream"))
+    assert (reported["format"], reported["url"]) == ("camera/1", "camera:http://127.0.0.1:8080/stream")
+    assert [reported[name] for name in ("fx_px", "fy_px", "cx_px", "cy_px")] == [230.0, 230.0, 187.5, 119.5]
+    T = np.array(reported["imu_from_camera"])
     assert np.array_equal(T[:3, :3], CAMERA.C_bc)
     assert T[:, 3].tolist() == [*CAMERA.t_bc, 1.0]

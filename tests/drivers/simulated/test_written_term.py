@@ -104,9 +104,9 @@ REFUSED = (
 )
 
 
-@pytest.mark.parametrize(("old", "new", "said"), REFUSED)
-def test_what_is_no_effect_is_refused(old: str, new: str, said: str) -> None:
-    with pytest.raises(TruthRefused, match=said):
+@pytest.mark.parametrize(("old", "new", "reported"), REFUSED)
+def test_what_is_no_effect_is_refused(old: str, new: str, reported: str) -> None:
+    with pytest.raises(TruthRefused, match=reported):
         planted({}, {"gyroscope.dead_zone": text_of(LAWS[0]).replace(old, new)})
 
 

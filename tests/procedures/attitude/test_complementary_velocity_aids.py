@@ -145,8 +145,8 @@ def observability_matrix(rate: FloatArray, slope: FloatArray) -> FloatArray:
     """
     p, q, r = np.moveaxis(rate, -1, 0)
     dq, dr = slope[..., 1], slope[..., 2]
-    one, nought = np.ones_like(p), np.zeros_like(p)
-    rows = ((one, nought, nought), (nought, r, -q), (-r * r - q * q, p * q + dr, p * r - dq))
+    one, zero = np.ones_like(p), np.zeros_like(p)
+    rows = ((one, zero, zero), (zero, r, -q), (-r * r - q * q, p * q + dr, p * r - dq))
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 

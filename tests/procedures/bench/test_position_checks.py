@@ -176,9 +176,9 @@ def solved(seed: int, **effect: dict[str, float]) -> list[str]:
 
 def test_a_solution_names_the_dwell_that_stood_4_deg_off() -> None:
     [text] = solved(1, placement_dwell={"position": 7.0, "y": float(np.radians(4))})
-    told = re.match(
+    reported = re.match(
         r"position 7 \(dwell_07\) has a heading error of (\d\.\d) deg, counter-clockwise from above, by", text
     )
-    assert told
-    assert float(told[1]) == pytest.approx(4.0, abs=0.6)
+    assert reported
+    assert float(reported[1]) == pytest.approx(4.0, abs=0.6)
     assert text.endswith("record it again")

@@ -125,8 +125,8 @@ def test_debris_is_caught_in_seconds_and_a_clean_cube_is_left_alone(k: float) ->
         accepted.append(recorded(position, series, 30.0))
     tilt = np.zeros(3)
     tilt[cross_axes("z_up")[1]] = 100 * RAD_PER_ARCSEC
-    crumb = replace(world_with_effects(truth), seatings={10: np.cross(face_normal("z_up"), tilt)})
-    series = SimulatedBench(truth, 12, world=crumb).perform(Dwell(10, 10.0))
+    debris = replace(world_with_effects(truth), seatings={10: np.cross(face_normal("z_up"), tilt)})
+    series = SimulatedBench(truth, 12, world=debris).perform(Dwell(10, 10.0))
     assert "along +y" in judge(seen(accepted, recorded(10, series, 6.0)))
 
 

@@ -88,8 +88,8 @@ def test_a_delay_that_changes_once_is_no_rate(step: float, at_s: float) -> None:
 def test_a_device_that_was_switched_off_in_between_has_one_rate_still() -> None:
     rng = np.random.default_rng(3)
     pieces = stamped(20.0, lambda true: 1e-3 * rng.exponential(size=len(true)))
-    anew = [(t - t[0] if i == 6 else t - pieces[6][0][0], u) for i, (t, u) in enumerate(pieces) if i >= 6]
-    rate = fit_clock([*pieces[:6], *anew])
+    restarted = [(t - t[0] if i == 6 else t - pieces[6][0][0], u) for i, (t, u) in enumerate(pieces) if i >= 6]
+    rate = fit_clock([*pieces[:6], *restarted])
     assert rate is not None
     assert abs(rate.ppm - 20.0) < 4 * rate.std < 20
 

@@ -174,7 +174,9 @@ def diagnosed_levels(
 
 
 @pytest.mark.parametrize("moved", [True])
-def test_a_slope_by_temperature_is_determined_by_rests_at_one_temperature_each(tmp_path: Path, moved: bool) -> None:
+def test_a_slope_by_temperature_is_determined_by_rests_at_one_temperature_each(
+    tmp_path: Path, moved: bool
+) -> None:
     found = diagnosed_levels(tmp_path, np.outer(np.array(TEMPERATURES) - 25, SLOPE), moved=moved)
     (finding,) = found.findings
     assert finding.effect == "gyroscope.bias_temperature"

@@ -128,8 +128,8 @@ def oven(seed: int, accel: FloatArray | float, gyro: FloatArray | float) -> Diag
     w = gyro + 1.3e-3 * rng.standard_normal((n, 3)) + np.array([0.11, -0.07, 0.02])
     series = RateSeries(OVEN_T + 1.0, w, f, temperature + 0.02 * rng.standard_normal(n), 1.0)
     soaks = (SoakRecord("oven", 0, None, series),)
-    told = {"accelerometer": 1.0, "gyroscope": 1.0}
-    return diagnose([Campaign("m", "s", False, Site(0.8, 9.8, 0.02), (), (), soaks=soaks, nominal_scale=told)])
+    reported = {"accelerometer": 1.0, "gyroscope": 1.0}
+    return diagnose([Campaign("m", "s", False, Site(0.8, 9.8, 0.02), (), (), soaks=soaks, nominal_scale=reported)])
 
 
 def on(axis: int, values: FloatArray) -> FloatArray:

@@ -22,14 +22,14 @@ from procedures.uncertainty.budget import ParameterBudget, budget
 from procedures.uncertainty.sources import GivenValues, Unexplained
 from tests.benchmarks.diagnosing.designs import certified, plain, unit
 from tests.procedures.diagnosis.half_explained import by_residual, expanded_bias, half_explained
-from tests.procedures.diagnosis.planted import wandering
+from tests.procedures.diagnosis.planted import drifting
 
 
 @cache
 def diagnosed(size: float) -> Diagnosis:
     truth = replace(unit(3), slab_tilt_rad=np.zeros(2), faces_rad=np.zeros((6, 2)))
     (campaign,) = certified(truth, 3)
-    return diagnose([wandering(campaign, 3, size)])
+    return diagnose([drifting(campaign, 3, size)])
 
 
 def bias_x(found: Diagnosis, unexplained: dict[str, Unexplained] | None) -> ParameterBudget:
@@ -161,7 +161,7 @@ def test_the_parameters_sigma_grows_by_what_the_coefficients_leave_open() -> Non
         assert np.max(wide / narrow) > 1.2
 
 
-LEANING = {"gyroscope.g_sensitivity": {"xx": 0.15, "yz": -0.15}}
+TILTED = {"gyroscope.g_sensitivity": {"xx": 0.15, "yz": -0.15}}
 
 
 def campaigns(effects: dict[str, dict[str, float]], seed: int) -> tuple[Campaign, ...]:
@@ -171,7 +171,7 @@ def campaigns(effects: dict[str, dict[str, float]], seed: int) -> tuple[Campaign
 
 @pytest.fixture(scope="module")
 def found() -> Diagnosis:
-    diagnosis = diagnose(campaigns(LEANING, 3))
+    diagnosis = diagnose(campaigns(TILTED, 3))
     assert "gyroscope.g_sensitivity" in [finding.effect for finding in diagnosis.findings]
     return diagnosis
 
@@ -181,7 +181,7 @@ def dwells(errors: tuple[ResidualRms, ...]) -> ResidualRms:
 
 
 def test_the_error_of_another_day_falls_by_an_effect_of_the_unit(found: Diagnosis) -> None:
-    errors = dwells(validate(found, campaigns(LEANING, 1003)))
+    errors = dwells(validate(found, campaigns(TILTED, 1003)))
     assert errors.held_out_before is not None
     assert errors.held_out_after is not None
     assert errors.held_out_after < 0.7 * errors.held_out_before

@@ -30,10 +30,10 @@ OFF_DIAGONAL = [4, 5, 6, 8, 9, 10]  # of E, in k, E, D
 SEEDS = (1, 2, 3)
 
 
-def solved(of: Carried, told: Campaign | None = None) -> tuple[GyroscopeFit, TriadVector]:
-    told = told or of.campaign
-    accelerometer = solve_accelerometer([told], of.accelerometer)
-    found = solve_gyroscope([told], of.gyroscope, [], accelerometer)
+def solved(of: Carried, specified: Campaign | None = None) -> tuple[GyroscopeFit, TriadVector]:
+    specified = specified or of.campaign
+    accelerometer = solve_accelerometer([specified], of.accelerometer)
+    found = solve_gyroscope([specified], of.gyroscope, [], accelerometer)
     assert found is not None
     return found, triad_vector(found.joint, "gyroscope", accelerometer)
 
@@ -50,9 +50,9 @@ def test_twelve_positions_and_the_moves_between_them_give_the_gyroscopes_without
 ) -> None:
     error = np.array([vector.value - of.truth for of, _, vector in solutions])
     sigma = np.array([np.sqrt(np.diag(vector.covariance)) for _, _, vector in solutions])
-    told = np.hstack(((error / sigma)[:, :3], (error / sigma)[:, OFF_DIAGONAL], (error / sigma)[:, 12:]))
-    assert np.abs(told).max() < 4
-    assert np.sqrt(np.mean(told**2)) < 1.4
+    specified = np.hstack(((error / sigma)[:, :3], (error / sigma)[:, OFF_DIAGONAL], (error / sigma)[:, 12:]))
+    assert np.abs(specified).max() < 4
+    assert np.sqrt(np.mean(specified**2)) < 1.4
     assert np.all(sigma[:, :3] / 36000 < 7e-6)
     assert np.all(sigma[:, OFF_DIAGONAL] < 1.8 * ARCSEC)
     assert np.all(sigma[:, 12:] < 0.016)
@@ -128,16 +128,16 @@ ORDER = tuple("ENU ESD USE DSW SUW NDW NWU SWD UWS DES EUS EDN".split())
 
 
 def test_fast_moves_are_left_out_and_reported_and_the_others_solve() -> None:
-    slow, brisk = campaign(3, ORDER, seconds=25.0, hz=50.0), campaign(3, ORDER, seconds=4.0, hz=12.5)
-    moves = (*slow.campaign.moves[:-1], brisk.campaign.moves[-1])
+    slow, fast = campaign(3, ORDER, seconds=25.0, hz=50.0), campaign(3, ORDER, seconds=4.0, hz=12.5)
+    moves = (*slow.campaign.moves[:-1], fast.campaign.moves[-1])
     made = replace(slow, campaign=replace(slow.campaign, moves=moves))
     accelerometer = solve_accelerometer([made.campaign], made.accelerometer)
     fit = solve_gyroscope([made.campaign], made.gyroscope, [], accelerometer)
     assert fit is not None
     assert fit.moves is not None
-    [said] = fit.moves.moves.left_out
-    assert said.startswith("move_10 not used: moved too fast, ")
-    assert said.endswith(" arcsec of coning")
+    [reported] = fit.moves.moves.left_out
+    assert reported.startswith("move_10 not used: moved too fast, ")
+    assert reported.endswith(" arcsec of coning")
     assert len(fit.moves.moves.records) == 10
     vector = triad_vector(fit.joint, "gyroscope", accelerometer)
     off = (vector.value - made.truth)[:3] / np.sqrt(np.diag(vector.covariance))[:3]

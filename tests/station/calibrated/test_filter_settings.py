@@ -16,15 +16,15 @@ STILL = AttitudeLog(np.arange(1, 401) / 100, np.zeros((400, 3)), np.tile([0.0, 0
 
 def calibration(**accelerometer: list[float]) -> dict[str, Any]:
     off = [[None, 2e-5, 1e-5], [3e-5, None, 1e-5], [1e-5, 1e-5, None]]
-    nought = {"bias": [0.0] * 3, "scale_factor": [0.0] * 3} | accelerometer
+    zero = {"bias": [0.0] * 3, "scale_factor": [0.0] * 3} | accelerometer
     return {
         "gyroscope": {
             "scale_factor": {"value": [-2e4, 1e4, 1e4], "std": [4.0, 1.0, 1.0]},  # 200 ppm at most
             "misalignment": {"std": off}, "bias": {"std": [0.1, 3.0, 0.2]},
         },
         "accelerometer": {
-            "scale_factor": {"value": [1000.0, -1000.0, 500.0], "std": nought["scale_factor"]},
-            "misalignment": {"std": [[None, 0, 0], [0, None, 0], [0, 0, None]]}, "bias": {"std": nought["bias"]},
+            "scale_factor": {"value": [1000.0, -1000.0, 500.0], "std": zero["scale_factor"]},
+            "misalignment": {"std": [[None, 0, 0], [0, None, 0], [0, 0, None]]}, "bias": {"std": zero["bias"]},
         },
     }  # fmt: skip
 

@@ -83,9 +83,9 @@ def test_an_angle_that_nobody_specified_is_asked_for_and_not_rounded(
     log = saved(tmp_path, turned_deg, scale)
     with refused(DataRefused, ErrorCode.TURN_ANGLE, "turn:+z:") as asked:
         campaign_of_logs([log], LogOptions(kinds=("turn:+z",)))
-    said = re.search(r"[0-9.]+(?= deg)", str(asked.value))
-    assert said is not None
-    assert float(said[0]) == pytest.approx(turned_deg * scale, abs=0.1)
+    reported = re.search(r"[0-9.]+(?= deg)", str(asked.value))
+    assert reported is not None
+    assert float(reported[0]) == pytest.approx(turned_deg * scale, abs=0.1)
     with refused(DataRefused, ErrorCode.TURN_ANGLE):
         campaign_of_logs([log], LogOptions(ColumnOptions(unit_gyro="raw"), kinds=("turn:+z",)))
 
@@ -144,9 +144,9 @@ def test_a_reference_and_a_gyroscope_that_agree_on_no_single_angle_are_asked_abo
     turned_deg: float, scale: float, ends: tuple[float, float], sign: int, kinds: tuple[str, ...], tmp_path: Path
 ) -> None:
     log = with_reference(saved(tmp_path, turned_deg, scale), ends, sign)
-    told = LogOptions(ColumnOptions(reference="enc_deg"), kinds=kinds)
+    stated = LogOptions(ColumnOptions(reference="enc_deg"), kinds=kinds)
     with refused(DataRefused, ErrorCode.TURN_ANGLE):
-        campaign_of_logs([log], told)
+        campaign_of_logs([log], stated)
 
 
 def test_an_encoder_with_a_turn_of_any_angle_gives_the_scale_factor(
@@ -156,9 +156,9 @@ def test_an_encoder_with_a_turn_of_any_angle_gives_the_scale_factor(
     scale = found["solution"]["rate_tables"]["gyroscope"]["scale_factor"]["z"]
     assert abs(scale["value"] - 1.03) < 4 * scale["std"]
     assert found["verdict"] == "consistent"
-    said = capsys.readouterr().err
-    assert "ms late" in said
-    assert "1.03 times" in said
+    reported = capsys.readouterr().err
+    assert "ms late" in reported
+    assert "1.03 times" in reported
 
 
 def steady(folder: Path, unit: float, bias: float, t: np.ndarray) -> Path:
@@ -180,15 +180,15 @@ STEADY = ("--reference", "enc_deg", "--unit-gyro", "deg/s", "--as", "rate:z")
 
 
 @pytest.mark.parametrize(
-    ("unit", "bias", "said"), [(1.0, 0.003, ""), (np.pi / 180, 0.0, "0.01745 times"), (1.0, 1.0, "1.1 times")]
+    ("unit", "bias", "reported"), [(1.0, 0.003, ""), (np.pi / 180, 0.0, "0.01745 times"), (1.0, 1.0, "1.1 times")]
 )
 def test_a_motor_that_keeps_one_rate_is_held_against_the_whole_angle_and_is_no_rate_table(
-    unit: float, bias: float, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    unit: float, bias: float, reported: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     log = steady(tmp_path, unit, bias, PERIOD * np.arange(6000))
     assert cli.run(["diagnose", str(log), *STEADY]) == 5
-    told = capsys.readouterr().err
-    assert (said in told) if said else (" times " not in told)
+    stated = capsys.readouterr().err
+    assert (reported in stated) if reported else (" times " not in stated)
 
 
 def test_a_log_with_turns_that_nobody_declared_is_a_soak_only_where_it_rests(

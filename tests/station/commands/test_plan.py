@@ -100,9 +100,9 @@ def test_what_is_out_of_reach_is_named_and_is_exit_1(
 ) -> None:
     asked = ["plan", "--sigma", "gyroscope.bias.x=0.0001deg/h", "--noise", str(recorded), "--latitude", LATITUDE]
     assert cli.run([*asked, "--minutes", "12", "--no-turns"]) == 1
-    said = capsys.readouterr().out
-    assert "gyroscope bias x 0.000100 deg/h" in said
-    assert float(said.split(" min")[0]) <= 12
+    reported = capsys.readouterr().out
+    assert "gyroscope bias x 0.000100 deg/h" in reported
+    assert float(reported.split(" min")[0]) <= 12
 
 
 def test_without_a_site_nothing_is_planned(

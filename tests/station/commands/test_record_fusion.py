@@ -53,18 +53,18 @@ def test_a_drive_is_made_a_folder_and_located_where_it_was(tmp_path: Path) -> No
 
 
 def _located(folder: Path, tmp_path: Path, first: np.ndarray) -> None:
-    out, told = tmp_path / "t.tum", tmp_path / "j.json"
-    assert cli.run(["locate", str(folder), "--out", str(out), "--json", str(told)]) == 0
+    out, json_file = tmp_path / "t.tum", tmp_path / "j.json"
+    assert cli.run(["locate", str(folder), "--out", str(out), "--json", str(json_file)]) == 0
     poses = np.loadtxt(out)
     off = poses[:, 1:4] - TRACK.positions(poses[:, 0]) + first
     assert np.median(np.linalg.norm(off, axis=1)) < 2.0  # the receiver's own error wanders by 0.3 m and 0.5 m up
     v = TRACK.velocities(poses[:, 0])
     ahead = Rotation.from_quat(poses[:, 4:]).apply([1.0, 0, 0])
     yaw = np.degrees(np.arctan2(ahead[:, 1], ahead[:, 0]) - np.arctan2(v[:, 1], v[:, 0]))
-    said = json.loads(told.read_text())
+    reported = json.loads(json_file.read_text())
     assert np.median(np.abs((yaw + 180) % 360 - 180)) < 0.5
-    assert abs(said["time_offset_s"]) < 3 * 0.02
-    assert said["rejected_fixes"] == 0
+    assert abs(reported["time_offset_s"]) < 3 * 0.02
+    assert reported["rejected_fixes"] == 0
 
 
 def test_a_live_run_that_ctrl_c_ends_leaves_the_folder_that_its_recording_gives(tmp_path: Path) -> None:

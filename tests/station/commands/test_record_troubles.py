@@ -22,7 +22,7 @@ def test_a_port_that_went_and_came_back_is_reported_while_it_is_away(tmp_path: P
             assert program.process.stderr is not None
             lines = [program.process.stderr.readline() for _ in range(2)]
             program.process.send_signal(signal.SIGINT)
-            _, said, _ = program.end()
+            _, reported, _ = program.end()
     assert str(link) in lines[0]
     assert "well again" in lines[1]
-    assert " 1 gap " in said
+    assert " 1 gap " in reported

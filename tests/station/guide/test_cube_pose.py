@@ -98,12 +98,12 @@ def placed_7_turned(rig: Make, **how: bool) -> GuideRig:
 def test_a_position_that_stood_4_deg_off_is_named_at_once_and_done_again(rig: Make) -> None:
     guided = placed_7_turned(rig)
     view = guided.run(lambda v: v.question is not None)
-    told = re.match(
+    shown = re.match(
         r"Position 7 has a heading error of (\d\.\d) deg, clockwise from above, by the Earth rate",
         view.question.text,
     )
-    assert told
-    assert float(told[1]) == pytest.approx(4.0, abs=1.0)
+    assert shown
+    assert float(shown[1]) == pytest.approx(4.0, abs=1.0)
     assert view.done == 7
     guided.execute("answer", key="r")
     guided.run(lambda v: v.stage == "place" and "set position 7 along the marks" in v.hint)

@@ -112,10 +112,10 @@ def test_a_round_that_lasts_is_reported_and_no_other() -> None:
     with StallNotice(lambda: view, seen.append) as watch:
         with watch.round():
             until(lambda: bool(seen))
-        told = len(seen)
+        reported = len(seen)
         with watch.round():
             pass
-        assert len(seen) <= told + 1
+        assert len(seen) <= reported + 1
     assert seen[0].line == "position 3"
     assert "writing to the disk for " in seen[0].hint
     assert "accepted steps are safe" in seen[0].hint

@@ -114,7 +114,7 @@ def test_a_cube_that_is_in_neither_position_is_set_down_again(rig: Make) -> None
 def test_a_shock_costs_the_disturbed_seconds_only_and_the_bar_never_falls(rig: Make) -> None:
     guided = rig(dwells(1, seconds=30.0))
     guided.run(after(25.0))
-    guided.hands("knock 7 0.05")
+    guided.hands("shock 7 0.05")
     guided.run(guided.done(1))
     seconds = accepted_seconds(guided)
     assert np.min(np.diff(seconds)) >= 0

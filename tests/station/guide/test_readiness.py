@@ -107,10 +107,10 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bench]:
                 add_fixture(session, CubeRow(id=kind, side_mm=400.0))
                 add_fixture(session, SlabRow(id=kind))
                 due = {"good": AHEAD, "old": PAST}.get(kind)
-                said = {"source": "CMM 12", "measured_utc": LONG_AGO, "due_date": due}
+                reported = {"source": "CMM 12", "measured_utc": LONG_AGO, "due_date": due}
                 if kind != "bare":
-                    certify_faces(session, kind, face, **said)
-                    add_level(session, level_row(kind, std=(5e-6, 5e-6), **said))
+                    certify_faces(session, kind, face, **reported)
+                    add_level(session, level_row(kind, std=(5e-6, 5e-6), **reported))
             for name, latitude, due in (("LAB-1", 48.0, AHEAD), ("LAB-2", 50.0, PAST)):
                 survey = survey_columns(9.8, 1e-6, "gravimeter", LONG_AGO.date(), due)
                 add_fixture(session, SiteRow(id=name, latitude_deg=latitude, **survey))

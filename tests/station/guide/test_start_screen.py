@@ -111,7 +111,7 @@ def test_a_bad_line_is_named_with_what_to_do(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("url", "said"),
+    ("url", "reported"),
     [
         ("serial:///dev/ttyNONE", "no such port"),
         ("nonsense", "no address"),
@@ -120,10 +120,10 @@ def test_a_bad_line_is_named_with_what_to_do(tmp_path: Path) -> None:
         ("replay:/no/such/file", "No such file"),
     ],
 )
-def test_what_cannot_be_looked_at_is_words_not_an_error(url: str, said: str) -> None:
+def test_what_cannot_be_looked_at_is_words_not_an_error(url: str, reported: str) -> None:
     check = check_port(url, 0.1)
     assert (check.is_good, check.url) == (False, url)
-    assert said in check.text
+    assert reported in check.text
 
 
 TRUTH = replace(Truth.example(5), latitude_deg=48.1, longitude_deg=11.5, height_m=520.0)
@@ -162,10 +162,10 @@ def test_the_campaign_waits_for_looks_and_says_the_site_that_it_took(tmp_path: P
             while not engine.view.gates:
                 assert time.monotonic() < until, (engine.view.stage, engine.view.start)
                 engine.round()
-            [said] = [event.text for event in engine.view.events if "GNSS" in event.text]
+            [reported] = [event.text for event in engine.view.events if "GNSS" in event.text]
         finally:
             engine.close()
     assert "for 20 positions of the receiver" in shown[0].hint
-    assert said.startswith("site from GNSS: 48.")
-    assert re.search(r" u \d+\.\d m", said)
-    assert said.endswith("longitude_deg 12.5 is stated, GNSS gives 11.5")
+    assert reported.startswith("site from GNSS: 48.")
+    assert re.search(r" u \d+\.\d m", reported)
+    assert reported.endswith("longitude_deg 12.5 is stated, GNSS gives 11.5")

@@ -204,9 +204,9 @@ def test_a_fast_flip_is_reported_at_once_and_a_slow_one_is_not(rig: Make) -> Non
     guided.hands("carry 4 3 60")
     view = guided.run(lambda v: any("moved too fast" in e.text for e in v.events), seconds=60)
     assert view.done == 1  # before the dwell is over
-    [said] = [e.text for e in view.events if "moved too fast" in e.text]
-    assert "arcsec of coning; at least" in said
-    assert said.endswith("s for a flip")
+    [reported] = [e.text for e in view.events if "moved too fast" in e.text]
+    assert "arcsec of coning; at least" in reported
+    assert reported.endswith("s for a flip")
     guided.run(guided.done(2))
     assert "its transfer is not used" in guided.view.step("dwell_04").note
     guided.hands("carry 2 60 0")

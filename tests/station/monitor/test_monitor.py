@@ -129,7 +129,7 @@ def test_an_alarm_rings_once_and_ends_below_its_limit() -> None:
     rig = MonitorRig(FLAT, MonitorOptions(alarms=(Alarm("roll", 20.0),)))
     rig.run(20.0)
     assert rig.view.alarms == ()
-    rig.hands("lean 0 1 1")
+    rig.hands("tilt 0 1 1")
     rig.run(70.0)
     assert rig.view.alarms[0].startswith("roll")
     rig.hands("place 9 20")
@@ -177,11 +177,12 @@ def test_what_a_drift_holds_of_the_earth_stands_next_to_it() -> None:
 
 
 @pytest.mark.parametrize(
-    ("unit", "said"), [(Unit(UNKNOWN, UNKNOWN, 0.02), "--model and --serial"), (Unit("FOG3", "7", 0.02), "FOG3 7")]
+    ("unit", "reported"),
+    [(Unit(UNKNOWN, UNKNOWN, 0.02), "--model and --serial"), (Unit("FOG3", "7", 0.02), "FOG3 7")],
 )
-def test_without_calibration_and_scale_it_says_what_to_do(unit: Unit, said: str, tmp_path: Path) -> None:
+def test_without_calibration_and_scale_it_says_what_to_do(unit: Unit, reported: str, tmp_path: Path) -> None:
     database = str(tmp_path / "s.db")
-    with open_db(database), refused(DataRefused, ErrorCode.CALIBRATION, said):
+    with open_db(database), refused(DataRefused, ErrorCode.CALIBRATION, reported):
         find_calibration(None, database, unit, FORMATS["counts"])
     with refused(DataRefused, None, "c.json"):
         find_calibration(tmp_path / "c.json", database, unit, FORMATS["counts"])

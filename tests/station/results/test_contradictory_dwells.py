@@ -79,7 +79,7 @@ QUADRATIC = "accelerometer.quadratic"
 
 
 @pytest.mark.parametrize(
-    ("document", "is_certified", "said"),
+    ("document", "is_certified", "reported"),
     [
         (DOCUMENT, False, "0.063 deg"), *((DOCUMENT | {"verdict": known}, False, "") for known in
         ("explained", "established", "likely", "nothing")), (DOCUMENT | {"error": [SMALL]}, False, ""),
@@ -102,10 +102,10 @@ QUADRATIC = "accelerometer.quadratic"
     ],
 )  # fmt: skip
 def test_what_no_bench_does_is_a_contradiction_and_a_known_cause_or_a_small_one_none(
-    document: dict[str, Any], is_certified: bool, said: str
+    document: dict[str, Any], is_certified: bool, reported: str
 ) -> None:
     found = contradiction_of(document, is_certified=is_certified)
-    assert (said in found) if said else found == ""
+    assert (reported in found) if reported else found == ""
 
 
 def test_seven_dwells_with_one_tilted_a_degree_by_debris_are_not_to_be_relied_on(tmp_path: Path) -> None:

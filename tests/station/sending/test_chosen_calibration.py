@@ -58,7 +58,7 @@ def test_a_device_that_does_not_say_who_it_is_needs_a_name(database: str) -> Non
 
 
 @pytest.mark.parametrize(
-    ("asked", "unit", "said"),
+    ("asked", "unit", "reported"),
     [
         ("S2", S1, ("FOG-3 S2", "FOG-3 S1")),
         ("S1", Unit("FOG-4", "S1", 0.01), ("FOG-3 S1", "FOG-4 S1")),
@@ -66,8 +66,8 @@ def test_a_device_that_does_not_say_who_it_is_needs_a_name(database: str) -> Non
         ("", Unit("FOG-3", "S9", 0.01), ("FOG-3 S9",)),
     ],
 )
-def test_another_units_is_refused(asked: str, unit: Unit, said: tuple[str, ...], database: str) -> None:
-    with refused(DataRefused, ErrorCode.CALIBRATION, *said):
+def test_another_units_is_refused(asked: str, unit: Unit, reported: tuple[str, ...], database: str) -> None:
+    with refused(DataRefused, ErrorCode.CALIBRATION, *reported):
         chosen_calibration(asked, database, unit, COUNTS)
 
 

@@ -52,9 +52,9 @@ def test_values_are_the_librarys_with_effects_too() -> None:
     counts = np.hstack((sent.gyro, sent.accel))[rows]
     library = library_of(document)
     assert set(library.effects) == {entry["name"] for entry in EFFECTS}
-    told = library.apply(counts, found.t, sent.temperature[rows], period=UNIT.sample_period_s)
-    assert np.abs(found.f - told.specific_force).max() <= 1e-12 * np.abs(found.f).max()
-    assert np.abs(found.omega - told.angular_rate).max() <= 1e-12 * np.abs(found.omega).max()
+    received = library.apply(counts, found.t, sent.temperature[rows], period=UNIT.sample_period_s)
+    assert np.abs(found.f - received.specific_force).max() <= 1e-12 * np.abs(found.f).max()
+    assert np.abs(found.omega - received.angular_rate).max() <= 1e-12 * np.abs(found.omega).max()
     assert not found.flags[1:].any()
 
 
@@ -93,7 +93,9 @@ def test_a_new_beginning_is_reported(kind: str) -> None:
         ({"effects": [{"name": "nobody.knows", "coefficients": {}, "unit": "g"}]}, Quality.EFFECT_LEFT_IN),
     ],
 )
-def test_what_is_against_the_calibration_is_reported_of_every_sample(changes: dict[str, Any], flag: Quality) -> None:
+def test_what_is_against_the_calibration_is_reported_of_every_sample(
+    changes: dict[str, Any], flag: Quality
+) -> None:
     found = LiveRig(calibration={**calibration_of(UNIT), **changes}).run(2.0)
     assert set((found.flags & ~np.uint32(FREE)).tolist()) == {int(flag)}
 

@@ -123,11 +123,11 @@ def test_the_arrow_of_a_turn_shows_how_the_front_moves(step: StepView) -> None:
 async def test_the_cube_as_it_stands_is_drawn_next_to_the_cube_as_wanted(size: tuple[int, int]) -> None:
     async with screens(views.TURN_IT, size) as seen:
         await seen.pilot.pause()
-        said = "\n".join(seen.lines())
-        assert re.search(r"TARGET +CUBE NOW", said)
-        assert "turn 176 deg more, clockwise" in " ".join(said.split())
-        assert said.count("-X") >= 2  # up in both ...
-        assert "-Y" in said  # ... but the front of one is the back of the other
+        reported = "\n".join(seen.lines())
+        assert re.search(r"TARGET +CUBE NOW", reported)
+        assert "turn 176 deg more, clockwise" in " ".join(reported.split())
+        assert reported.count("-X") >= 2  # up in both ...
+        assert "-Y" in reported  # ... but the front of one is the back of the other
         small = seen.app.screen.cube.size.width
     assert small == 38 or size != (80, 24)
 

@@ -118,11 +118,11 @@ def test_the_window_follows_the_flight_and_the_graph_stays_within_its_sigma(
 def test_where_the_camera_sits_is_found(
     flight: Eight, imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes
 ) -> None:
-    told = turned(CAMERA, 0.6, 0.01)
-    source = window(imu, tracks, fixes, told)
+    reported = turned(CAMERA, 0.6, 0.01)
+    source = window(imu, tracks, fixes, reported)
     list(source.poses())
     off = np.degrees(rotation_vector(CAMERA.C_bc.T @ source.state.C_bc))
-    assert np.linalg.norm(off) < 0.25 * np.linalg.norm(np.degrees(rotation_vector(CAMERA.C_bc.T @ told.C_bc)))
+    assert np.linalg.norm(off) < 0.25 * np.linalg.norm(np.degrees(rotation_vector(CAMERA.C_bc.T @ reported.C_bc)))
 
 
 def test_without_gnss_it_drifts_by_centimetres(

@@ -187,11 +187,11 @@ for i in range(10**6):
     with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as child:
         assert child.stdout is not None
         for _ in range(20):
-            said = int(child.stdout.readline())
+            reported = int(child.stdout.readline())
         os.kill(child.pid, signal.SIGKILL)
     step = read_step(path)
     assert step.damage == "the recording was cut short"
-    assert len(step) >= said
+    assert len(step) >= reported
     check_prefix(step)
     with path.open("rb") as stream, pytest.raises(McapError):
         list(make_reader(stream).iter_messages())

@@ -110,10 +110,10 @@ def test_what_is_no_table_is_refused(tmp_path: Path, content: bytes, code: Error
 @given(st.binary(max_size=300))
 def test_no_bytes_crash_the_reader(tmp_path_factory: pytest.TempPathFactory, content: bytes) -> None:
     file = written(tmp_path_factory.getbasetemp(), content)
-    said, rows = "", 1
+    reported, rows = "", 1
     try:
         rows = read_table(file).rows
     except DataRefused as error:
-        said = str(error)
+        reported = str(error)
     assert rows > 0
-    assert "\n" not in said
+    assert "\n" not in reported

@@ -58,10 +58,10 @@ def test_an_amended_one_names_the_one_that_it_replaces(db: Database, station: Ru
     assert previous.findtext("dcc:value", None, NS) == sha256
     assert re.fullmatch(r"EX-\d{4}-0001", previous.findtext("dcc:referralID", None, NS))
     [statement] = of_type(root, "fog_amendment", "statement")
-    said = " ".join(statement.itertext())
-    assert "it was cracked" in said
-    assert "Fields printed otherwise: Condition." in said
-    assert sha256 in said
+    reported = " ".join(statement.itertext())
+    assert "it was cracked" in reported
+    assert "Fields printed otherwise: Condition." in reported
+    assert sha256 in reported
     with db.read() as session:
         rows = issued_of(session, find_calibration(session, "S0101").sha256)
     assert [row.dcc.encode() == first for row in rows] == [True, False]

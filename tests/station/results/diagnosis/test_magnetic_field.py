@@ -84,9 +84,9 @@ def test_without_a_day_the_field_is_todays_and_that_is_reported(recorded: Loaded
     assert recorded_on(dated(recorded, 0.0)) is None  # seconds from somewhere
     found = with_magnetic_field(recorded, TODAY)
     assert found.campaign.site.magnetic == field_at(recorded, TODAY)
-    (said,) = set(found.warnings) - set(recorded.warnings)
-    assert "2026-11-21" in said
-    assert "magnetic_enu_ut" in said
+    (reported,) = set(found.warnings) - set(recorded.warnings)
+    assert "2026-11-21" in reported
+    assert "magnetic_enu_ut" in reported
 
 
 @pytest.mark.parametrize("day", [date(2031, 5, 1)])

@@ -69,9 +69,9 @@ def test_every_parameter_is_there_with_its_sigma(html: str) -> None:
         ):  # fmt: skip
             for i in range(3):
                 value, std = estimate.value[i] * scale, estimate.std[i] * scale
-                beside = r'</td>(<td class="num value">[^<]*</td>)?<td class="num( sigma)?">'
+                next_cell = r'</td>(<td class="num value">[^<]*</td>)?<td class="num( sigma)?">'
                 shown = re.escape(fixed(value, decimals(std))), re.escape(fixed(std, decimals(std)))
-                assert re.search(f">{shown[0]}{beside}{shown[1]}<", plain)
+                assert re.search(f">{shown[0]}{next_cell}{shown[1]}<", plain)
         for q, p in ((0, 1), (1, 0), (2, 1)):
             value, std = triad.misalignment.value[q, p], triad.misalignment.std[q, p]
             arcsec = 180 * 3600 / np.pi

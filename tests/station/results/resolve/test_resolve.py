@@ -198,10 +198,10 @@ def test_a_campaign_is_diagnosed_again_and_what_changed_is_reported(
     command = ["resolve", str(folder), "--workers", "1", "--out", str(tmp_path / "kept")]
     capsys.readouterr()
     assert cli.run([*command, "--db", str(tmp_path / "s.db")]) == 0
-    said = " ".join(capsys.readouterr().out.split())
-    assert "1 with another diagnosis" in said
-    assert f"diagnosis: established before, {first['verdict']['now']} now" in said
-    assert "no more found: gyroscope.magnetic" in said
+    reported = " ".join(capsys.readouterr().out.split())
+    assert "1 with another diagnosis" in reported
+    assert f"diagnosis: established before, {first['verdict']['now']} now" in reported
+    assert "no more found: gyroscope.magnetic" in reported
     document["solution"]["provenance"]["files"] = {}  # of other recordings: not of this campaign
     file.write_text(json.dumps(document))
     assert set(resolve(str(folder))[1]["S2"]["diagnosis"]) == {"verdict", "findings"}

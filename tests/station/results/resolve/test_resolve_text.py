@@ -55,8 +55,8 @@ def test_shifts_are_summed_up_and_reported_of_one_sigma_or_more() -> None:
     assert found.shift == pytest.approx(-4e-5)
     assert shift_of(entries[3]) is None
     first, *remarks = text_of(*entries)
-    said = "median 1, at most 3, accelerometer bias z of FOG3 S2"
-    assert f"largest change of a campaign, in units of its earlier uncertainty u: {said}" in first
+    reported = "median 1, at most 3, accelerometer bias z of FOG3 S2"
+    assert f"largest change of a campaign, in units of its earlier uncertainty u: {reported}" in first
     assert [each.split(" moved: accelerometer bias z ")[0] for each in remarks] == ["S2 FOG3 S2", "S3 FOG3 S1"]
     assert [each.rpartition(" (")[2].strip() for each in remarks] == ["3.0 u)", "1.0 u)"]
 

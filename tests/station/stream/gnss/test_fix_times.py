@@ -102,8 +102,8 @@ def test_a_fix_with_utc_is_placed_by_the_pulses_at_the_imus_input(read: float) -
         times.stamp_pulse(7.0 + second * (1 + 30e-6))
     for boot in (50.08, None):
         for true in (12.3, 41.98, 58.999):
-            told = replace(fix(true, boot, read), utc_ns=EPOCH + round(true * 1e9))
-            assert times.of(told) == pytest.approx(7.0 + true * (1 + 30e-6), abs=1e-4)
+            noticed = replace(fix(true, boot, read), utc_ns=EPOCH + round(true * 1e9))
+            assert times.of(noticed) == pytest.approx(7.0 + true * (1 + 30e-6), abs=1e-4)
     without = replace(fix(12.3, None, read), utc_ns=None)
     assert times.of(without) == pytest.approx(19.3 + read, abs=0.006)
     far = replace(fix(12.3, None, 0.6), utc_ns=EPOCH + round(12.3 * 1e9))  # which second, nobody could tell

@@ -61,10 +61,10 @@ def test_devices_says_who_is_on_a_link_and_what_was_answered(capsys: pytest.Capt
     autopilot = AutopilotTruth(system=5, denies=frozenset({GPS2_RAW}))
     with SimulatedGnss(Truth(), autopilot, speed=10.0) as gnss:
         assert cli.run(["devices", "--url", f"{gnss.url}?rate=2", "--seconds", f"{longer(1.5):g}"]) == 0
-    said = capsys.readouterr().out
-    assert re.search(r"system 5: \d\d+ frames", said)
-    assert "GPS_RAW_INT at 2 Hz: accepted" in said
-    assert "GPS2_RAW at 2 Hz: denied" in said
+    reported = capsys.readouterr().out
+    assert re.search(r"system 5: \d\d+ frames", reported)
+    assert "GPS_RAW_INT at 2 Hz: accepted" in reported
+    assert "GPS2_RAW at 2 Hz: denied" in reported
     assert cli.run(["devices", "--url", "mavlink:udpin:127.0.0.1:0x"]) == 2
     assert "udpin" in capsys.readouterr().err
 

@@ -60,18 +60,18 @@ def test_a_format_is_found_by_three_frames_and_these_are_the_first_samples() -> 
 
 
 @pytest.mark.parametrize(
-    ("items", "error", "said"),
+    ("items", "error", "reported"),
     [
         ([], LinkSilent, "1.8 s"),
         ([Chunk(1, NOISE), GONE, Chunk(2, NOISE)], WrongFormat, "128 bytes at 921600 baud"),
     ],
 )
 def test_a_format_that_is_not_found_in_time_is_refused(
-    items: list[Item], error: type[Exception], said: str, monkeypatch: pytest.MonkeyPatch
+    items: list[Item], error: type[Exception], reported: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     script = Script([(0.0, [each]) for each in items], SNIFFED)
     monkeypatch.setattr(time, "monotonic", script.clock)
-    with refused(error, ErrorCode.DEVICE, said):
+    with refused(error, ErrorCode.DEVICE, reported):
         open_feed(script)
     assert 1.8 <= script.now < 1.95
 

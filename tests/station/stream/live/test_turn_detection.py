@@ -88,7 +88,7 @@ def test_a_fifth_of_the_turn_may_show_on_another_axis(across: float, is_about: b
 
 
 @pytest.mark.parametrize(
-    ("direction", "rate", "said"),
+    ("direction", "rate", "reported"),
     [
         ("+", 500.0, ""),
         ("-", -500.0, ""),
@@ -96,14 +96,14 @@ def test_a_fifth_of_the_turn_may_show_on_another_axis(across: float, is_about: b
         ("-", 500.0, "expected clockwise"),
     ],
 )
-def test_the_direction_is_the_sign_about_the_axis(direction: str, rate: float, said: str) -> None:
+def test_the_direction_is_the_sign_about_the_axis(direction: str, rate: float, reported: str) -> None:
     made = turned(watch(), (rate, 0.0, 0.0))
     made.take_as(replace(STEP, direction=direction))
-    assert made.fault() == said or (said and said in made.fault())
+    assert made.fault() == reported or (reported and reported in made.fault())
 
 
 @pytest.mark.parametrize(
-    ("total", "said"),
+    ("total", "reported"),
     [
         (2150.0, ""),
         (1850.0, ""),
@@ -111,10 +111,10 @@ def test_the_direction_is_the_sign_about_the_axis(direction: str, rate: float, s
         (1750.0, "it was 1.75 revolutions, by the turns"),
     ],
 )
-def test_one_revolution_more_or_less_is_seen_by_the_turns_before(total: float, said: str) -> None:
+def test_one_revolution_more_or_less_is_seen_by_the_turns_before(total: float, reported: str) -> None:
     made = turned(watch(earlier=(1000.0, 900.0, 2000.0)), (total, 0.0, 0.0))  # the median
-    assert said in made.fault()
-    assert bool(said) == bool(made.fault())
+    assert reported in made.fault()
+    assert bool(reported) == bool(made.fault())
 
 
 def test_lost_samples_and_no_rest_are_reported() -> None:

@@ -146,9 +146,9 @@ def test_a_journal_is_never_overwritten(journal: Path, line: tuple[int, str]) ->
     ids=lambda error: type(error).__name__,
 )
 def test_an_error_passes_the_pipe_unchanged(error: DriverError) -> None:
-    [told] = unpacked(bytearray(packed(Refusal(type(error), str(error), vars(error)))))
-    assert isinstance(told, Refusal)
-    again = told.error
+    [received] = unpacked(bytearray(packed(Refusal(type(error), str(error), vars(error)))))
+    assert isinstance(received, Refusal)
+    again = received.error
     assert type(again) is type(error)
     assert (str(again), vars(again)) == (str(error), vars(error))
 
@@ -182,14 +182,14 @@ def test_messages_arrive_whole_and_in_order_however_large(monkeypatch: pytest.Mo
 
     monkeypatch.setattr(os, "write", write)
     outbox = Outbox(writing)
-    said = [bytes([i]) * size for i, size in enumerate((1, 0, 200_000, 3, 70_000))]
-    for message in said:
+    reported = [bytes([i]) * size for i, size in enumerate((1, 0, 200_000, 3, 70_000))]
+    for message in reported:
         assert outbox.put(message)
     got = b""
-    while len(got) < sum(map(len, said)):
+    while len(got) < sum(map(len, reported)):
         got += os.read(reading, 65536)
     outbox.close(HANG_S)
-    assert got == b"".join(said)
+    assert got == b"".join(reported)
     assert max(sizes) <= 65536
 
 

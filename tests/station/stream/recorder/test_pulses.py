@@ -84,14 +84,14 @@ def test_the_clock_is_fitted_by_pulses_to_a_sigma_that_readings_never_reach() ->
 def test_the_pulse_is_reported_however_reads_cut_the_datagrams(size: int) -> None:
     form = FORMATS["stim300"].pulse
     data = b"".join(datagram(0xF7, pps=pps(8000 * k)) for k in range(60))
-    decoder, ages, told = Decoder(FORMATS["stim300"]), PulseAges(form), list[float]()
+    decoder, ages, noticed = Decoder(FORMATS["stim300"]), PulseAges(form), list[float]()
     for at in range(0, len(data), size):
         block = decoder.feed(data[at : at + size])
         age = ages.of(data[at : at + size], block)
         assert (age is None) == (len(block) == 0)
-        told += [] if age is None else [age]
-    assert told[-1] >= 0.008 * 58
-    assert np.allclose(np.diff(told) / 0.008, np.rint(np.diff(told) / 0.008))
+        noticed += [] if age is None else [age]
+    assert noticed[-1] >= 0.008 * 58
+    assert np.allclose(np.diff(noticed) / 0.008, np.rint(np.diff(noticed) / 0.008))
     assert PulseAges(None).of(data, decoder.feed(data)) is None
 
 

@@ -41,10 +41,10 @@ class Bus:
         items, self._items = self._items, []
         return items
 
-    def hear(self, at: float, *said: float | bytes | StreamGap) -> str:
+    def hear(self, at: float, *reported: float | bytes | StreamGap) -> str:
         """Return what is wrong after speeds [m/s], other frames and marks came at a time."""
         self.now, host_ns = at, round(at * NS)
-        for each in said:
+        for each in reported:
             data = self._signal.frame(each, host_ns) if isinstance(each, float) else each
             self._items.append(each if isinstance(each, StreamGap) else Chunk(host_ns, bytes(data)))  # type: ignore[arg-type]
         self.feed.advance()

@@ -99,9 +99,9 @@ def test_o_opens_the_report_in_another_tab(browser: Chromium, tmp_path: Path) ->
         folder = recorded(tmp_path / "c", opened)
         keep_plan(folder, tuple(Dwell(position, 4.0) for position in range(1, 13)))
     with Program("resume", str(folder), "--web", "--port", "0", "--db", str(database)) as program:
-        said = program.until("http://127.0.0.1:")
-        assert "Open this address in a browser on this computer" in said[0]
-        url = said[-1].strip()
+        reported = program.until("http://127.0.0.1:")
+        assert "Open this address in a browser on this computer" in reported[0]
+        url = reported[-1].strip()
         [socket] = children(program.process.pid, "station.guide").values()
         with Watch(socket) as watch:
             watch.until(lambda view: view.stage == "verdict")

@@ -138,8 +138,8 @@ def test_a_signed_file_gives_way_to_a_signed_one_alone(station: Run, tmp_path: P
     code, out, error = station(*again)
     assert (code, out) == (2, "")
     assert "c.xml: cannot be written (a signed file exists" in error
-    anew = ("--laboratory", str(EXAMPLE), *ORDER, "--amend", "name", "--dcc", "--out", "c.html")
-    assert station("certificate", "S0101", *anew)[:2] == (2, "")  # and no number is given
+    second_signature = ("--laboratory", str(EXAMPLE), *ORDER, "--amend", "name", "--dcc", "--out", "c.html")
+    assert station("certificate", "S0101", *second_signature)[:2] == (2, "")  # and no number is given
     key = ("--sign", "lab.p12", "--password-env", "KEY_PASSWORD")
     code, out, _ = station(*again, *key, "--timestamp", "http://127.0.0.1:9/")
     assert code == 4

@@ -41,14 +41,14 @@ def test_another_password_is_refused_without_saying_it(tmp_path: Path, password:
 
 @pytest.mark.parametrize("name", REFUSED)
 def test_a_key_that_cannot_sign_a_certificate_is_refused(tmp_path: Path, name: str) -> None:
-    make, said = REFUSED[name]
+    make, reported = REFUSED[name]
     try:
         file = make().p12(tmp_path, "lab")
     except ValueError:  # the library makes none of two that do not belong together
         return
     with pytest.raises(DataRefused) as caught:
         read_signing_key(file, PASSWORD)
-    assert said in str(caught.value)
+    assert reported in str(caught.value)
 
 
 def test_a_key_of_another_kind_is_refused(tmp_path: Path) -> None:

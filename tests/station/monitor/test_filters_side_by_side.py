@@ -37,13 +37,13 @@ def test_a_complementary_filter_next_to_the_joint_filter_reads_the_bench_as_it_d
     assert (joint.roll, joint.pitch) == (view.reading.roll, view.reading.pitch)
     assert abs(mixing.roll) < 0.05
     assert abs(mixing.pitch) < 0.05
-    told = json.loads(json_line(view))
-    assert [one["law"] for one in told["laws"]] == ["joint", name]
-    assert told["difference"]["roll_deg"] == pytest.approx(mixing.roll - joint.roll)
-    assert told["difference"]["angle_deg"] == pytest.approx(
+    document = json.loads(json_line(view))
+    assert [one["law"] for one in document["laws"]] == ["joint", name]
+    assert document["difference"]["roll_deg"] == pytest.approx(mixing.roll - joint.roll)
+    assert document["difference"]["angle_deg"] == pytest.approx(
         np.hypot(mixing.roll - joint.roll, mixing.pitch - joint.pitch), rel=1e-3
     )
-    assert "final_bias" not in told["laws"][1]  # no velocity, so that nothing says what it leaves out
+    assert "final_bias" not in document["laws"][1]  # no velocity, so that nothing says what it leaves out
 
 
 def test_on_its_end_a_printed_filter_says_that_its_angles_fail() -> None:
@@ -68,8 +68,8 @@ def test_in_a_drive_a_filter_is_aided_and_says_where_it_will_settle(name: str, a
     assert np.sqrt(np.mean(off**2)) < 3.0
     assert all(np.isfinite(view.filters[1].settles).all() for view in seen)
     assert "bias of" in reading_line(seen[-1])
-    told = json.loads(json_line(seen[-1]))["laws"][1]["final_bias"]
-    assert set(told) == {"roll_deg", "pitch_deg", "roll_std_deg", "pitch_std_deg"}
+    document = json.loads(json_line(seen[-1]))["laws"][1]["final_bias"]
+    assert set(document) == {"roll_deg", "pitch_deg", "roll_std_deg", "pitch_std_deg"}
 
 
 def test_forward_speed_keeps_a_turn_level_that_tilts_the_filter_without() -> None:
@@ -94,12 +94,14 @@ def test_what_two_filters_read_is_recorded_and_a_replay_reads_the_same_to_the_la
     apart = float(last["paper-filter_roll_deg"]) - float(last["joint_roll_deg"])
     assert float(last["difference_roll_deg"]) == pytest.approx(apart, abs=1e-12)
     again = tmp_path / "again"
-    given = ["--aid", "gnss", "--law", ",".join(filters), "--speed", "0", "--json", "--folder", str(again)]
+    given = ["--aid", "gnss", "--filter", ",".join(filters), "--speed", "0", "--json", "--folder", str(again)]
     given += ["--calibration", str(write_calibration(tmp_path, TRUTH))]
     assert cli.run(["monitor", f"replay:{file}", *given]) == 0
     assert (again / "laws.csv").read_bytes() == recorded
-    told = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
-    assert [line["laws"][1]["roll_deg"] for line in told] == [float(row["paper-filter_roll_deg"]) for row in rows]
+    document = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert [line["laws"][1]["roll_deg"] for line in document] == [
+        float(row["paper-filter_roll_deg"]) for row in rows
+    ]
     # the replay of a folder that names its laws needs no option
     replay = ["monitor", f"replay:{again}/recording.mcap", "--speed", "0", "--json", "--aid", "none", *given[-2:]]
     assert cli.run(replay) == 3
@@ -118,19 +120,19 @@ def test_filters_that_are_none_are_refused(text: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "reported"),
     [
-        (["--law", "kalman"], "kalman"),
-        (["--law", "joint,paper-filter"], "--gnss"),
-        (["--law", "paper", "--alarm", "sigma=1"], "joint"),
+        (["--filter", "kalman"], "kalman"),
+        (["--filter", "joint,paper-filter"], "--gnss"),
+        (["--filter", "paper", "--alarm", "sigma=1"], "joint"),
     ],
 )
 def test_what_a_filter_cannot_use_is_reported_in_a_line(
-    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+    arguments: list[str], reported: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cli.run(["monitor", "serial:///dev/ttyNONE", "--json", *arguments]) == 2
     error = capsys.readouterr().err
-    assert said in error
+    assert reported in error
     assert error.count("\n") == 1
 
 
