@@ -22,10 +22,9 @@ import numpy as np
 
 from drivers.address_parsing import parse_device_url
 from drivers.simulated.bench_control import BenchControl
-from drivers.simulated.can_lines import SlcanAdapter, UdpMulticastLine
 from drivers.simulated.device import MAX_CHUNK_SAMPLES, ByteDevice, ScheduledMove
 from drivers.simulated.faults import Fault, Sent, Silence
-from drivers.simulated.serial_and_tcp_lines import PtyLine, TcpLine
+from drivers.simulated.lines import PtyLine, SlcanAdapter, TcpLine, UdpMulticastLine
 from drivers.simulated.truth import Truth
 from drivers.wire import WireFormat
 

@@ -19,7 +19,7 @@ from drivers.mavlink.frames import signing_time
 from drivers.simulated.companions.companion_device import CompanionDevice
 from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.faults import TimedFault, active
-from drivers.simulated.serial_and_tcp_lines import PtyLine, TcpLine, UdpLine
+from drivers.simulated.lines import PtyLine, TcpLine, UdpLine
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack

@@ -17,8 +17,8 @@ from drivers.framing import Decoder
 from drivers.port_interface import Port
 from drivers.ports import open_port, wire_of
 from drivers.simulated.bench_control import BenchControl
-from drivers.simulated.can_lines import SlcanAdapter
 from drivers.simulated.imu import SimulatedImu
+from drivers.simulated.lines import SlcanAdapter
 from drivers.simulated.server import CAN_TRANSPORTS, SimulatedDevice
 from drivers.simulated.truth import Truth
 from procedures.counts.sample_records import CountBlock

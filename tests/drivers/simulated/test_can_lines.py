@@ -9,7 +9,7 @@ from threading import Event, Thread
 import pytest
 
 from drivers.can.frame_record import EXTENDED, pack
-from drivers.simulated.can_lines import MAX_WAITING_BYTES, SlcanAdapter, UdpMulticastLine
+from drivers.simulated.lines import MAX_WAITING_BYTES, SlcanAdapter, UdpMulticastLine
 from tests.free_port import free_udp_port
 from tests.patience import HANG_S, until
 

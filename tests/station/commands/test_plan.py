@@ -17,7 +17,7 @@ from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import read_campaign_toml
 from station.files.campaign_folder.plan_file import read_plan
 from station.guide.campaign.campaign_tables import planned_bench
-from station.guide.last_setup import setup_file
+from station.guide.options import setup_file
 from tests.refusals import refused
 from tests.station.campaign_writing import write_campaign
 

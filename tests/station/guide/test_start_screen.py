@@ -21,8 +21,7 @@ from station.errors import CannotWrite
 from station.files.campaign_setup import Setup
 from station.guide.campaign.port_check import check_port, check_receiver
 from station.guide.engine import CalibrationEngine
-from station.guide.last_setup import load_setup, save_setup, setup_file
-from station.guide.options import CalibrationOptions
+from station.guide.options import CalibrationOptions, load_setup, save_setup, setup_file
 from station.guide.start_screen import start_view
 from station.guide.view import CalibrationView, OperatorCommand
 from tests.patience import HANG_S, paced

@@ -24,8 +24,7 @@ from station.errors import CannotWrite
 from station.files.mcap_files import read_step
 from station.stream.reader import Chunk, Reader, StreamGap
 from station.stream.reader import __main__ as process
-from station.stream.reader.__main__ import Outbox
-from station.stream.reader.messages import Refusal, packed, unpacked
+from station.stream.reader.messages import Outbox, Refusal, packed, unpacked
 from tests.patience import HANG_S, paced
 from tests.refusals import refused
 
@@ -206,7 +205,7 @@ class Crowded:
 
 
 def test_each_byte_that_was_not_collected_is_reported_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(process, "open_port", lambda url: None)
+    monkeypatch.setattr(process, "ReconnectingPort", lambda *given: None)
     outbox = Crowded(False, False, True, False, True, True, True)
     url = parse_device_url("serial:///dev/ttyUSB0?format=counts")
     session = process._Session(url, None, outbox)  # noqa: SLF001
