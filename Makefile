@@ -30,7 +30,7 @@ $(VENV)/.installed: $(VENV)/bin/python pyproject.toml constraints.txt
 	@echo "== the station and the libraries that it stands on, about 70: a minute, by the line"
 	$(PIP) .
 	@echo "== its numerical kernels, compiled for this machine once: half a minute"
-	$(BIN)/python -m procedures.attitude.compile_kernels
+	$(BIN)/python -m procedures.attitude.attitude_estimate
 	$(BIN)/python -m station.calibrated.applied_calibration
 	touch $@
 

@@ -9,7 +9,8 @@ import numpy as np
 from drivers.address_parsing import parse_device_url
 from drivers.addresses import DeviceAddress
 from drivers.camera import CameraDecoder, CameraImage
-from drivers.camera.decoder import CameraCounters, jpeg_size
+from drivers.camera.decoder import CameraCounters
+from drivers.camera.jpeg import jpeg_size
 from drivers.errors import LinkSilent, ReplayEnded, WrongFormat
 from drivers.framing import Decoder, seen_instead, sniff
 from drivers.mavlink.session import MavlinkPort, RequestedMessage

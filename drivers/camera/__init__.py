@@ -1,6 +1,6 @@
 """A camera as a port of bytes: JPEG images, each a part of a multipart/x-mixed-replace stream.
 
-`http_port` and `v4l2_port` give the stream, `decoder` its images by their markers.
+`http_port` and `v4l2_port` give the stream, `decoder` its images by their markers (`jpeg`).
 docs/how-to/camera.md describes it.
 """
 

@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 
 from drivers.addresses import VideoDeviceAddress
-from drivers.camera.decoder import BEGIN, part
+from drivers.camera.decoder import part
+from drivers.camera.jpeg import BEGIN
 from drivers.errors import LinkLost, PortBusy, PortDenied, PortNotFound
 from procedures.optional_libraries import ExtraMissing, opencv
 

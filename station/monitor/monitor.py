@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from drivers.camera import CameraImage
-from drivers.can.wheel_reading import WheelReading
+from drivers.can.frame_record import WheelReading
 from drivers.errors import DriverError, LinkLost, ReplayEnded
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog

@@ -15,7 +15,7 @@ import platformdirs
 
 from drivers.address_parsing import parse_device_url
 from drivers.camera import CameraImage
-from drivers.can.wheel_reading import WheelReading
+from drivers.can.frame_record import WheelReading
 from procedures.arrays import FloatArray
 from procedures.attitude.filter_choice import JOINT, Gains, parse_filters, refuse_without_velocity
 from procedures.campaign.campaign import UNKNOWN

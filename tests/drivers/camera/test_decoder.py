@@ -7,7 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivers.camera import CameraDecoder, CameraImage
-from drivers.camera.decoder import MAX_HEADER_BYTES, MAX_IMAGE_BYTES, BrokenJpeg, jpeg_size, part
+from drivers.camera.decoder import MAX_HEADER_BYTES, MAX_IMAGE_BYTES, part
+from drivers.camera.jpeg import BrokenJpeg, jpeg_size
 from tests.benchmarks.hostile_camera import ROWS, attack
 from tests.drivers.camera.images import HEIGHT, WIDTH, jpegs, with_thumbnail
 

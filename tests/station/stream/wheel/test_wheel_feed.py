@@ -6,8 +6,7 @@ from typing import Any
 
 import pytest
 
-from drivers.can.frame_record import pack
-from drivers.can.wheel_reading import WheelReading
+from drivers.can.frame_record import WheelReading, pack
 from drivers.simulated.companions.wheel_on_can import DBC, wheel_toml
 from station.files.mcap_files.schemas import RAW_TOPIC, WHEEL_RAW_TOPIC
 from station.stream.reader import Chunk, StreamGap
