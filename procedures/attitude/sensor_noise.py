@@ -11,7 +11,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from procedures.arrays import BoolArray, FloatArray
+from procedures.arrays import BoolArray, FloatArray, true_runs
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.complementary_filter import RATE_GATE
 from procedures.attitude.complementary_velocity_aids import SMOOTH_S
@@ -63,12 +63,9 @@ def noise_above_resolution(values: FloatArray) -> float:
 def frozen_stretches(log: AttitudeLog) -> list[FrozenStretch]:
     """Return the stretches in which all six channels repeat themselves, though they are noisy elsewhere."""
     values = np.hstack([log.omega_b, log.f_b])
-    same = np.concatenate(([False], (values[1:] == values[:-1]).all(axis=1), [False]))
-    edge = np.diff(same.astype(np.int8))
-    firsts, ends = np.flatnonzero(edge == 1) + 1, np.flatnonzero(edge == -1) + 1
     found = [
-        FrozenStretch(int(a), int(b) - 1)
-        for a, b in zip(firsts, ends, strict=True)
+        FrozenStretch(a, b - 1)
+        for a, b in (true_runs((values[1:] == values[:-1]).all(axis=1)) + 1).tolist()
         if b - a >= MIN_REPEATS and log.t[b - 1] - log.t[a - 1] >= MIN_FROZEN_S - 0.5 * log.nominal
     ]
     if not found:
