@@ -18,7 +18,6 @@ from drivers.camera import CameraImage
 from drivers.can.frame_record import WheelReading
 from procedures.arrays import FloatArray
 from procedures.attitude.filter_choice import JOINT, Gains, parse_filters, refuse_without_velocity
-from procedures.campaign.campaign import UNKNOWN
 from procedures.geodesy import normal_gravity
 from procedures.optional_libraries import opencv
 from procedures.units import STANDARD_GRAVITY
@@ -171,8 +170,7 @@ def _opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], 
     feed = open_feed(source)
     if reader is not None:
         reader.feed = feed
-    unknown = UNKNOWN if feed.wire.identity is None else None
-    unit = feed.identify(wanted.model or unknown, wanted.serial or unknown)
+    unit = feed.identify_or_unknown(wanted.model, wanted.serial)
     refuse_partial(feed.address.name, feed.stream.decoder.kind)
     applied = find_calibration(wanted.calibration, wanted.database, unit, feed.wire)
     aid, aid_name = _aid(wanted, source, work_folder, stack)

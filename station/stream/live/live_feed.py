@@ -14,6 +14,7 @@ from drivers.errors import DriverError, LinkLost, LinkSilent, ReplayEnded, Wrong
 from drivers.framing import seen_instead, sniff
 from drivers.ports import wire_of
 from drivers.wire import FORMATS, WireFormat
+from procedures.campaign.campaign import UNKNOWN
 from station.errors import DataRefused
 from station.files.atomic_file import journal_path
 from station.stream.connected_unit import Unit, not_another, refuse_other, unit_of
@@ -147,6 +148,11 @@ class LiveFeed:
             self.address.name, decoder.identity, round(period, 9), model, serial, has_begun=has_begun
         )
         return self.unit
+
+    def identify_or_unknown(self, model: str | None, serial: str | None) -> Unit:
+        """Do the same with what was typed, if anything; a device that never says who it is may stay unknown."""
+        unknown = UNKNOWN if self.wire.identity is None else None
+        return self.identify(model or unknown, serial or unknown)
 
     def blocks(self) -> Iterator[Block]:
         """Yield the stream's blocks of a second, for ever; a block never reaches over a break."""
