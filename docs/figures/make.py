@@ -119,7 +119,7 @@ def draw_efficiency() -> Figure:
 def arrow(
     axes: Axes, begin: FloatArray, direction: FloatArray, text: str, colour: str, off: tuple[float, float]
 ) -> None:
-    """Draw an arrow with its name beside its head."""
+    """Draw an arrow with its name next to its head."""
     end = begin + direction
     style = {"arrowstyle": "-|>", "color": colour, "lw": 1.5, "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", xy=end, xytext=begin, arrowprops=style)
@@ -229,7 +229,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
 
 
 def main() -> None:
-    """Write every figure as SVG beside this file."""
+    """Write every figure as SVG next to this file."""
     mpl.rcParams.update(STYLE)
     for name, draw in FIGURES.items():
         figure = draw()

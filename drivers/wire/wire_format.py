@@ -107,7 +107,7 @@ class Joiner(Protocol):
     def take(self, frames: Frames, at: IntArray) -> tuple[SampleBlock, IntArray]:
         """Return the samples that (n,) frames at (n,) places [bytes into the stream] complete.
 
-        Beside them stands (m, 2) where the bytes that a sample needs begin and end.
+        Next to them stands (m, 2) where the bytes that a sample needs begin and end.
         """
         ...
 

@@ -1,4 +1,4 @@
-"""A small solution with round numbers, and what a calibration says beside it."""
+"""A small solution with round numbers, and what a calibration says next to it."""
 
 from datetime import UTC, date, datetime, time
 from typing import Any

@@ -101,7 +101,7 @@ def test_a_large_bias_is_not_sure_until_known_dwells_take_it_off() -> None:
 
 
 def test_a_scale_factor_that_would_hide_the_earth_rate_behind_the_bias_is_not_likely() -> None:
-    """Beside a bias of a third of the Earth's rate any heading fits, if k is so large that all counts are few."""
+    """With a bias of a third of the Earth's rate any heading fits, if k is so large that all counts are few."""
     bias = RAD_S_PER_DEG_H * np.array([5.0, -4.0, 4.0])
     heading = found(K * (seen(2, CHINA) + bias), 2, CHINA, (known(1, CHINA, bias),), bias_std=5 * RAD_S_PER_DEG_H)
     assert heading.position == 2

@@ -1,4 +1,4 @@
-"""The budget beside Monte Carlo (JCGM 101): of the observations, and in small of the whole chain."""
+"""The budget against Monte Carlo (JCGM 101): of the observations, and in small of the whole chain."""
 
 import numpy as np
 import pytest

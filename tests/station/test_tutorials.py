@@ -1,7 +1,7 @@
 """The tutorials are run as they stand: files are written, commands give the output that is printed.
 
 A block of ``console`` has commands after ``$ ``, each with its output; ``...`` stands for any text, as in doctest,
-and blanks and line breaks count alike. A command that ends in `` &`` runs beside the others: its first lines are
+and blanks and line breaks count alike. A command that ends in `` &`` runs next to the others: its first lines are
 compared. A block with a title is a file.
 """
 
@@ -31,7 +31,7 @@ LIMIT_S = 600
 
 @contextmanager
 def in_background(command: str, lines: int, folder: Path, names: Mapping[str, str]) -> Iterator[str]:
-    """Run a command beside others and yield its first lines; end it at last."""
+    """Run a command next to others and yield its first lines; end it at last."""
     program = subprocess.Popen(
         ["bash", "-c", f"exec {command}"], cwd=folder, env=names, stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT, text=True,

@@ -54,7 +54,7 @@ class Machine:
         self.bench: Bench
         self.receiver: Receiver | None = None
         self.log: list[str] = []
-        self.others: dict[str, Machine] = {}  # beside this one, by the address of their port
+        self.others: dict[str, Machine] = {}  # next to this one, by the address of their port
         self._first: Machine | None = None
 
     def next_to(self, address: str) -> "Machine":

@@ -17,7 +17,7 @@ from procedures.units import RAD_PER_ARCSEC
 
 MOST_SIGMAS = 4.0  # sigmas of a value, that no lean moves, by which it is a finding
 SURELY = 5.0  # times what is stated
-MARGIN = 1.5  # a lean of the size that is said fails the global test every second time only
+MARGIN = 1.5  # a tilt of the size that is stated fails the global test every second time only
 REPORTED = re.compile(r"(?:not be noticed|;) in positions? ([^:]+): (accelerometer|gyroscope)(.*?)would be wrong")
 PLACE = re.compile(r"(\d+) \((any size|up to (\d+) arcsec)\)")
 VALUES = [f"k {a}" if a == b else f"E {a}{b}" for a in AXES for b in AXES]

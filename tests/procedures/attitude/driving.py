@@ -13,7 +13,7 @@ BIAS = np.array([2e-3, -1e-3, 3e-3])  # rad/s
 def driving(
     seed: int = 2, seconds: float = 100.0, dt: float = 0.01, bias: FloatArray = BIAS
 ) -> tuple[AttitudeLog, FloatArray]:
-    """A car that starts, turns both ways and brakes, nose along its path; its down vectors beside the log."""
+    """A car that starts, turns both ways and brakes, nose along its path; its down vectors next to the log."""
     rng = np.random.default_rng(seed)
     t = np.arange(0, seconds + dt / 2, dt)
     under_way = t > 15

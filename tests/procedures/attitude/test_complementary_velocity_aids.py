@@ -1,4 +1,4 @@
-"""The velocity aids of the mixing law, a sample each, beside the printed equations of You and Lee in numpy."""
+"""The velocity aids of the complementary filter, a sample each, against You and Lee's equations in numpy."""
 
 import math
 

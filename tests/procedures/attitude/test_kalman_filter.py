@@ -163,7 +163,7 @@ def test_a_gap_widens_sigma_and_a_long_one_restarts() -> None:
 def test_saturated_rates_are_hardly_believed() -> None:
     log, down = driving()
     rate = log.omega_b.copy()
-    rate[6000:6100] = np.clip(rate[6000:6100] + np.array([4.0, 0, 0]), -2.0, 2.0)  # a knock beyond the range
+    rate[6000:6100] = np.clip(rate[6000:6100] + np.array([4.0, 0, 0]), -2.0, 2.0)  # a shock beyond the range
     track = estimate(replace(log, omega_b=rate), "airspeed-filter")
     assert any("clipped at 114.6 deg/s, 100 rows" in reported for reported in track.warnings)
     assert track.sigma is not None

@@ -1,4 +1,4 @@
-"""Alignment, one sample and the correction of the Kalman filter, each number beside numpy's and scipy's."""
+"""Alignment, one sample and the correction of the Kalman filter, each number against numpy's and scipy's."""
 
 import math
 

@@ -33,7 +33,7 @@ class Unit:
         self.C_sb, self.k, self.noise = np.eye(3) if C_sb is None else C_sb, k, noise
 
     def rests(self, position: int, tilt: tuple[float, float] = (0.0, 0.0)) -> PositionRates:
-        """A dwell, the cube tilted by ``tilt`` (2,) [rad] beside its face's own."""
+        """A dwell, the cube tilted by ``tilt`` (2,) [rad] in addition to its face's own."""
         faces = self.faces.copy()
         faces[FACES.index(face_of(position))] += tilt
         heading = HEADING_STD * self.rng.standard_normal(1)

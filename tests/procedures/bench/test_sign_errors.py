@@ -18,7 +18,7 @@ from procedures.effects import EFFECTS
 
 OPPOSITE = {"+": "-", "-": "+"}
 OTHER_FACE = {1: 3, 3: 1, 2: 4, 4: 2, 5: 7, 7: 5, 6: 8, 8: 6, 9: 11, 11: 9, 10: 12, 12: 10}
-# what a diagnosis tries beside signs
+# what a diagnosis tries in addition to signs
 SOME = [each for each in EFFECTS if each.name.startswith(("placement.", "gyroscope.g_", "procedure.", "slab."))]
 TURNS, GYROS = "labelled with the opposite direction", "gyroscopes' signs are inverted"
 UNDETERMINED = "does not determine which"

@@ -1,4 +1,4 @@
-"""Where a cube that leans would not be noticed: what is said is what a lean does when the campaign is solved."""
+"""Where a tilted cube would not be noticed: what is reported is what a tilt does when the campaign is solved."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -76,7 +76,7 @@ def tilt_of(fits: CampaignFits, i: int, tilt: np.ndarray) -> TriadFit:
 
 @pytest.mark.parametrize("position", [3, 7])
 def test_a_tilt_of_the_size_that_is_stated_shows_by_so_much_and_makes_a_value_so_wrong(position: int) -> None:
-    """Solved with the lean in the direction that hides most, chi2 rises to its limit, and a value moves so far."""
+    """Solved with the tilt in the direction that hides most, chi2 rises to its limit, and a value moves so far."""
     campaign = campaign_of(1, 2, 3, 5, 6, 7, 9, 10, 11, 12)
     exact = replace(campaign, sigma=replace(campaign.sigma, seat=1e-12))  # the fit's sigmas are without the seats
     fits = fit([exact])

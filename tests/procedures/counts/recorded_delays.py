@@ -1,4 +1,4 @@
-"""How late a device and a receiver beside it were read on a loaded machine, recorded once.
+"""How late a device and a receiver next to it were read on a loaded machine, recorded once.
 
 A simulated device on a real pty and a simulated receiver on UDP, in a process of their own, were read by the
 station's reader processes while as many processes burned the processor as a trace's ``load`` says. True time is

@@ -94,7 +94,7 @@ def test_a_device_that_was_switched_off_in_between_has_one_rate_still() -> None:
     assert abs(rate.ppm - 20.0) < 4 * rate.std < 20
 
 
-# An encoder beside a rotating gyroscope
+# An encoder next to a rotating gyroscope
 
 
 SCALE, BIAS, PERIOD = 1.02, 0.01, 0.01

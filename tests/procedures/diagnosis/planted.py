@@ -21,7 +21,7 @@ def planted(seed: int, effects: Effects | None = None, dwell_s: float = 20.0, tu
 
 
 def lively(seed: int) -> dict[str, dict[str, float]]:
-    """Return effects of all kinds, far larger than a healthy unit's: none of them a label, a knock or a clock."""
+    """Return effects of all kinds, far larger than a healthy unit's: none of them a label, a shock or a clock."""
     rng = np.random.default_rng(seed)
     size = rng.standard_normal(12)
     return {

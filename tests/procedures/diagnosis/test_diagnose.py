@@ -132,7 +132,7 @@ def test_a_jump_while_the_cube_rests_is_found_within_its_dwell() -> None:
     assert found.log_p > np.log(0.01)
 
 
-# Error terms that the user declared, beside one that nobody declared
+# Error terms that the user declared, next to one that nobody declared
 
 
 def test_an_effect_that_nobody_declared_is_found_with_one_that_somebody_did() -> None:
@@ -196,7 +196,7 @@ def test_uncertified_quadratic_is_not_separable_and_says_what_separates_it() -> 
     assert not any(is_claimed(each) for each in found.findings)
 
 
-# A known cause beside an unknown one: the first is named with its share, the rest is reported as unexplained
+# A known cause next to an unknown one: the first is named with its share, the rest is reported as unexplained
 
 
 HEATED = {"accelerometer.bias_temperature": {"x": 15e-6, "y": -10e-6, "z": 20e-6}}

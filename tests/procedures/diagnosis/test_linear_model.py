@@ -1,4 +1,4 @@
-"""The linear model of a diagnosis beside dense least squares; false alarms and power of its selection."""
+"""The linear model of a diagnosis against dense least squares; false alarms and power of its selection."""
 
 from dataclasses import replace
 from functools import cache

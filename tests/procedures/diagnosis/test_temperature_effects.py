@@ -121,7 +121,7 @@ UP = np.array([0.012, -0.02, 0.9997])
 
 
 def oven(seed: int, accel: FloatArray | float, gyro: FloatArray | float) -> Diagnosis:
-    """Diagnose 2.5 h with ``accel`` [g] and ``gyro`` [deg/s] (n, 3) beside noise of a cheap unit's 1 s means."""
+    """Diagnose 2.5 h with ``accel`` [g] and ``gyro`` [deg/s] (n, 3) next to noise of a cheap unit's 1 s means."""
     rng = np.random.default_rng(seed)
     n, temperature = len(OVEN_T), np.interp(OVEN_T, KNOTS_S, KNOTS_C)
     f = UP + accel + 1e-4 * rng.standard_normal((n, 3))

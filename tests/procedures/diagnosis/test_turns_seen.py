@@ -1,4 +1,4 @@
-"""What a turn by itself shows: the scale factor, beside the output at rest; by its own sigma."""
+"""What a turn by itself shows: the scale factor, next to the output at rest; by its own sigma."""
 
 from dataclasses import replace
 

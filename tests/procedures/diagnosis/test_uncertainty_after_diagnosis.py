@@ -71,7 +71,7 @@ def test_parallelism_holds_the_truth_whichever_seating_is_taken() -> None:
     assert found.solution.parallelism.std[1].min() > 5e-5 > 5e-6 > found.solution.parallelism.std[[0, 2]].max()
 
 
-# A closure error of the bench beside an ambiguous error term
+# A closure error of the bench next to an ambiguous error term
 
 
 SEED, CLOSURE_DEG = 3, 0.08

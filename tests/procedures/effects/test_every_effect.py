@@ -52,7 +52,7 @@ TILTS = tuple(
 
 
 def carried_out(effects: Mapping[str, Mapping[str, float]], unit: Truth = UNIT, **more: Any) -> ReducedSteps:
-    """A campaign without noise, with two speeds, free positions, a warming unit and a channel beside it."""
+    """A campaign without noise, with two speeds, free positions, a warming unit and a channel next to it."""
     truth = replace(unit, effects={name: dict(sizes) for name, sizes in effects.items()})
     how: dict[str, Any] = {"turns": TURNS, "free": TILTS, **more}
     campaign = simulate_campaign(truth, 1, dwell_s=12.0, draw_stated=False, move_s=20.0, **how)

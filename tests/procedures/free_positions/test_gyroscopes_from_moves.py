@@ -76,7 +76,7 @@ def test_the_sigmas_are_honest_over_many_units() -> None:
 def disturbed(seed: int, *, rest_g: float = 0.0, rest_deg_s: float = 0.0, move_rad: float = 0.0) -> Case:
     """A campaign with what is not noise: 1 sigma of each axis, drawn anew at each rest of 4 s and move of 2 s.
 
-    The gyroscopes' bias during a move is the mean of what it is at the rests beside it.
+    The gyroscopes' bias during a move is the mean of what it is at the rests next to it.
     """
     campaign, accel, gyro = campaign_of(seed, accel_noise=1e-4, gyro_noise=1e-2)
     (record,) = campaign.sequences

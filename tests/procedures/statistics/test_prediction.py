@@ -72,7 +72,7 @@ def test_two_calibrations_are_too_few_and_equal_times_are_not() -> None:
     assert np.isfinite([found.at(0.0).low_95, found.at(400.0).high_95]).all()
 
 
-# The filter beside generalised least squares of all calibrations at once
+# The filter against generalised least squares of all calibrations at once
 
 
 TURN_ON, WALK, TREND = np.array([2.0, 0.1, 5.0]), np.array([0.1, 0.3, 1e-3]), np.array([0.01, 0.05, 1e-3])

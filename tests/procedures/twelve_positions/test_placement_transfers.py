@@ -194,7 +194,7 @@ def derivative(samples: MoveSamples, change: FloatArray) -> FloatArray:
 def test_the_change_of_a_rotation_is_its_derivative(
     axis: tuple[float, float, float], hz: float, within: float
 ) -> None:
-    """Half a sample's turn beside it, 0.05 at 20 Hz, and what nothing shows would seem to be known."""
+    """Half a sample's turn next to it, 0.05 at 20 Hz, and what nothing shows would seem to be known."""
     samples = half_turn(np.array(axis), hz)
     found = integrate_moves(samples, K, B)
     assert Rotation.from_matrix(found.rotation[0] @ move_rotations(samples, K, B)[0].T).magnitude() < 1e-12

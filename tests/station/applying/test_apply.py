@@ -1,4 +1,4 @@
-"""`station apply`: every form that is read, every form that is written, and what is said beside it."""
+"""`station apply`: every form that is read, every form that is written, and what is reported with it."""
 
 import json
 from collections.abc import Callable

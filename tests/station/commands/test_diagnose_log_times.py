@@ -1,4 +1,4 @@
-"""A log whose time base is wrong beside UTC: found in one line."""
+"""A log whose time base is wrong against UTC: found in one line."""
 
 import json
 from datetime import UTC, datetime

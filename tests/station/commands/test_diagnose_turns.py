@@ -1,4 +1,4 @@
-"""``station diagnose`` of turns that determine no calibration: one turn, a half turn, an encoder beside it."""
+"""``station diagnose`` of turns that determine no calibration: one turn, a half turn, an encoder next to it."""
 
 import json
 import re
@@ -137,7 +137,7 @@ def test_a_reference_that_counts_the_other_way_is_turned_round(ends: tuple[float
         (7206.76, 1.02, (10.0, 16.76), 1, ()),  # 20 turns of a gyroscope that nobody calibrated
         (1083.3, 1.0, (3.3, 0.0), 1, ()),  # 1076.7 deg, or 1083.3 by a reference that counts the other way
         (366.76, 1.0, (0.0, 200.0 + 366.76), -1, ()),  # the other way, and another angle
-        (366.76, 1.0, (0.0, 366.76), -1, ("rate:z",)),  # against what was told
+        (366.76, 1.0, (0.0, 366.76), -1, ("rate:z",)),  # against what was specified
     ],
 )
 def test_a_reference_and_a_gyroscope_that_agree_on_no_single_angle_are_asked_about(

@@ -67,7 +67,7 @@ class Station:
 
 @pytest.fixture(scope="module")
 def measured(folders: Path) -> Path:
-    """A database that holds the cube as the three mountings show it; beside it the JSON."""
+    """A database that holds the cube as the three mountings show it; next to it the JSON."""
     db = folders / "measured.db"
     days = [str(folders / name) for name in AXES]
     given = ("--store", "--on", "2025-05-01", "--due", "2125-05-01", "--json", str(folders / "cube.json"))

@@ -46,7 +46,7 @@ def test_a_drive_is_made_a_folder_and_located_where_it_was(tmp_path: Path) -> No
     assert np.linalg.norm(off, axis=1).max() < 8 * 0.3  # the receiver's own error and the first fix's, up too
     v_off = log.fixes.v_n[:, :2] - TRACK.velocities(log.fixes.t)[:, :2]
     assert np.sqrt(np.mean(v_off**2)) == pytest.approx(0.05, rel=0.2)  # its noise: the times are right
-    # white: 1e-4 deg/sqrt(s) and 1e-5 g in 20 ms; the counting is beside it
+    # white: 1e-4 deg/sqrt(s) and 1e-5 g in 20 ms; the counting is next to it
     assert 0.7 < log.noise.gyro / np.radians(1e-4) < 1.5
     assert log.noise.accel < 8e-3
     _located(folder, tmp_path, first)

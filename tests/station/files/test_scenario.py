@@ -1,4 +1,4 @@
-"""A guided campaign beside the shipped scenario: its operator does what the guide asks for, untold."""
+"""A guided campaign next to the shipped scenario: its operator does what the guide asks for, without a command."""
 
 import re
 import signal

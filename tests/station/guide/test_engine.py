@@ -117,7 +117,7 @@ def test_a_killed_engine_is_reported_and_its_campaign_continues(device: Simulate
     options = options_for(device, tmp_path, first).model_copy(update={"plan": short_plan(tmp_path, 2)})
     socket = tmp_path / "engine"
     process = subprocess.Popen(
-        [sys.executable, "-P", "-m", "station.guide", str(socket)], stdin=subprocess.PIPE, text=True
+        [sys.executable, "-P", "-m", "station.guide.server", str(socket)], stdin=subprocess.PIPE, text=True
     )
     assert process.stdin is not None
     process.stdin.write(options.model_dump_json() + "\n")

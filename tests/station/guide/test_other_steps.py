@@ -1,4 +1,4 @@
-"""Steps beside dwells and turns: free positions, soaks while temperature moves, and monitors."""
+"""Steps other than dwells and turns: free positions, soaks while temperature moves, and monitors."""
 
 import re
 from collections.abc import Callable

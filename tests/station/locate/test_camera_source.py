@@ -167,7 +167,7 @@ def test_an_offset_that_is_specified_is_added(log: FusionLog) -> None:
 def test_a_clock_that_nothing_is_known_of_is_suspected(tmp_path: Path) -> None:
     silent = read_fusion(write_late(tmp_path / "log", 14.0))
     assert re.search(r"wrong by -(7|8)\d\.\d \+- [345]\.\d ms: state time_offset_s", suspected_offset(silent))
-    assert suspected_offset(reported_of(silent, time_offset_s=0.0)) == ""  # told: as good as known
+    assert suspected_offset(reported_of(silent, time_offset_s=0.0)) == ""  # specified: as good as known
 
 
 def test_what_does_not_turn_enough_is_exit_5_and_says_so(

@@ -1,4 +1,4 @@
-"""A reader beside the IMU that tells late: nothing waits for it, and a replay counts it in the same tick."""
+"""A reader next to the IMU that reports late: nothing waits for it, and a replay counts it in the same tick."""
 
 import json
 from dataclasses import dataclass, replace

@@ -49,7 +49,7 @@ def test_a_recorded_drive_is_located_the_same_each_time(
     (alone := tmp_path / "alone").mkdir()
     file.rename(alone / "recording.mcap")
     assert cli.run(["monitor", f"replay:{alone / 'recording.mcap'}", "--json", *asked(tmp_path)]) == 3
-    assert "no gnss_*.mcap beside it" in capsys.readouterr().err
+    assert "no gnss_*.mcap next to it" in capsys.readouterr().err
 
 
 def test_a_thread_finds_what_is_found_without_it_and_says_why_it_stops() -> None:

@@ -62,7 +62,7 @@ def test_every_label_of_the_drawing_is_the_axis_that_points_there(position: int,
     place = {way: place_of(drawn, face_towards(position, way)) for way in ("up", "south", "east")}
     assert place["up"][0] < size.depth < place["south"][0]  # the top is above the front's upper edge
     assert place["south"][1] < size.corner < place["east"][1]  # the east face is right of the front's right edge
-    for way in ("up", "south", "east" if size is LARGE else "E"):  # beside its label, or right below it
+    for way in ("up", "south", "east" if size is LARGE else "E"):  # next to its label, or right below it
         near = drawn[place[way.replace("E", "east")][0]] + drawn[place[way.replace("E", "east")][0] + 1]
         assert way in near
 

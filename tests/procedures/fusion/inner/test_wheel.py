@@ -107,7 +107,7 @@ def test_the_scale_factor_is_found_within_its_sigma() -> None:
 
 @pytest.mark.proof
 def test_slips_are_seen_and_not_followed() -> None:
-    """Slips make hardly a difference to the same drive without; each is found, and little beside them."""
+    """Slips make hardly a difference to the same drive without; each is found, and little else."""
     window, slipped = run(True, True)
     assert worst(slipped) < 1.5 * worst(run(False, True)[1]) + 0.1
     assert window.wheel is not None

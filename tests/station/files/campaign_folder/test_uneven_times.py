@@ -22,7 +22,7 @@ PERIOD = 0.02
 
 @pytest.fixture
 def bursty(tmp_path: Path) -> Path:
-    """Return a campaign whose rows were stamped in bursts of 4 to 12, and its even twin beside it."""
+    """Return a campaign whose rows were stamped in bursts of 4 to 12, and its even twin next to it."""
     campaign = simulate_campaign(Truth.example(7), 7, dwell_s=20.0)
     for name in ("even", "bursty"):
         (tmp_path / name).mkdir()

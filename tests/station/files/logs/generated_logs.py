@@ -18,7 +18,7 @@ G = 9.80665  # m/s2
 AXES = "xyz"
 SENSORS = ("gyro", "accel")
 KINDS = ("soak", "rests", "motion")
-COPIES = 0.03  # of triads in a unit have their counts beside them
+COPIES = 0.03  # of triads in a unit have their counts next to them
 MAX_RATE = 300.0  # deg/s, within the range of every full scale below
 
 _GYRO_NAMES = (
@@ -128,7 +128,7 @@ class Log:
 
 
 def generated_log(rng: np.random.Generator, file: str = "log.csv") -> Log:
-    """Return a log of one or two triads, with what else loggers write beside them."""
+    """Return a log of one or two triads, with what else loggers write next to them."""
     time, kind = generated(rng), str(rng.choice(KINDS))
     truth = dict(zip(SENSORS, _motion(kind, time.t - time.t[0], rng), strict=True))
     has = {"both": SENSORS, "gyro": ("gyro",), "accel": ("accel",)}[

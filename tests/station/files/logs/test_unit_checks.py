@@ -45,7 +45,7 @@ def test_units_that_are_right_are_not_spoken_of(tmp_path: Path, unit: str, per_g
     assert read(tmp_path, f * per_g, w, unit_accel=unit, unit_gyro="deg/s") == []
 
 
-WRONG = [  # what was told, outputs in 1 g in truth, what the remedy must hold
+WRONG = [  # what was specified, outputs in 1 g in truth, what the remedy must hold
     ("m/s2", 1.0, "--unit-accel g"), ("g", G, "--unit-accel m/s2"), ("mg", 1.0, "--unit-accel g"),
     ("g", 1e3, "--unit-accel mg"), ("m/s2", 1e3, "--unit-accel mg"), ("m/s2", 100 * G, "--unit-accel cm/s2"),
     ("ug", 1e3, "--unit-accel mg"), ("m/s2", 16384.0, "--unit-accel 16384/g"), ("g", 2048.0, "2048/g"),

@@ -1,4 +1,4 @@
-"""A digital certificate of every kind of campaign holds its schema and rules; what stands beside its results."""
+"""A digital certificate of every kind of campaign holds its schema and rules; what stands next to its results."""
 
 import json
 import re

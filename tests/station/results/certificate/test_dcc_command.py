@@ -1,4 +1,4 @@
-"""`station certificate --dcc`: the XML beside the HTML, in the PDF, amended, copied, refused."""
+"""`station certificate --dcc`: the XML next to the HTML, in the PDF, amended, copied, refused."""
 
 import re
 import zlib

@@ -34,7 +34,7 @@ SIGMAS = 3.0
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Three campaigns with their hashes: S1 to be stored, S2 with a solution.json, S3 with nothing beside."""
+    """Three campaigns with their hashes: S1 to be stored, S2 with a solution.json, S3 with nothing else."""
     root = tmp_path_factory.mktemp("fleet")
     for seed in (1, 2, 3):
         truth = replace(Truth.example(seed), serial=f"S{seed}")

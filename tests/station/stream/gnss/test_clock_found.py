@@ -1,4 +1,4 @@
-"""A simulated unit whose clock is off, beside a simulated receiver: told, refused, diagnosed; in virtual time."""
+"""A simulated unit whose clock is off, next to a receiver: reported, refused, diagnosed; in virtual time."""
 
 import itertools
 import json
@@ -86,7 +86,7 @@ class Receiver:
 
 
 def record(folder: Path, database: Path, ppm: float, positions: Iterable[int]) -> None:
-    """Record dwells with UTC beside the rows."""
+    """Record dwells with UTC next to the rows."""
     folder.mkdir()
     bench = Bench(ppm)
     feed, gnss = open_feed(Imu(bench)), GnssFeed(Receiver(bench))

@@ -1,4 +1,4 @@
-"""`station simulate --gnss` serves an autopilot beside the IMU; the page lists its faults."""
+"""`station simulate --gnss` serves an autopilot next to the IMU; the page lists its faults."""
 
 import re
 import time

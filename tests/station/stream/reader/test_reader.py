@@ -193,7 +193,7 @@ def test_messages_arrive_whole_and_in_order_however_large(monkeypatch: pytest.Mo
 
 
 class Crowded:
-    """An outbox that has room, or has none, as it was told; what it takes is kept."""
+    """An outbox that has room, or has none, as it was set up; what it takes is kept."""
 
     def __init__(self, *has_room: bool) -> None:
         self.has_room, self.taken = list(has_room), bytearray()

@@ -99,7 +99,7 @@ def test_which_second_a_pulse_is_survives_late_reading_and_a_gap_in_time() -> No
     times = RowTimes(lambda ns: ns / 1e9)
     assert times.of(round(10.9e9), 5.75, 0.75) == pytest.approx(10.75)
     assert times.of(round(12.9e9), 6.25, 0.25) == pytest.approx(11.25)  # read 1.7 s late
-    assert times.of(round(13.0e9), 6.3, None) is None  # no reading beside pulses
+    assert times.of(round(13.0e9), 6.3, None) is None  # no reading next to pulses
     assert times.of(round(20.2e9), 9.37, 0.12) == pytest.approx(20.12)  # the device's time lost a part of a second
     assert times.of(round(30.0e9), 19.3, None) == pytest.approx(30.0)  # the pulse is gone for good
     assert RowTimes(None).of(round(7.6e9), 1.0, 0.5) == pytest.approx(7.5)

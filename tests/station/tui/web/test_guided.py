@@ -21,7 +21,7 @@ from tests.station.tui.web.engine import has_ended
 
 
 class Watch:
-    """A look at the engine beside the screens."""
+    """A look at the engine next to the screens."""
 
     def __init__(self, socket: Path) -> None:
         self._changed = threading.Event()
@@ -64,7 +64,7 @@ def test_tabs_come_and_go_and_the_campaign_goes_on(browser: Chromium, tmp_path: 
         simulated = ("--device", device.url, "--hands", device.control)
         with Program("calibrate", "--web", "--port", "0", *simulated, *site, *where) as program:
             url = program.until("http://127.0.0.1:")[-1].strip()
-            [socket] = children(program.process.pid, "station.guide").values()
+            [socket] = children(program.process.pid, "station.guide.server").values()
             with Watch(socket) as watch:
                 watch.until(lambda view: view.live != "")
                 watch.send("pause")
@@ -102,7 +102,7 @@ def test_o_opens_the_report_in_another_tab(browser: Chromium, tmp_path: Path) ->
         reported = program.until("http://127.0.0.1:")
         assert "Open this address in a browser on this computer" in reported[0]
         url = reported[-1].strip()
-        [socket] = children(program.process.pid, "station.guide").values()
+        [socket] = children(program.process.pid, "station.guide.server").values()
         with Watch(socket) as watch:
             watch.until(lambda view: view.stage == "verdict")
             page = open_screen(browser, url)

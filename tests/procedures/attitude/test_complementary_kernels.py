@@ -1,4 +1,4 @@
-"""The mixing law on the gravity vector and in Euler angles, a sample each, beside You and Lee's equation 1."""
+"""The complementary filter on the gravity vector and in Euler angles, by the sample, against equation 1."""
 
 import math
 
