@@ -21,5 +21,5 @@ def interpolated(t: FloatArray, times: FloatArray, values: FloatArray) -> FloatA
 
 
 def true_runs(mask: BoolArray) -> IntArray:
-    """Return begin and end (m, 2) of each run of rows that ``mask`` (n,) marks, in order; the end is not of it."""
+    """Return begin and end (m, 2) [rows] of each run that ``mask`` (n,) marks, in order; the end is not of it."""
     return np.flatnonzero(np.diff(np.concatenate(([False], mask, [False])))).reshape(-1, 2)

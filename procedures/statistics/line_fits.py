@@ -234,7 +234,13 @@ def fit_time_line(clock_ns: IntArray, reference_ns: IntArray) -> TimeLine | None
 
 
 def median_slope(x: FloatArray, y: FloatArray, group: IntArray | None = None) -> float | None:
-    """Return the median slope between all pairs of points (n,), of one group each, or None (Theil and Sen)."""
+    """Return the median slope between all pairs of points of one group, None if there are none (Theil and Sen).
+
+    Parameters
+    ----------
+    x, y : (n,), of any unit
+    group : (n,), of each point; None if all are of one
+    """
     i, j = np.triu_indices(len(x), 1)
     usable = x[j] > x[i] if group is None else (group[i] == group[j]) & (x[j] > x[i])
     return float(np.median((y[j] - y[i])[usable] / (x[j] - x[i])[usable])) if usable.any() else None

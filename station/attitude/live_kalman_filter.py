@@ -91,7 +91,7 @@ class VehicleWatch:
 def aided_at_end(
     t: FloatArray, inputs: RatesAndForces, airspeed: float, velocity: Sequence[float], heading: float
 ) -> AttitudeLog:
-    """Return a tick's samples with the aid of the last one."""
+    """Return samples that end at ``t`` (n,) [s], with the aid of the last one: m/s, m/s north-east-down, rad."""
     aids = np.full((len(t), 5), np.nan)
     aids[-1] = airspeed, *velocity, heading
     return AttitudeLog(t, inputs.rate, inputs.force, aids[:, 0].copy(), aids[:, 1:4].copy(), aids[:, 4].copy())
