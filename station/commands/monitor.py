@@ -95,8 +95,8 @@ def monitor(
     from drivers.errors import PortNotFound
     from procedures.attitude.filter_choice import JOINT, parse_filters, refuse_without_velocity
     from station.calibrated.output_frame import body_axes
-    from station.monitor.alarms import parse_alarm
     from station.monitor.monitor_command import MonitorRequest, run
+    from station.monitor.view import parse_alarm
     from station.sending.outputs import kind_of
     from station.tui import run_monitor
 

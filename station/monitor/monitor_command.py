@@ -25,12 +25,11 @@ from station.calibrated.calibration_choice import AppliedCalibration, find_calib
 from station.errors import DataRefused
 from station.files.atomic_file import new_folder
 from station.files.mcap_files.gnss_file import Record
-from station.monitor.alarms import Alarm
 from station.monitor.monitor import Monitor, MonitorOptions
 from station.monitor.monitor_thread import MonitorThread
 from station.monitor.recording import MonitorRecording
 from station.monitor.text_lines import PlainMonitor, json_line, listen
-from station.monitor.view import MonitorSession, MonitorView
+from station.monitor.view import Alarm, MonitorSession, MonitorView
 from station.stream.auxiliary import Companion, RecordedCompanion, read_late_messages
 from station.stream.camera import (
     CAMERA_FILE,
@@ -72,7 +71,7 @@ def calibrated_output(
     """
     if not to:
         return lambda: None
-    from station.sending.chosen_calibration import refuse_unfit
+    from station.calibrated.calibration_choice import refuse_unfit
     from station.sending.sender import FIT_S, opened_sender
 
     assert feed.unit is not None, "identify first"

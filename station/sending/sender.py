@@ -16,9 +16,8 @@ import numpy as np
 from drivers.address_parsing import parse_device_url
 from drivers.errors import ReplayEnded
 from procedures.arrays import FloatArray
-from station.calibrated.calibration_choice import AppliedCalibration
+from station.calibrated.calibration_choice import AppliedCalibration, chosen_calibration
 from station.files.atomic_file import journal_path, new_folder
-from station.sending.chosen_calibration import chosen_calibration
 from station.sending.live_samples import LiveSamples
 from station.sending.outputs import About, Output, open_outputs
 from station.stream.live.live_feed import ChunkSource, LiveFeed, open_feed

@@ -13,12 +13,12 @@ import pytest
 
 from station.applying.applying import OutputRequest, Progress, apply_to
 from station.applying.open_source import open_source
+from station.calibrated.calibration_choice import chosen_calibration
 from station.calibration import load
 from station.errors import DataRefused
 from station.exports import EXPORTS, Request
 from station.files.calibration_document import parsed_calibration
 from station.files.logs.log_columns import ColumnOptions
-from station.sending.chosen_calibration import chosen_calibration
 from station.sending.to_stdout import lines
 from tests.station.exports.every_effect import EFFECTS
 from tests.station.monitor.unit import calibration_of

@@ -20,10 +20,9 @@ from station.calibrated.calibration_choice import find_calibration
 from station.calibrated.output_frame import body_axes
 from station.errors import DataRefused
 from station.files.mcap_files import read_step
-from station.monitor.alarms import Alarm
 from station.monitor.monitor import MonitorOptions
 from station.monitor.text_lines import json_line, reading_line
-from station.monitor.view import MonitorView
+from station.monitor.view import Alarm, MonitorView
 from station.stream.connected_unit import Unit
 from station.stream.recorder.sample_stream import check_raw_bytes
 from tests.paths import ROOT

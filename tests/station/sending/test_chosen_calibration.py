@@ -12,8 +12,8 @@ from fixtures_db.stored_calibrations import accept_calibration
 from procedures.calibration.solution_values import Estimate, Solution, TriadCalibration
 from procedures.campaign.campaign import UNKNOWN
 from procedures.errors import ErrorCode
+from station.calibrated.calibration_choice import chosen_calibration, refuse_unfit
 from station.errors import DataRefused
-from station.sending.chosen_calibration import chosen_calibration, refuse_unfit
 from station.stream.connected_unit import Unit
 from tests.fixtures_db.factory import facts, solution
 from tests.refusals import refused
