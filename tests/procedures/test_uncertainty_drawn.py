@@ -45,7 +45,7 @@ def sigma_of(fits: CampaignFits, triad: str) -> FloatArray:
 
 
 @pytest.mark.proof
-def test_the_budget_is_the_scatter_of_whole_campaigns_drawn_anew() -> None:
+def test_the_budget_is_the_scatter_of_whole_campaigns_redrawn() -> None:
     """A few of the thousands that the proof `budget` draws: a wrong share of a half is seen."""
     found = compare([trial(seed, "short noisy dwells") for seed in range(24)])
     assert np.max(np.abs(np.log(found.std))) < 4.5 * found.own_std

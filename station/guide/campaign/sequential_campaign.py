@@ -169,7 +169,7 @@ class SequentialCampaign:
         found = self._next
         if found is None or found.placing is None:
             return ALL_MET if found is None else time_left(found)
-        far = ", ".join(one.text for one in self._views(CampaignDesign(tuple(self._placings))))
+        far = ", ".join(one.text for one in self._views(CampaignDesign(tuple(self._placements))))
         return f"{far}, {time_left(found)}"
 
     def limits(self, step: Step | None, seconds: float, *, is_carried: bool) -> tuple[LimitView, ...]:

@@ -23,8 +23,8 @@ from tests.procedures.diagnosis.test_turns_seen import SCALE, recorded
 
 
 def test_a_chance_is_stated_in_plain_words_however_small() -> None:
-    said = [p_text(log10_p) for log10_p in (0.0, -0.42, -2.5, -5.3, -12.2, -400.0)]
-    assert said == ["p > 0.99", "p = 0.38", "p = 0.0032", "p = 5e-06", "p = 6e-13", "p < 1e-300"]
+    reported = [p_text(log10_p) for log10_p in (0.0, -0.42, -2.5, -5.3, -12.2, -400.0)]
+    assert reported == ["p > 0.99", "p = 0.38", "p = 0.0032", "p = 5e-06", "p = 6e-13", "p < 1e-300"]
 
 
 def test_gyroscopes_that_no_residual_was_diagnosed_of_are_reported_as_not_looked_at() -> None:
