@@ -54,6 +54,11 @@ HASHED_WHERE_GIVEN = frozenset({"dcc", "dcc_sha256"})  # columns younger than ro
 def append(session: Session, row: Measured) -> Measured:
     """Chain a row to the newest of its table and add it; call it in `fixtures_db.database.Database.write`."""
     row.measured_utc = row.measured_utc.astimezone(UTC)
+    return chained(session, row)
+
+
+def chained(session: Session, row: Chained) -> Chained:
+    """Chain a row that is otherwise complete and add it."""
     row.previous = newest_hash(session, type(row))
     row.sha256 = digest(row_text(row))
     session.add(row)

@@ -1,7 +1,8 @@
-"""Folders whose names survive a power cut: a file's own fsync keeps its bytes, its folder's keeps its name."""
+"""Files and folders that survive a power cut: a file's own fsync keeps its bytes, its folder's keeps its name."""
 
 import os
 from pathlib import Path
+from typing import IO, Any
 
 
 def make_folder(folder: Path) -> None:
@@ -25,3 +26,9 @@ def sync_folder(folder: Path) -> None:
         os.fsync(descriptor)
     finally:
         os.close(descriptor)
+
+
+def sync_file(stream: IO[Any]) -> None:
+    """Put what was written to an open file on the disk."""
+    stream.flush()
+    os.fsync(stream.fileno())

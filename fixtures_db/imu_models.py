@@ -15,7 +15,7 @@ from datetime import UTC, datetime
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from fixtures_db.append_only_rows import ROW_TITLES, newest_hash, row_text, verify_rows
+from fixtures_db.append_only_rows import ROW_TITLES, chained, verify_rows
 from fixtures_db.errors import InForceAlready, NotInForce
 from fixtures_db.hash_chain import ChainFault, digest
 from fixtures_db.schema import EffectEventRow, ImuLimitRow
@@ -88,11 +88,8 @@ def _newest(session: Session, model: str, serial: str | None) -> dict[str, Effec
 
 
 def _append(session: Session, row: EffectEventRow) -> EffectEventRow:
-    row.recorded_utc, row.previous = datetime.now(UTC), newest_hash(session, EffectEventRow)
-    row.sha256 = digest(row_text(row))
-    session.add(row)
-    session.flush()
-    return row
+    row.recorded_utc = datetime.now(UTC)
+    return chained(session, row)
 
 
 def verify_effects(session: Session, expected_head: str | None = None) -> list[ChainFault]:

@@ -133,7 +133,7 @@ def _as_found(known: Inspector, name: str, dialect: Dialect) -> Declared:
 
 def _column(column: Column[Any], dialect: Dialect) -> str:
     counts = dialect.name == "postgresql" and column is column.table.autoincrement_column
-    return _said(column.type.compile(dialect), bool(column.nullable), "counted" if counts else None)
+    return _declared(column.type.compile(dialect), bool(column.nullable), "counted" if counts else None)
 
 
 def _found_column(found: Any, dialect: Dialect) -> str:
@@ -142,10 +142,10 @@ def _found_column(found: Any, dialect: Dialect) -> str:
         default = "counted"
     others = _options({name: found.get(name) for name in ("computed", "identity")})
     kind = "of no type" if isinstance(found["type"], NullType) else found["type"].compile(dialect)
-    return _said(kind, found["nullable"], default) + others
+    return _declared(kind, found["nullable"], default) + others
 
 
-def _said(kind: str, nullable: bool, default: str | None) -> str:
+def _declared(kind: str, nullable: bool, default: str | None) -> str:
     return f"{kind}{'' if nullable else ' NOT NULL'}{'' if default is None else f' DEFAULT {default}'}"
 
 

@@ -1,4 +1,4 @@
-"""Names for the array types that cross a public boundary, and interpolation of vectors over time."""
+"""Names for the array types that cross a public boundary; interpolation of vectors over time; runs of rows."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,3 +18,8 @@ def interpolated(t: FloatArray, times: FloatArray, values: FloatArray) -> FloatA
     values : (m, 3), of any unit and frame
     """
     return np.stack([np.interp(t, times, values[:, i]) for i in range(3)], axis=1)
+
+
+def true_runs(mask: BoolArray) -> IntArray:
+    """Return begin and end (m, 2) [rows] of each run that ``mask`` (n,) marks, in order; the end is not of it."""
+    return np.flatnonzero(np.diff(np.concatenate(([False], mask, [False])))).reshape(-1, 2)

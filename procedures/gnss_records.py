@@ -11,6 +11,7 @@ from enum import IntEnum
 import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.statistics.significance import robust_std
 
 EARTH_RADIUS_M = 6_371_000.0  # m; only for the scatter of positions metres apart
 CONSTANT_FIXES = 20  # alike to 1e-7 deg, a centimetre: no receiver that measures each of them
@@ -148,8 +149,8 @@ def averaged_site(fixes: Sequence[GnssFix]) -> AveragedSite | None:
         longitude=float((mean[1] + np.pi) % (2 * np.pi) - np.pi),
         height=float(np.median(heights)) if len(heights) else None,
         is_ellipsoidal=is_ellipsoidal,
-        horizontal_std=_std(used, "horizontal_std", np.hypot(_spread(north), _spread(east))),
-        vertical_std=_std(solid, "vertical_std", _spread(heights)) if len(heights) else None,
+        horizontal_std=_std(used, "horizontal_std", np.hypot(robust_std(north), robust_std(east))),
+        vertical_std=_std(solid, "vertical_std", robust_std(heights)) if len(heights) else None,
         fixes=len(used),
         is_constant=len(used) >= CONSTANT_FIXES and not np.ptp(latitude) and not np.ptp(there),
     )
@@ -162,7 +163,3 @@ def _numbers(fixes: Sequence[GnssFix], name: str) -> FloatArray:
 def _std(fixes: Sequence[GnssFix], name: str, spread: float) -> float:
     stated = _numbers(fixes, name)
     return max(float(np.median(stated)) if len(stated) else UNSTATED_STD_M, float(spread))
-
-
-def _spread(values: FloatArray) -> float:
-    return 1.4826 * float(np.median(np.abs(values - np.median(values)))) if len(values) else 0.0

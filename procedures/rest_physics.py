@@ -19,7 +19,7 @@ from typing import Literal
 
 import numpy as np
 
-from procedures.arrays import BoolArray, FloatArray
+from procedures.arrays import BoolArray, FloatArray, true_runs
 from procedures.units import RAD_PER_DEG, STANDARD_GRAVITY
 
 MIN_REST_S = 1.0
@@ -239,8 +239,7 @@ def _rests(cells: FloatArray, width: int, before: int, cell: int, period: float)
     with np.errstate(invalid="ignore"):
         apart = np.sqrt(((windows - mean[:, :, None]) ** 2).sum(axis=1).max(axis=1))
         is_steady = apart <= STEADY * np.maximum(np.linalg.norm(mean, axis=1), STANDARD_GRAVITY)
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], is_steady, [False])))).reshape(-1, 2)
-    for begin, end in edges.tolist():
+    for begin, end in true_runs(is_steady).tolist():
         part = cells[begin : end + width - 1]
         yield _rest(part, (before + begin) * cell, cell, period)
 

@@ -1,4 +1,10 @@
-"""The only package that knows operators, files, time and the terminal."""
+"""The only package that knows operators, files, time and the terminal.
+
+`cli` runs a command of `commands.command_table`. `files` reads and writes files, `stream` live devices; `results`
+says what came out, `guide` leads an operator through a campaign, `monitor` and `locate` follow a moving unit,
+`tui` shows all of it. `applying`, `sending` and `exports` use a stored calibration (`calibrated`), `calibration`
+does so in a program of your own. `errors` has every refusal with its exit code.
+"""
 
 import os
 

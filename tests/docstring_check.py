@@ -66,8 +66,8 @@ def _of_function(path: Path, node: ast.stmt, around: str, prefix: str) -> Iterat
     ]
     returns = _is_array(node.returns)
     if given or returns:
-        said = ast.get_docstring(node) or ""
-        wrong = list(_wrong(said, around, given, returns))
+        reported = ast.get_docstring(node) or ""
+        wrong = list(_wrong(reported, around, given, returns))
         if wrong:
             where = path.relative_to(ROOT) if path.is_absolute() else path
             yield f"{where}:{node.lineno} {prefix}{node.name}: {', '.join(wrong)}"
@@ -77,10 +77,10 @@ def _is_array(annotation: ast.expr | None) -> bool:
     return annotation is not None and ARRAYS.search(ast.unparse(annotation)) is not None
 
 
-def _wrong(said: str, around: str, given: list[str], returns: bool) -> Iterator[str]:
-    if len(given) > 2 and not re.search(r"^Parameters\n-+$", said, re.M):
+def _wrong(reported: str, around: str, given: list[str], returns: bool) -> Iterator[str]:
+    if len(given) > 2 and not re.search(r"^Parameters\n-+$", reported, re.M):
         yield "no Parameters section"
-    texts = f"{said}\n\n{around}"
+    texts = f"{reported}\n\n{around}"
     entries = re.split(r"(?<=[.;])\s+|\n\n|\n(?=\w[\w, ]* : )", texts)
     for name in given:
         of_name = [entry for entry in entries if re.search(rf"(?<![\w.]){re.escape(name)}(?!\w)", entry)]
@@ -88,7 +88,7 @@ def _wrong(said: str, around: str, given: list[str], returns: bool) -> Iterator[
             yield f"`{name}` not named"
         elif not any(_has_shape(entry) for entry in of_name):
             yield f"no shape of `{name}`"
-    if returns and not _has_shape(said):
+    if returns and not _has_shape(reported):
         yield "no shape of what it returns"
     if not UNIT.search(texts):
         yield "no unit"

@@ -1,4 +1,4 @@
-"""Where this repository is, the measured data beside it, and files that are in memory alone."""
+"""Where this repository is, the measured data next to it, and files that are in memory alone."""
 
 import os
 import tempfile

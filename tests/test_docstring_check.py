@@ -28,12 +28,14 @@ def test_a_whole_docstring_passes(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert found(Path(), GOOD) == []
 
 
-@pytest.mark.parametrize(("docstring", "said"), CASES)
-def test_what_lacks_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, docstring: str, said: str) -> None:
+@pytest.mark.parametrize(("docstring", "reported"), CASES)
+def test_what_lacks_is_reported(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, docstring: str, reported: str
+) -> None:
     monkeypatch.chdir(tmp_path)
     head = "def turned(C_nb: FloatArray, f_b: FloatArray) -> FloatArray:\n    "
     (line,) = found(Path(), head + docstring + "\n")
-    assert said in line
+    assert reported in line
 
 
 def test_three_arrays_want_a_section(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

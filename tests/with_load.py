@@ -1,4 +1,4 @@
-"""Run a command beside busy loops: `python -m tests.with_load [--loops 10] COMMAND ...`, so many for each core."""
+"""Run a command with busy loops: `python -m tests.with_load [--loops 10] COMMAND ...`, so many for each core."""
 
 import argparse
 import os

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Polygon
 
 from drivers.simulated.bench_in_memory import simulate_campaign
-from drivers.simulated.cube_motion import hand_turn
+from drivers.simulated.cube_motion import manual_rotation
 from drivers.simulated.truth import Truth
 from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.plan_steps import turn_steps
@@ -119,7 +119,7 @@ def draw_efficiency() -> Figure:
 def arrow(
     axes: Axes, begin: FloatArray, direction: FloatArray, text: str, colour: str, off: tuple[float, float]
 ) -> None:
-    """Draw an arrow with its name beside its head."""
+    """Draw an arrow with its name next to its head."""
     end = begin + direction
     style = {"arrowstyle": "-|>", "color": colour, "lw": 1.5, "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", xy=end, xytext=begin, arrowprops=style)
@@ -185,7 +185,9 @@ def draw_face_pair() -> Figure:
 
 def draw_turn() -> Figure:
     """Draw a simulated hand turn: rate, heading, and what is left of the horizontal Earth rate."""
-    segment = hand_turn(np.eye(3), np.array([0.0, 0.0, 1.0]), 6 * np.pi, 250, PERIOD, np.random.default_rng(5))
+    segment = manual_rotation(
+        np.eye(3), np.array([0.0, 0.0, 1.0]), 6 * np.pi, 250, PERIOD, np.random.default_rng(5)
+    )
     assert segment.angle is not None
     heading = segment.angle
     t = np.arange(len(heading)) * PERIOD
@@ -227,7 +229,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
 
 
 def main() -> None:
-    """Write every figure as SVG beside this file."""
+    """Write every figure as SVG next to this file."""
     mpl.rcParams.update(STYLE)
     for name, draw in FIGURES.items():
         figure = draw()

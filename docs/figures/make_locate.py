@@ -91,7 +91,7 @@ def _off(held: FloatArray, t: FloatArray, p: FloatArray) -> FloatArray:
 
 
 def main() -> None:
-    """Write the figures as PNG beside this file."""
+    """Write the figures as PNG next to this file."""
     mpl.rcParams.update(STYLE)
     for name, draw in (("locate_outage", draw_outage), ("locate_kitti", draw_kitti)):
         draw().savefig(HERE / f"{name}.png", dpi=110, metadata={"Software": None})

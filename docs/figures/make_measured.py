@@ -55,7 +55,7 @@ def draw_fog() -> Figure:
 
 
 def main() -> None:
-    """Write the figures as PNG beside this file."""
+    """Write the figures as PNG next to this file."""
     mpl.rcParams.update(STYLE)
     draw_fog().savefig(HERE / "measured_fog.png", dpi=110, metadata={"Software": None})
 

@@ -61,7 +61,7 @@ class CanJoiner:
     def take(self, records: NDArray[np.void], at: IntArray) -> tuple[SampleBlock, IntArray]:
         """Return the samples that records (n,) at places ``at`` (n,) [bytes into the stream] complete.
 
-        Beside them stands (m, 2) where the bytes of each begin and end there.
+        Next to them stands (m, 2) where the bytes of each begin and end there.
         """
         if not len(records):
             return self._nothing, np.zeros((0, 2), np.int64)

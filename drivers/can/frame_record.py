@@ -12,6 +12,7 @@ address on the bus, so what a DBC says of it is an example. Source: SAE J1939-21
 import struct
 import zlib
 from collections.abc import Iterable
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -123,3 +124,18 @@ class SenderWatch:
             both = [f"0x{address:02X}" for address in sorted((known, second & SOURCE))]
             found = f"PGN {pgn_of(second)} from source addresses {' and '.join(both)}, two devices"
             raise BadCanFile(self._path, None, found, f"one; {self._remedy.format(' or '.join(both))}")
+
+
+@dataclass(frozen=True, slots=True)
+class WheelReading:
+    """``speed`` [m/s] by a frame that came at ``host_ns`` [ns] and was handed on at ``read_ns`` [ns]."""
+
+    host_ns: int
+    speed: float
+    device_ns: int | None = None
+    read_ns: int = field(default=0, compare=False)
+
+    @property
+    def came_ns(self) -> int:
+        """The moment [ns] from which it is there."""
+        return max(self.host_ns, self.read_ns)

@@ -15,11 +15,11 @@ from drivers.can.frame_record import (
     RECORD,
     SOURCE,
     SenderWatch,
+    WheelReading,
     is_intact,
     pack,
     pgn_mask,
 )
-from drivers.can.wheel_reading import WheelReading
 from drivers.errors import BadCanFile
 from procedures.units import M_S_PER_KM_H, M_S_PER_KNOT, M_S_PER_MPH
 

@@ -51,7 +51,7 @@ class BenchControl:
 
     def tilt(self, up: tuple[int, int, int], move_s: float = 45.0) -> float:
         """Prop the cube so that ``up``, in its own axes, about points up; return when it will have settled."""
-        return self._moved(f"lean {up[0]} {up[1]} {up[2]} {move_s}")
+        return self._moved(f"tilt {up[0]} {up[1]} {up[2]} {move_s}")
 
     def heat(self, kelvin: float, tau_s: float) -> None:
         """Warm the unit by ``kelvin`` from now on, exponentially in ``tau_s`` [s]; negative cools it."""

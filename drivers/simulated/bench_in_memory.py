@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from drivers.simulated.cube_motion import Segment, flip, hand_turn, rest
+from drivers.simulated.cube_motion import Segment, flip, manual_rotation, rest
 from drivers.simulated.effects import Planted, planted
 from drivers.simulated.sensor_model import CountingTriads
 from drivers.simulated.truth import Truth, World, imu_from_cube
@@ -183,7 +183,7 @@ def turn_segment(
         )
     sense = np.sign(normal_b[along]) * (1 if turn.direction == "+" else -1)
     total = float(sense * 2 * np.pi * turn.revolutions + closure)
-    return hand_turn(C_bn, normal_b, total, round(turn.rest_s / period), period, rng, turn.speed_deg_s)
+    return manual_rotation(C_bn, normal_b, total, round(turn.rest_s / period), period, rng, turn.speed_deg_s)
 
 
 def simulate_campaign(

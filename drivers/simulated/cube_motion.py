@@ -140,7 +140,7 @@ def creep(C_bn: FloatArray, position: int, samples: int, turn_b: FloatArray) -> 
     return Segment(C_bn, samples, _unit(turn_b), angle, position=position)
 
 
-def hand_turn(
+def manual_rotation(
     C_bn: FloatArray, axis_b: FloatArray, total: float, rest_samples: int, period: float, rng: np.random.Generator,
     mean_deg_s: float | None = None,
 ) -> Segment:  # fmt: skip

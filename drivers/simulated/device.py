@@ -103,11 +103,11 @@ class ByteDevice:
 
     def _answer(self, command: str) -> str:
         try:
-            return f"ok {self._obey(command.split())}".rstrip()
+            return f"ok {self._execute(command.split())}".rstrip()
         except ValueError as error:
             return f"error {error}".replace("\n", " ")
 
-    def _obey(self, words: list[str]) -> str:
+    def _execute(self, words: list[str]) -> str:
         imu = self.imu
         match words:
             case ["place", position]:
@@ -116,11 +116,11 @@ class ByteDevice:
                 imu.place(int(position), float(move_s), _rad(off_deg) if off_deg else None)
             case ["carry", position, *seconds] if len(seconds) in {2, 3}:
                 imu.carry(int(position), *map(float, seconds))
-            case ["lean", x, y, z, *move_s] if len(move_s) < 2:
+            case ["tilt" | "lean", x, y, z, *move_s] if len(move_s) < 2:
                 imu.tilt(np.array([float(x), float(y), float(z)]), *map(float, move_s))
             case ["heat", kelvin, tau_s]:
                 imu.heat(float(kelvin), float(tau_s))
-            case ["knock", seconds, size_g]:
+            case ["shock" | "knock", seconds, size_g]:
                 imu.shock(float(seconds), float(size_g))
             case ["creep", seconds, *turn_deg] if len(turn_deg) == 3:
                 imu.creep(float(seconds), _rad(turn_deg))
@@ -137,9 +137,9 @@ class ByteDevice:
                 raise ValueError(
                     f"unknown command {' '.join(words)!r}; expected place POSITION [MOVE_S "
                     "[X_DEG Y_DEG Z_DEG]], carry POSITION MOVE_S TREMOR_DEG_S [PAUSE_S], "
-                    "lean X Y Z [MOVE_S], turn AXIS + or - REVOLUTIONS [REST_S], "
+                    "tilt X Y Z [MOVE_S], turn AXIS + or - REVOLUTIONS [REST_S], "
                     "rest SECONDS, heat KELVIN TAU_S, "
-                    "knock SECONDS SIZE_G, creep SECONDS X_DEG Y_DEG Z_DEG, status, time or go"
+                    "shock SECONDS SIZE_G, creep SECONDS X_DEG Y_DEG Z_DEG, status, time or go"
                 )
         return f"time {imu.time:.6f} done {imu.done:.6f}"
 

@@ -97,7 +97,7 @@ class SimulatedImu(PoweredUnit):
     def tilt(self, up_b: FloatArray, move_s: float = 45.0) -> None:
         """Prop the cube so that ``up_b`` (3,), its own axes, about points up, as well as hands do it."""
         if not np.isfinite(up_b).all() or not np.linalg.norm(up_b):
-            raise ValueError(f"lean {up_b}: expected a way that can point up")
+            raise ValueError(f"up {up_b}: expected a way that can point up")
         missed = np.radians(TILT_STD_DEG) * self._scatter * self._hands.standard_normal(3)
         heading = self._hands.uniform(0, 2 * np.pi)
         C_bn = rotation(missed) @ C_bn_of_up(up_b, heading)

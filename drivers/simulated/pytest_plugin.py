@@ -52,16 +52,9 @@ def simulated_gnss(request: pytest.FixtureRequest) -> Iterator[SimulatedGnss]:
     """Serve an autopilot with a GNSS receiver, with the test's simulated IMU, on its truth and clock."""
     from drivers.simulated.companions.gnss_server import SimulatedGnss
     from drivers.simulated.companions.truths import AutopilotTruth
-    from drivers.simulated.faults import TimedFault, gnss_faults_from
+    from drivers.simulated.faults import gnss_faults_from
 
-    settings = _settings(request, "simulated_gnss")
-    imu = _imu_of(request)
-    truth = _truth(settings, imu.truth if imu else None)
-    if isinstance(autopilot := settings.pop("autopilot", None), Mapping):
-        autopilot = AutopilotTruth(**autopilot)
-    faults = _faults(settings, TimedFault, gnss_faults_from)
-    settings.setdefault("speed", ALONE_SPEED)
-    yield from _until_over(SimulatedGnss(truth, autopilot, faults, imu=imu, **settings))
+    yield from _companion(request, SimulatedGnss, "autopilot", AutopilotTruth, gnss_faults_from, speed=ALONE_SPEED)
 
 
 @pytest.fixture
@@ -69,15 +62,9 @@ def simulated_camera(request: pytest.FixtureRequest) -> Iterator[SimulatedCamera
     """Serve a camera over HTTP, with the test's simulated IMU, on its truth and clock."""
     from drivers.simulated.companions.camera_server import SimulatedCamera
     from drivers.simulated.companions.truths import CameraTruth
-    from drivers.simulated.faults import TimedFault, camera_faults_from
+    from drivers.simulated.faults import camera_faults_from
 
-    settings = _settings(request, "simulated_camera")
-    imu = _imu_of(request)
-    truth = _truth(settings, imu.truth if imu else None)
-    if isinstance(camera := settings.pop("camera", None), Mapping):
-        camera = CameraTruth(**camera)
-    faults = _faults(settings, TimedFault, camera_faults_from)
-    yield from _until_over(SimulatedCamera(truth, camera, faults, imu=imu, **settings))
+    yield from _companion(request, SimulatedCamera, "camera", CameraTruth, camera_faults_from)
 
 
 def _served(request: pytest.FixtureRequest, name: str, usual: Mapping[str, Any]) -> Iterator[SimulatedDevice]:
@@ -88,6 +75,22 @@ def _served(request: pytest.FixtureRequest, name: str, usual: Mapping[str, Any])
     truth = _truth(settings)
     faults = _faults(settings, Fault, faults_from)
     yield from _until_over(SimulatedDevice(truth, faults=faults, **settings))
+
+
+def _companion(
+    request: pytest.FixtureRequest, device: Callable[..., D], key: str, kind: Callable[..., object],
+    faults_of: Callable[[Iterable[Mapping[str, Any]]], tuple[Any, ...]], **usual: object,
+) -> Iterator[D]:  # fmt: skip
+    """Serve a second device whose own truth the marker gives under ``key``, as ``kind`` or its keys."""
+    from drivers.simulated.faults import TimedFault
+
+    settings = usual | _settings(request, f"simulated_{device.__name__.removeprefix('Simulated').lower()}")
+    imu = _imu_of(request)
+    truth = _truth(settings, imu.truth if imu else None)
+    if isinstance(own := settings.pop(key, None), Mapping):
+        own = kind(**own)
+    faults = _faults(settings, TimedFault, faults_of)
+    yield from _until_over(device(truth, own, faults, imu=imu, **settings))
 
 
 def _until_over(device: D) -> Iterator[D]:

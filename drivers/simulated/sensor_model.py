@@ -1,8 +1,7 @@
 """The triads: each channel an integrate-and-fire counter driven by ``N = k (E u + D + effects + noise)``.
 
 A channel's count is the floor of its accumulated output; increments are differences of that floor, so the
-remainder is carried and no fraction is ever lost. Noise is drawn sample by sample from one stream, so that equal
-seeds give equal counts however the samples are asked for.
+remainder is carried and no fraction is ever lost. The noise stands in `drivers.simulated.sensor_noise`.
 """
 
 from collections.abc import Sequence
@@ -11,40 +10,9 @@ import numpy as np
 
 from drivers.simulated.cube_motion import Segment
 from drivers.simulated.effects import Planted, Stimulus, TriadInput
+from drivers.simulated.sensor_noise import SensorNoise
 from drivers.simulated.truth import Truth, World
 from procedures.arrays import FloatArray, IntArray
-from procedures.units import DEG_H_PER_DEG_S
-
-NODE_S = 1.0  # grid of the bias instability, linear in between
-
-
-class BiasInstability:
-    """First-order Gauss-Markov bias of six channels: exact on a grid of `NODE_S`, linear between nodes."""
-
-    def __init__(self, sigma: FloatArray, tau_s: float, rng: np.random.Generator) -> None:
-        self._sigma, self._rng = sigma, rng
-        self._keep = float(np.exp(-NODE_S / tau_s)) if tau_s > 0 else 0.0
-        self._nodes: FloatArray = sigma * rng.standard_normal((1, len(sigma)))
-
-    def at(self, t: FloatArray) -> FloatArray:
-        """Return the bias (n, 6) at times ``t`` (n,) [s], or (1, 6) zeros where there is none."""
-        if not np.any(self._sigma):
-            return np.zeros((1, len(self._sigma)))
-        index = (t / NODE_S).astype(np.int64)
-        self._extend(int(index[-1]) + 2)
-        part = (t / NODE_S - index)[:, None]
-        low = self._nodes[index]
-        drift: FloatArray = low + part * (self._nodes[index + 1] - low)
-        return drift
-
-    def _extend(self, count: int) -> None:
-        missing = count - len(self._nodes)
-        if missing > 0:
-            draws = self._rng.standard_normal((missing, len(self._sigma)))
-            grown = [self._nodes[-1]]
-            for step in np.sqrt(1 - self._keep**2) * self._sigma * draws:
-                grown.append(self._keep * grown[-1] + step)
-            self._nodes = np.concatenate((self._nodes, grown[1:]))
 
 
 class CountingTriads:
@@ -64,13 +32,8 @@ class CountingTriads:
         self._gyro = [(e.gyro, sizes) for e, sizes in planted if e.gyro is not None]
         self.period = truth.sample_period_s / (1 + 1e-6 * world.clock_ppm)
         white, drift, phase = np.random.SeedSequence(seed or 0).spawn(3)
-        self._white = None if seed is None else np.random.Generator(np.random.SFC64(white))
-        gyro_sigma = np.full(3, truth.gyro_instability_dph / DEG_H_PER_DEG_S)
-        sigma = np.concatenate((np.full(3, truth.accel_instability_g), gyro_sigma)) * (seed is not None)
-        self._drift = BiasInstability(sigma, truth.instability_tau_s, np.random.default_rng(drift))
+        self._noise = None if seed is None else SensorNoise(truth, white, drift)
         self._phase = np.random.default_rng(phase)
-        arw = truth.gyro_arw_deg_rt_s / np.sqrt(truth.sample_period_s)
-        self._noise = np.concatenate((np.full(3, truth.accel_noise_g), np.full(3, arw)))
         self._k = np.concatenate((truth.accel_k, truth.gyro_k))
         self._sum = np.zeros(6)
         self._heats = list[tuple[float, float, float]]()  # from when [s], by how much [K], constant [s]
@@ -133,18 +96,12 @@ class CountingTriads:
         return rates[:, 3:], rates[:, :3]
 
     def _noisy(self, segment: Segment, index: int, first: int, last: int) -> FloatArray:
-        n = last - first
         u = self.output(segment, index, first, last)
-        u = u + self._drift.at(self._middle(index, n))
-        if self._white is not None:
-            noise = self._white.standard_normal((n, 6))
-            noise *= self._noise
-            u = np.add(noise, u, out=noise)
-        return u
+        return u if self._noise is None else self._noise.added_to(u, self._middle(index, last - first))
 
     def skip(self) -> None:
         """Forget the remainders for random ones: counts passed unobserved."""
-        if self._white is not None:
+        if self._noise is not None:
             self._sum = self._phase.random(6)
 
     def _middle(self, index: int, n: int) -> FloatArray:

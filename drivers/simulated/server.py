@@ -22,10 +22,9 @@ import numpy as np
 
 from drivers.address_parsing import parse_device_url
 from drivers.simulated.bench_control import BenchControl
-from drivers.simulated.can_lines import SlcanAdapter, UdpMulticastLine
 from drivers.simulated.device import MAX_CHUNK_SAMPLES, ByteDevice, ScheduledMove
 from drivers.simulated.faults import Fault, Sent, Silence
-from drivers.simulated.serial_and_tcp_lines import PtyLine, TcpLine
+from drivers.simulated.lines import PtyLine, SlcanAdapter, TcpLine, UdpMulticastLine
 from drivers.simulated.truth import Truth
 from drivers.wire import WireFormat
 
@@ -166,7 +165,7 @@ class SimulatedDevice:
     def __enter__(self) -> Self:
         self._line.plug()
         try:
-            self._control = _ControlServer(("127.0.0.1", self._control_port), self._obey)
+            self._control = _ControlServer(("127.0.0.1", self._control_port), self._execute)
         except OSError:
             self._line.unplug()
             raise
@@ -197,7 +196,7 @@ class SimulatedDevice:
         if self.failure is not None:
             raise self.failure
 
-    def _obey(self, command: str) -> str:
+    def _execute(self, command: str) -> str:
         if command.split() == ["go"]:
             self._go.set()
             return "ok"

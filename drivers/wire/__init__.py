@@ -7,7 +7,7 @@ is one file and one line. NovAtel's take two: `novatel` (the logs and their text
 
 from importlib import import_module
 
-from drivers.wire.frame_counters import FrameCounters
+from drivers.wire.frame_faults import FrameCounters
 from drivers.wire.wire_format import (
     ALL_CHANNELS,
     FrameKind,

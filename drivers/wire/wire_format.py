@@ -12,7 +12,7 @@ from typing import Any, Literal, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.wire.frame_counters import FrameCounters
+from drivers.wire.frame_faults import FrameCounters
 from procedures.arrays import FloatArray, IntArray
 from procedures.counts.sample_records import SampleBlock
 
@@ -107,7 +107,7 @@ class Joiner(Protocol):
     def take(self, frames: Frames, at: IntArray) -> tuple[SampleBlock, IntArray]:
         """Return the samples that (n,) frames at (n,) places [bytes into the stream] complete.
 
-        Beside them stands (m, 2) where the bytes that a sample needs begin and end.
+        Next to them stands (m, 2) where the bytes that a sample needs begin and end.
         """
         ...
 

@@ -326,3 +326,20 @@ def _fixes_in_time(log: AttitudeLog, latency: float) -> AttitudeLog:
     velocity = np.full_like(log.velocity, np.nan)
     velocity[rows] = log.velocity[fixed]
     return replace(log, velocity=velocity)
+
+
+def compile_all() -> None:
+    """Compile the kernels, at the install rather than at the first log: run every aid over two seconds of rest."""
+    t, still = 0.01 * np.arange(200.0), np.zeros((200, 3))
+    log = AttitudeLog(np.asarray(t, np.float64), still, still - [0.0, 0.0, 9.8], still[:, 0].copy(), still.copy())
+    for aid in AIDS:
+        estimate(log, aid)
+    estimate(log, "none", PAPER_GAINS)
+    for aid in AID_CODE:
+        kept = AttitudeKalmanFilter(aid)
+        kept.step(0.0, log.omega_b[0], log.f_b[0])
+        kept.step(0.01, log.omega_b[1], log.f_b[1])
+
+
+if __name__ == "__main__":
+    compile_all()

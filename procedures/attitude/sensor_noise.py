@@ -6,17 +6,17 @@ rows are a gap. A noise-free simulation and a unit at rest below its own resolut
 fault: there the noise is less than the resolution.
 """
 
+import math
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from procedures.arrays import BoolArray, FloatArray
+from procedures.arrays import BoolArray, FloatArray, true_runs
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.complementary_filter import RATE_GATE
 from procedures.attitude.complementary_velocity_aids import SMOOTH_S
 from procedures.attitude.kalman.kalman_settings import KalmanSettings
 from procedures.attitude.kalman.strapdown_integration import GAP_RATE
-from procedures.statistics.white_noise import white_noise
 from procedures.units import STANDARD_GRAVITY
 
 MIN_FROZEN_S = 0.1  # s
@@ -63,12 +63,9 @@ def noise_above_resolution(values: FloatArray) -> float:
 def frozen_stretches(log: AttitudeLog) -> list[FrozenStretch]:
     """Return the stretches in which all six channels repeat themselves, though they are noisy elsewhere."""
     values = np.hstack([log.omega_b, log.f_b])
-    same = np.concatenate(([False], (values[1:] == values[:-1]).all(axis=1), [False]))
-    edge = np.diff(same.astype(np.int8))
-    firsts, ends = np.flatnonzero(edge == 1) + 1, np.flatnonzero(edge == -1) + 1
     found = [
-        FrozenStretch(int(a), int(b) - 1)
-        for a, b in zip(firsts, ends, strict=True)
+        FrozenStretch(a, b - 1)
+        for a, b in (true_runs((values[1:] == values[:-1]).all(axis=1)) + 1).tolist()
         if b - a >= MIN_REPEATS and log.t[b - 1] - log.t[a - 1] >= MIN_FROZEN_S - 0.5 * log.nominal
     ]
     if not found:
@@ -190,3 +187,30 @@ def clipped_rows(log: AttitudeLog) -> tuple[float, float, int]:
     rate, force = range_limit(log.omega_b, MIN_RANGE[0]), range_limit(log.f_b, MIN_RANGE[1])
     at_limit = (np.abs(log.omega_b) >= rate).any(axis=1) | (np.abs(log.f_b) >= force).any(axis=1)
     return rate, force, int(at_limit.sum())
+
+
+QUIETEST_QUANTILE = 0.05  # of the windows' variance that counts as the unit's own
+# quanta^2: second differences of counts that step up and down by one, as they show as noise
+COUNTING_VARIANCE = 4 / 6
+
+
+def white_noise(samples: FloatArray, period: float, *, window_s: float = 1.0, quantum: float = 0.0) -> float:
+    """Return the noise density of the worst axis [unit of the samples times sqrt(s)].
+
+    From second differences, so that bias and slow motion do not count; 0 for less than a window of samples.
+
+    Parameters
+    ----------
+    samples : (n, 3) float64, any unit, sensor axes
+    period : s, between samples
+    window_s : s, of which the quietest count; infinity takes all samples together
+    quantum : what one count is, in the unit of the samples, where counting is to be taken off
+    """
+    rows = max(round(window_s / period), 8) if math.isfinite(window_s) else len(samples) - 2
+    windows = (len(samples) - 2) // rows if rows > 0 else 0
+    if windows < 1:
+        return 0.0
+    second = np.diff(samples, n=2, axis=0)[: windows * rows]
+    variance = np.mean(second.reshape(windows, rows, 3) ** 2, axis=1) / 6
+    quiet = float(np.quantile(variance, QUIETEST_QUANTILE, axis=0).max())
+    return float(np.sqrt(max(quiet - COUNTING_VARIANCE * quantum**2, 0.0) * period))

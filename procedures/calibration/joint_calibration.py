@@ -155,12 +155,12 @@ def report(fits: CampaignFits) -> Solution:
 
 
 def undetectable_tilts_of(
-    fits: CampaignFits, quality: FitQuality, askew: Collection[tuple[int, str]] = ()
+    fits: CampaignFits, quality: FitQuality, tilted: Collection[tuple[int, str]] = ()
 ) -> tuple[UndetectableTilt, ...]:
-    """Return what tilts would not show in the dwells but those ``askew``, by campaign's number and name."""
+    """Return what tilts would not show in the dwells but those ``tilted``, by campaign's number and name."""
     if fits.accelerometer is None or fits.accelerometer.is_turned_freely:
         return ()
-    return undetectable_tilts(fits.accelerometer, fits.gyroscope, quality.noticed_sigmas, askew)
+    return undetectable_tilts(fits.accelerometer, fits.gyroscope, quality.noticed_sigmas, tilted)
 
 
 def joint_covariance(

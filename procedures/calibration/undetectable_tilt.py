@@ -76,23 +76,23 @@ def undetectable_tilts(
     accelerometer: TriadFit,
     gyroscope: GyroscopeFit | None,
     noticed: float,
-    askew: Collection[tuple[int, str]] = (),
+    tilted: Collection[tuple[int, str]] = (),
 ) -> tuple[UndetectableTilt, ...]:
     """Return by how far the cube may tilt unnoticed in each dwell, and what that makes wrong.
 
     Dwells whose tilt moves nothing by `LEAST_MOVED` are left out.
 
-    ``noticed`` [sigma] is by how much a tilt shows (`FitQuality.noticed_sigmas`), ``askew`` are the number of the
+    ``noticed`` [sigma] is by how much a tilt shows (`FitQuality.noticed_sigmas`), ``tilted`` are the number of the
     campaign and the name of each dwell whose seat was found: nothing else of it is known.
     """
     if not (dwells := accelerometer.seen.dwells):
         return ()  # rests alone
     by_tilt = _rows_by_tilt(accelerometer)
-    is_askew = [(number, dwell.name) in askew for number, dwell in dwells]
-    solved = _Solved.of(accelerometer, by_tilt, by_tilt[is_askew])
+    is_tilted = [(number, dwell.name) in tilted for number, dwell in dwells]
+    solved = _Solved.of(accelerometer, by_tilt, by_tilt[is_tilted])
     found = list[UndetectableTilt]()
     for i, (number, dwell) in enumerate(dwells):
-        if not is_askew[i]:
+        if not is_tilted[i]:
             tilts, harm = solved.reliability(i, _gyroscopes_by_tilt(gyroscope, number, dwell.name))
             seat = accelerometer.bench.campaigns[number].sigma.seat
             moved = np.nan_to_num(harm * noticed)

@@ -50,8 +50,8 @@ def noise_of(step: float) -> float:
 
 def noise_posterior(paths: Sequence[Path]) -> Search[Path, Weights]:
     """Search (noise, weight) around the most likely noise of all paths of a channel."""
-    telling = max(paths, key=lambda path: path.edges)  # where one path leads, all need few steps
-    best = yield from most_likely_noise([telling], sum(NOISE_STEP_RANGE) // 2, NOISE_STEPS_PER_E, {})
+    decisive = max(paths, key=lambda path: path.edges)  # where one path leads, all need few steps
+    best = yield from most_likely_noise([decisive], sum(NOISE_STEP_RANGE) // 2, NOISE_STEPS_PER_E, {})
     for _ in range(MAX_ADMISSIONS):
         found: dict[int, float] = {}
         best = yield from most_likely_noise(paths, best, 1, found)

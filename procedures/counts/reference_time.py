@@ -18,7 +18,8 @@ from itertools import pairwise
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
-from procedures.statistics.line_fits import CorrelatedLine, fit_correlated_line
+from procedures.statistics.line_fits import CorrelatedLine, fit_correlated_line, median_slope
+from procedures.statistics.significance import STD_PER_MAD
 from procedures.units import PPM_PER_ONE
 
 LINE_BLOCKS, MIN_LINE_BLOCKS = 24, 6  # stretches of all rows, and as few as that are a line
@@ -196,7 +197,7 @@ def _line_in(
     slope = 0.0
     middle = np.array([points.t[b].mean() for b in points.blocks])
     for _ in range(ENVELOPE_PASSES):
-        slope += _usual_slope(middle, _picked(points, slope, pick), session)
+        slope += median_slope(middle, _picked(points, slope, pick), session) or 0.0
     line: CorrelatedLine | None = None
     for _ in range(LINE_PASSES):
         picked = _picked(points, slope, pick)
@@ -217,19 +218,10 @@ def _picked(points: _Points, slope: float, pick: Callable[[FloatArray], float]) 
     return np.array([pick(off[b]) for b in points.blocks])
 
 
-def _usual_slope(x: FloatArray, y: FloatArray, session: IntArray) -> float:
-    """Return the median slope between all pairs of one session (Theil and Sen)."""
-    i, j = np.triu_indices(len(x), 1)
-    same = (session[i] == session[j]) & (x[j] > x[i])
-    if not same.any():
-        return 0.0
-    return float(np.median((y[j] - y[i])[same] / (x[j] - x[i])[same]))
-
-
 def _inliers(off: FloatArray, session: IntArray) -> BoolArray:
     """Mark the points near the line of their session."""
     off = off.copy()
     for each in np.unique(session):
         off[session == each] -= np.median(off[session == each])
     far = np.abs(off)
-    return np.asarray(far <= OUTLIER_SIGMAS * max(1.4826 * float(np.median(far)), np.finfo(float).tiny))
+    return np.asarray(far <= OUTLIER_SIGMAS * max(STD_PER_MAD * float(np.median(far)), np.finfo(float).tiny))

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
+from procedures.statistics.significance import STD_PER_MAD
 
 GAP_PERIODS = 1.5  # a step longer than so many sample periods is a gap
 # Relative: of a stated period that is right, and of one that is not wrong
@@ -217,7 +218,7 @@ def _on_a_grid(t: FloatArray, begins: IntArray, long: IntArray, period: float) -
         off = np.abs(y - period * x)
         scatter = max(float(off @ off) / max(len(off) - 2, 1), (1e-3 * period) ** 2)
         std = float(np.sqrt(scatter / (x @ x)))
-        ends = ends[off <= OUTLIER_SIGMAS * 1.4826 * max(float(np.median(off)), 1e-3 * period)]
+        ends = ends[off <= OUTLIER_SIGMAS * STD_PER_MAD * max(float(np.median(off)), 1e-3 * period)]
     least = np.minimum.reduceat(t - period * rows, begins)
     grid = period * rows + np.repeat(least, np.diff(np.append(begins, len(t))))
     return SampleTimes(grid, period, begins, is_uneven=True, period_std=std)

@@ -100,7 +100,7 @@ def discover(found: Diagnosis, say: Say = lambda line: None) -> Discovery:
     known = library_of(evidence, Candidates(evidence, found.after, EFFECTS))
     proposals = list[Proposal]()
     for number in range(MAX_PROPOSALS):
-        say(f"{len(terms)} terms are tried{f' beside {number} proposed' if number else ''}")
+        say(f"{len(terms)} terms are tried{f' in addition to {number} proposed' if number else ''}")
         included = [*others, *(each.columns[0] for each in proposals)]
         one = _likeliest(rows, terms, known, included, number)
         if one is None:

@@ -302,7 +302,7 @@ UNIT_TILT = Effect(
         "A nudge, a stand that gives way, a screw that is loose. All that is seen turns by a small rotation from "
         "some moment on. In one rest what is along gravity stays, and a jump of the accelerometers' biases across "
         "it looks the same; between the dwells of a campaign it goes with the attitude. Plausible: 0.01 rad, or "
-        "as far as a rest wanders; between dwells 1e-4 rad, 0.01 mm on 100 mm."
+        "as far as a rest drifts; between dwells 1e-4 rad, 0.01 mm on 100 mm."
     ),
     unit="rad",
     physics="rotation(x, y, z) of all that is seen, from a moment on",

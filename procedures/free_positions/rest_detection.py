@@ -15,11 +15,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from procedures.arrays import BoolArray, FloatArray, IntArray
+from procedures.arrays import BoolArray, FloatArray, IntArray, true_runs
 from procedures.campaign.campaign import RestRecord, SequenceRecord
 from procedures.counts.count_rate import MIN_DWELL_SAMPLES
 from procedures.counts.sample_records import CountSeries, Series, series_rows
-from procedures.statistics.significance import log_chi2_sf
+from procedures.statistics.significance import STD_PER_MAD, log_chi2_sf
 
 WINDOW_S = 1.0
 MIN_REST_S = 1.0  # of samples whose whole window is quiet: two seconds of stillness
@@ -39,8 +39,7 @@ class ScatterLevel:
 
     def rests(self, multiplier: float) -> list[slice]:
         """Return the stretches of samples at rest, in order."""
-        quiet = np.concatenate(([False], self.level <= multiplier, [False]))
-        edges = np.flatnonzero(np.diff(quiet)).reshape(-1, 2)
+        edges = true_runs(self.level <= multiplier)
         least = max(MIN_REST_S / self.series.period, MIN_DWELL_SAMPLES)
         return [slice(int(begin), int(end)) for begin, end in edges if end - begin >= least]
 
@@ -245,7 +244,7 @@ def _at_rest(middles: FloatArray) -> FloatArray:
 
 def _noise(rate: FloatArray) -> FloatArray:
     """Return 1 sigma (3,) of a sample's noise, by second differences, in which motion cancels."""
-    found: FloatArray = 1.4826 * np.median(np.abs(np.diff(rate, 2, axis=0)), axis=0) / np.sqrt(6)
+    found: FloatArray = STD_PER_MAD * np.median(np.abs(np.diff(rate, 2, axis=0)), axis=0) / np.sqrt(6)
     return found
 
 
@@ -256,15 +255,14 @@ def _is_turn(beyond: FloatArray, turns: BoolArray, seconds: float) -> bool:
         return True
     lag = max(round(FAST_S / seconds), 1)
     fast = np.abs(beyond[lag:] - beyond[:-lag]) > LEAST_RATE
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], fast, [False])))).reshape(-1, 2)
     # a change is seen for as long as `FAST_S`; of several that run into each other each counts
-    changes = sum(max(1, round((end - begin) / lag)) for begin, end in edges)
+    changes = sum(max(1, round((end - begin) / lag)) for begin, end in true_runs(fast))
     return bool(changes >= LEAST_CHANGES)
 
 
 def _longest(rests: BoolArray, size: int, seconds: float) -> slice | None:
     """Return the longest stretch at rest as samples, without the seconds in which a turn may begin or end."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], rests, [False])))).reshape(-1, 2)
+    edges = true_runs(rests)
     edges[:, 0] += edges[:, 0] > 0
     edges[:, 1] -= edges[:, 1] < len(rests)
     length = edges[:, 1] - edges[:, 0]

@@ -118,11 +118,14 @@ def attempt(
 
 def between(imu: ImuSeries, first: float, last: float) -> ImuSeries:
     """Return the samples of a span of time [s]."""
-    part = slice(int(np.searchsorted(imu.t, first)), int(np.searchsorted(imu.t, last, "right")))
+    part = _span(imu.t, first, last)
     return ImuSeries(imu.t[part], imu.omega_b[part], imu.f_b[part])
 
 
 def fixes_between(fixes: GnssFixes, first: float, last: float) -> GnssFixes:
     """Return the fixes of a span of time [s]."""
-    part = slice(int(np.searchsorted(fixes.t, first)), int(np.searchsorted(fixes.t, last, "right")))
-    return fixes.part(part)
+    return fixes.part(_span(fixes.t, first, last))
+
+
+def _span(t: FloatArray, first: float, last: float) -> slice:
+    return slice(int(np.searchsorted(t, first)), int(np.searchsorted(t, last, "right")))

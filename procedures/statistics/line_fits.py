@@ -25,6 +25,7 @@ from functools import lru_cache
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
+from procedures.statistics.significance import robust_std
 
 MEMORIES_TRIED = 5  # tried, from the distance of points to their span
 CORRELATED_SHARES_TRIED = (0.3, 0.6, 0.9)  # of the variance that remembers
@@ -79,7 +80,7 @@ def fit_correlated_line(
     places, steps = _steps(member) if dof > MIN_FREE_POINTS else (np.zeros(0, dtype=np.int64), np.zeros((n, 0)))
     d, V = _noises(np.abs(x[:, None] - x) / span)
     without = len(d)
-    if record is not None and _tells(record, member):
+    if record is not None and _determine_a_slope(record, member):
         d, V = (np.concatenate(each) for each in zip((d, V), _offsets_of_records(x, record), strict=True))
     found = _fit(d, V @ design, V @ y, V @ steps, least)
     log, slope, variance = found.log, found.slope, found.variance
@@ -106,7 +107,7 @@ def _noises(apart: FloatArray) -> tuple[FloatArray, FloatArray]:
     return np.vstack((np.ones(n), d.reshape(-1, n))), np.concatenate((np.eye(n)[None], turns))
 
 
-def _tells(record: IntArray, member: IntArray) -> bool:
+def _determine_a_slope(record: IntArray, member: IntArray) -> bool:
     """Say whether points within records give a slope, and a group has several: else its offset holds theirs."""
     pairs = np.unique(np.stack((record, member)), axis=1)
     return bool(len(np.unique(pairs[1])) < pairs.shape[1] < len(record))
@@ -224,16 +225,25 @@ def fit_time_line(clock_ns: IntArray, reference_ns: IntArray) -> TimeLine | None
     x, y = (clock_ns - clock_ns[0]) / 1e9, (reference_ns - reference_ns[0]) / 1e9
     stretches = np.array_split(np.arange(len(x)), min(MAX_STRETCHES, len(x)))
     centre: FloatArray = np.array([[np.median(x[s]), np.median(y[s])] for s in stretches])
-    i, j = np.triu_indices(len(centre), 1)
-    dx, dy = (centre[j] - centre[i]).T
-    apart = dx > 0
-    if not apart.any():
+    rate = median_slope(*centre.T)
+    if rate is None:
         return None
-    rate = float(np.median(dy[apart] / dx[apart]))
     left = y - rate * x
     offset = float(np.median(left))
-    scatter = 1.4826 * float(np.median(np.abs(left - offset)))
-    return TimeLine(int(clock_ns[0]), int(reference_ns[0]) + round(offset * 1e9), rate, scatter)
+    return TimeLine(int(clock_ns[0]), int(reference_ns[0]) + round(offset * 1e9), rate, robust_std(left))
+
+
+def median_slope(x: FloatArray, y: FloatArray, group: IntArray | None = None) -> float | None:
+    """Return the median slope between all pairs of points of one group, None if there are none (Theil and Sen).
+
+    Parameters
+    ----------
+    x, y : (n,), of any unit
+    group : (n,), of each point; None if all are of one
+    """
+    i, j = np.triu_indices(len(x), 1)
+    usable = x[j] > x[i] if group is None else (group[i] == group[j]) & (x[j] > x[i])
+    return float(np.median((y[j] - y[i])[usable] / (x[j] - x[i])[usable])) if usable.any() else None
 
 
 def fit_earliest_line(clock_ns: IntArray, reference_ns: IntArray) -> TimeLine | None:

@@ -33,6 +33,7 @@ from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.statistics.significance import (
     TauSums,
     predicted_mean,
+    robust_std,
     tail_probabilities,
     tau_levels,
     tau_terms,
@@ -65,7 +66,7 @@ def judge_fleet(value: FloatArray, std: FloatArray) -> FleetParameter:
     """Judge units by their ``value`` and ``std``, both (n,); ``extremes`` are none below `MIN_UNITS` units."""
     middle = float(np.median(value))
     offset = value - middle
-    spread = float(1.4826 * np.median(np.abs(offset))) if len(value) > 1 else None
+    spread = robust_std(value) if len(value) > 1 else None
     left, found = np.arange(len(value)), list[ExtremeUnit]()
     for _ in range(min(int(MAX_EXTREME_SHARE * len(value)), MAX_EXTREMES) if len(value) >= MIN_UNITS else 0):
         i = _most_extreme(offset[left], std[left])

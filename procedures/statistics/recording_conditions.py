@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.fft import rfft
 
-from procedures.arrays import BoolArray, FloatArray, IntArray
+from procedures.arrays import BoolArray, FloatArray, IntArray, true_runs
 from procedures.statistics.noise_conditions import (
     ALL,
     COARSE_STD,
@@ -290,13 +290,11 @@ def _copies(found: Examined) -> BadRows | None:
 def _cut(found: Examined, bad: BadRows) -> Examined:
     """Replace few lone rows by their neighbours' mean; else take the longest part without bad rows."""
     rate, mask = found.rate, bad.mask
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], mask.astype(np.int8), [0]))))
-    runs = edges[1::2] - edges[::2]
-    if runs.max() <= LONE_ROWS and mask.mean() <= MAX_OUTLIER_SHARE:
+    if np.ptp(true_runs(mask), axis=1).max() <= LONE_ROWS and mask.mean() <= MAX_OUTLIER_SHARE:
         rows = np.arange(len(rate))
-        mended = np.interp(rows, rows[~mask], rate[~mask])
+        filled = np.interp(rows, rows[~mask], rate[~mask])
         condition = replace(bad.condition, text=f"{bad.condition.text} They are replaced by their neighbours.")
-        return replace(_with(found, condition), rate=mended, replaced=found.replaced + float(mask.mean()))
+        return replace(_with(found, condition), rate=filled, replaced=found.replaced + float(mask.mean()))
     part = _longest_clean(mask)
     kept = part.stop - part.start
     if kept < max(MIN_SAMPLES, MIN_CLEAN_SHARE * len(rate)):
@@ -309,12 +307,8 @@ def _cut(found: Examined, bad: BadRows) -> Examined:
 def _longest_clean(mask: BoolArray) -> slice:
     """Return the longest part of rows (n,) that ``mask`` leaves, a few rows away from bad ones."""
     wide = np.convolve(mask, np.ones(2 * AROUND + 1), mode="same") > 0
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], (~wide).astype(np.int8), [0]))))
-    begins, ends = edges[::2], edges[1::2]
-    if not len(begins):
-        return slice(0, 0)
-    k = int(np.argmax(ends - begins))
-    return slice(int(begins[k]), int(ends[k]))
+    runs = true_runs(~wide)
+    return slice(*runs[np.argmax(np.ptp(runs, axis=1))].tolist()) if len(runs) else slice(0, 0)
 
 
 def _through_the_quantiser(found: Examined) -> Examined:

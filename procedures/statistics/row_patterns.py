@@ -11,8 +11,9 @@ import numpy as np
 from scipy.fft import rfft
 from scipy.special import betainc
 
-from procedures.arrays import BoolArray, FloatArray, IntArray
+from procedures.arrays import BoolArray, FloatArray, IntArray, true_runs
 from procedures.statistics.noise_conditions import ALL, MAX_LOG_P, Condition
+from procedures.statistics.significance import robust_std
 from procedures.statistics.spectrum import MEDIAN_OF_EXPONENTIAL, without_straight_line
 
 DEVICES = (2, 3, 4)  # that one file may hold
@@ -101,7 +102,7 @@ def _log_p_of_period(power: FloatArray, n: int, p: int) -> float:
 def outlying_rows(rate: FloatArray, step: float) -> BadRows | None:
     """Return rows of ``rate`` (n,) far from the others near them; ``step`` is the `level_step`, in its unit."""
     off = rate - _running_level(rate)
-    sigma = max(1.4826 * float(np.median(np.abs(off - np.median(off)))), step / 2)
+    sigma = max(robust_std(off), step / 2)
     near, far = np.quantile(np.abs(off), [1 - share for share in TAIL_SHARES])
     decay = (far - near) / np.log(TAIL_SHARES[0] / TAIL_SHARES[1])  # of an exponential tail
     tail = far + decay * np.log(TAIL_SHARES[1] * len(rate) / TAIL_CHANCE)
@@ -128,8 +129,7 @@ def two_ranges(rate: FloatArray, step: float) -> BadRows | None:
         return None
     upper = rate > ordered[at]
     smaller = upper if upper.sum() <= len(rate) / 2 else ~upper
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], smaller.astype(np.int8), [0]))))
-    if int((edges[1::2] - edges[::2]).max()) <= MIN_ROWS and smaller.mean() <= MAX_OUTLIER_SHARE:
+    if int(np.ptp(true_runs(smaller), axis=1).max()) <= MIN_ROWS and smaller.mean() <= MAX_OUTLIER_SHARE:
         return None
     jumps = int(np.sum(upper[1:] != upper[:-1]))
     often = jumps > 2 and smaller.mean() > MAX_OUTLIER_SHARE

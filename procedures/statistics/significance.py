@@ -27,6 +27,7 @@ from procedures.arrays import FloatArray
 
 LEADING_TERMS_BELOW = 1e-200  # below which the leading terms are used
 LAST_TERM_NATS = 40  # -ln of the last term of a series
+STD_PER_MAD = 1.4826  # 1 sigma over the median of absolute deviations, of a normal distribution
 KNOWN_VARIANCE_DOF = 1e6  # degrees of freedom beyond which a variance is known
 
 
@@ -146,3 +147,8 @@ def predicted_mean(sums: TauSums, tau: FloatArray) -> tuple[FloatArray, FloatArr
     log = 0.5 * (sums.log - np.log(sums.one) - (sums.second - mean * sums.first))
     weight = np.exp(log - log.max(0))
     return weight / weight.sum(0), mean, np.sqrt(1.0 / sums.one + tau[:, None] ** 2)
+
+
+def robust_std(values: FloatArray) -> float:
+    """Return 1 sigma of values (n,) by the median of their deviations from the median, 0 of none."""
+    return STD_PER_MAD * float(np.median(np.abs(values - np.median(values)))) if len(values) else 0.0

@@ -52,7 +52,7 @@ from procedures.twelve_positions.placement_transfers import (
     first_guess,
     placement_transfers,
     refuse_contradicting,
-    without_brisk,
+    without_fast,
 )
 from procedures.twelve_positions.rotation_tilt import RotationTilt
 from procedures.units import RAD_S_PER_DEG_H
@@ -102,7 +102,7 @@ def solve_gyroscope(
     shapes = tuple(geometry(turn, heading, campaigns[turn.campaign].sigma.closure) for turn, heading, _ in turned)
     moves = _moves(campaigns, seen, turns)
     if moves is not None:
-        moves = without_brisk(moves, K, b)
+        moves = without_fast(moves, K, b)
         if moves is None and not turns:
             return None
     model = GyroscopeModel(campaigns, seen, turns, shapes, accelerometer, moves, kept)

@@ -248,7 +248,7 @@ def long_enough_s(coning: float, seconds: float) -> float:
     return float(seconds * (coning / MAX_CONING_RAD) ** (1 / ORDER))
 
 
-def without_brisk(moves: PlacementTransfers, K: FloatArray, b: FloatArray) -> PlacementTransfers | None:
+def without_fast(moves: PlacementTransfers, K: FloatArray, b: FloatArray) -> PlacementTransfers | None:
     """Return the moves but for those that were too fast, which are reported; None if none stays.
 
     ``K`` (3, 3) [output/deg] and ``b`` (3,) [output/s] are the gyroscopes', roughly.
@@ -257,7 +257,7 @@ def without_brisk(moves: PlacementTransfers, K: FloatArray, b: FloatArray) -> Pl
     kept = coning <= MAX_CONING_RAD
     if kept.all():
         return moves
-    brisk = [
+    fast = [
         f"{moves.records[i].name} not used: moved too fast, {coning[i] / RAD_PER_ARCSEC:.0f} arcsec of coning"
         for i in np.flatnonzero(~kept)
     ]
@@ -266,7 +266,7 @@ def without_brisk(moves: PlacementTransfers, K: FloatArray, b: FloatArray) -> Pl
         return None
     kept_arrays = {name: getattr(moves, name)[kept] for name in OF_EACH}
     finer = finer_moves([each.series for each in records])
-    return replace(moves, records=records, finer=finer, left_out=(*moves.left_out, *brisk), **kept_arrays)
+    return replace(moves, records=records, finer=finer, left_out=(*moves.left_out, *fast), **kept_arrays)
 
 
 SEATING_SCALE_RAD = 0.1  # rad, at which a seat bends the model

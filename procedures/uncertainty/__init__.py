@@ -2,6 +2,9 @@
 
 `sources` (by name), `row_variance` (of every whitened row, split by source), `excess_scatter` (what the model does
 not explain, temperature), `budget` (through the fit's gain to k, E and D; degrees of freedom, coverage factor).
+This is the only budget: reports, certificates and `calibration/1` print it. Other uncertainties are of something
+else: of a plan before it is recorded `procedures.planning.design_sigmas`, of samples after the correction
+`station.calibrated.remaining_uncertainty`, of a cube's machining `procedures.tolerance`.
 
 A fit is Gauss-Newton on whitened rows ``r``, each of variance one: the estimate moves by ``G r`` with
 ``G = P J'`` (P the covariance, J the Jacobian), so that the covariance is ``sum over rows G_row G_row'``. Each

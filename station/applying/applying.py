@@ -115,7 +115,7 @@ class Progress:
         self._say, self._clock = say or self._write, clock
         self._begin = clock()
         self._next = self._begin + SILENT_S
-        self._has_said = False
+        self._has_reported = False
 
     def at(self, done: float, samples: int) -> None:
         """Say that a share ``done``, 0 to 1, and so many samples are behind."""
@@ -124,12 +124,12 @@ class Progress:
             return
         left = (now - self._begin) * (1 / done - 1)
         self._next = now + (EVERY_S if self._is_screen else EVERY_LINE_S)
-        self._has_said = True
+        self._has_reported = True
         self._say(f"{100 * done:.0f} %, {samples} samples, {left:.0f} s left")
 
     def end(self) -> None:
         """End the line on a terminal."""
-        if self._is_screen and self._has_said:
+        if self._is_screen and self._has_reported:
             sys.stderr.write("\n")
 
     def _write(self, text: str) -> None:

@@ -12,7 +12,6 @@ from drivers.address_parsing import parse_device_url
 from drivers.addresses import DeviceAddress
 from drivers.errors import ReplayEnded
 from procedures.arrays import FloatArray
-from procedures.campaign.campaign import UNKNOWN
 from procedures.counts.sample_records import SampleBlock
 from procedures.errors import ErrorCode
 from procedures.frames import TRIADS
@@ -201,8 +200,7 @@ def _identified(file: Path, stated: Stated, *cut: Callable[[str], None]) -> Live
         raise DataRefused(
             file, None, (error.strerror or str(error)).lower(), "a readable file", code=ErrorCode.FILE_MISSING
         ) from None
-    unknown = UNKNOWN if feed.wire.identity is None else None
-    feed.identify(stated.model or unknown, stated.serial or unknown)
+    feed.identify_or_unknown(stated.model, stated.serial)
     return feed
 
 

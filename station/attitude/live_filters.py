@@ -24,6 +24,7 @@ from station.attitude.live_kalman_filter import (
     NO_AID,
     AidValues,
     AttitudeEstimator,
+    aided_at_end,
     compile_filter,
     joined,
 )
@@ -57,7 +58,8 @@ class ComplementaryFilterTrack:
         """Take ends ``t`` (n,) [s] and inputs of a tick; None while aligning. The aid is of the last sample."""
         if np.isnan(self._shift):
             self._shift = self._last + float(t[1] - t[0] if len(t) > 1 else 0.0) - float(t[0])
-        log, before = self._log(t + self._shift, inputs, aiding), self._last
+        log = aided_at_end(t + self._shift, inputs, self._speed(aiding), aiding.velocity, aiding.heading)
+        before = self._last
         self._last = float(log.t[-1])
         if self._mixer is None:
             self._first.append(log)
@@ -91,12 +93,6 @@ class ComplementaryFilterTrack:
         if self._form == "paper-filter" and self._turning_s > MAX_FILTERED_TURN_S:
             return f"{self._name}: rotating for more than {MAX_FILTERED_TURN_S:.0f} s, it diverges then; use joint"
         return ""
-
-    def _log(self, t: FloatArray, inputs: RatesAndForces, aiding: AidValues) -> AttitudeLog:
-        n = len(t)
-        speed, heading, velocity = np.full(n, np.nan), np.full(n, np.nan), np.full((n, 3), np.nan)
-        speed[-1], velocity[-1], heading[-1] = self._speed(aiding), aiding.velocity, aiding.heading
-        return AttitudeLog(t, inputs.rate, inputs.force, speed, velocity, heading)
 
     def _speed(self, aiding: AidValues) -> float:
         """Return the speed along body x [m/s]: the airspeed, else what a GNSS velocity says of it."""

@@ -88,6 +88,15 @@ class VehicleWatch:
         return found
 
 
+def aided_at_end(
+    t: FloatArray, inputs: RatesAndForces, airspeed: float, velocity: Sequence[float], heading: float
+) -> AttitudeLog:
+    """Return samples that end at ``t`` (n,) [s], with the aid of the last one: m/s, m/s north-east-down, rad."""
+    aids = np.full((len(t), 5), np.nan)
+    aids[-1] = airspeed, *velocity, heading
+    return AttitudeLog(t, inputs.rate, inputs.force, aids[:, 0].copy(), aids[:, 1:4].copy(), aids[:, 4].copy())
+
+
 def joined(logs: Sequence[AttitudeLog]) -> AttitudeLog:
     """Return logs one after the other as one."""
     names = ("t", "omega_b", "f_b", "airspeed", "velocity", "heading")
@@ -216,13 +225,12 @@ class AttitudeEstimator:
         return self._filter
 
     def _log(self, t: FloatArray, inputs: RatesAndForces, aiding: AidValues) -> AttitudeLog:
-        n = len(t)
-        airspeed, heading, velocity = np.full(n, np.nan), np.full(n, np.nan), np.full((n, 3), np.nan)
-        airspeed[-1], velocity[-1] = aiding.airspeed, aiding.velocity
-        heading[-1] = aiding.heading + aiding.age * self._turning(inputs)
+        heading = aiding.heading + aiding.age * self._turning(inputs)
+        log = aided_at_end(t, inputs, aiding.airspeed, aiding.velocity, heading)
         if self._last is None and np.isnan(aiding.heading):
-            heading[0] = self._heading
-        return AttitudeLog(t, inputs.rate, inputs.force, airspeed, velocity, heading)
+            assert log.heading is not None
+            log.heading[0] = self._heading
+        return log
 
     def _turning(self, inputs: RatesAndForces) -> float:
         """Return the rate of the heading [rad/s]; zero while aligning."""

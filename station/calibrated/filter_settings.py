@@ -12,9 +12,8 @@ import numpy as np
 from procedures.attitude.attitude_log import AttitudeLog, earth_rate_ned
 from procedures.attitude.kalman.kalman_settings import AIDED_SETTINGS, UNAIDED_SETTINGS, KalmanSettings
 from procedures.attitude.kalman.unaided_motion import vehicle_settings
-from procedures.attitude.sensor_noise import gyro_noise
+from procedures.attitude.sensor_noise import gyro_noise, white_noise
 from procedures.geodesy import EARTH_RATE
-from procedures.statistics.white_noise import white_noise
 from procedures.units import DEG_H_PER_DEG_S, RAD_S_PER_DEG_H, STANDARD_GRAVITY
 
 MIN_GYRO_NOISE = 1e-7  # rad/sqrt(s)

@@ -102,8 +102,8 @@ def settle(
             work[2, q] = work[0, q] / work[1, q] - D[q] if work[1, q] != 0 else nan
         for q in range(3):
             found[i, q] = inverse[q, 0] * work[2, 0] + inverse[q, 1] * work[2, 1] + inverse[q, 2] * work[2, 2]
-        is_nought = work[1, 0] == 0 or work[1, 1] == 0 or work[1, 2] == 0
-        if is_nought or (not is_linear and not _settled(i, E, inverse, D, powers, cross, work, found)):
+        is_zero = work[1, 0] == 0 or work[1, 1] == 0 or work[1, 2] == 0
+        if is_zero or (not is_linear and not _settled(i, E, inverse, D, powers, cross, work, found)):
             unsettled[i] = True
             found[i, :] = nan
 

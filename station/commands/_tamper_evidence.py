@@ -222,11 +222,11 @@ def write_copies(copies: Iterable[Copy], sign: Sign | None) -> None:
         raise failed
 
 
-COPY_SUFFIXES = (".xml", ".pdf")  # what is written beside the HTML, under its name
+COPY_SUFFIXES = (".xml", ".pdf")  # what is written next to the HTML, under its name
 
 
 def check_copy(order: Mapping[str, object]) -> None:
-    """Raise if anything of an order, by option, stands beside --copy: a copy says what was issued."""
+    """Raise if anything of an order, by option, is given with --copy: a copy says what was issued."""
     if given := [option for option, value in order.items() if value is not None]:
         text = ", ".join(given)
         raise typer.BadParameter(f"--copy writes the issued certificate unchanged: found {text}; omit one")
@@ -278,7 +278,7 @@ def read_kept(files: Sequence[Path], trust: "Trust | None") -> list[Kept]:
     Altered, DataRefused
         As `station.files.database_files.read_anchor`, and of a certificate that witnesses nothing.
     NotVerified
-        If the time stamp beside one is of something else, or of a service that the roots given do not lead to.
+        If the time stamp next to one is of something else, or of a service that the roots given do not lead to.
     """
     from station.files.database_files import read_anchor
 
@@ -308,7 +308,7 @@ def anchor_faults(session: "Session", kept: Sequence[Kept]) -> "list[ChainFault]
 
 
 def keep(to: Path, anchor: "Anchor", service: str | None) -> None:
-    """Write an anchor and, of a ``service`` by URL, a time stamp over its bytes beside it.
+    """Write an anchor and, of a ``service`` by URL, a time stamp over its bytes next to it.
 
     Raises
     ------
@@ -330,7 +330,7 @@ def keep(to: Path, anchor: "Anchor", service: str | None) -> None:
 
 
 def _stamp_text(file: Path, trust: "Trust | None") -> str:
-    """Return what the time stamp beside an anchor says; "" where there is none."""
+    """Return what the time stamp next to an anchor says; "" where there is none."""
     stamp = file.with_name(file.name + STAMP_SUFFIX)
     if not stamp.exists():
         return ""

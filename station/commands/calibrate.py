@@ -106,8 +106,7 @@ def calibrate(
     Example: station calibrate --device serial:///dev/ttyUSB0?format=counts --latitude 48.1
     """
     from station.files.campaign_setup import Setup
-    from station.guide.last_setup import load_setup
-    from station.guide.options import EngineOptions
+    from station.guide.options import EngineOptions, load_setup
     from station.guide.view import OperatorCommand
 
     given = {
@@ -183,8 +182,7 @@ def resume(
     """
     from fixtures_db.database import open_db
     from station.errors import DataRefused
-    from station.guide.last_setup import load_setup
-    from station.guide.options import EngineOptions
+    from station.guide.options import EngineOptions, load_setup
     from station.guide.start_screen import unfinished_campaigns
     from station.guide.view import OperatorCommand
 

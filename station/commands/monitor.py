@@ -18,8 +18,9 @@ def monitor(
     aid: Annotated[
         str, option("--aid", "AID", "none, gnss or airspeed; gnss with --gnss; in a replay as it was.")
     ] = "",
-    law: Annotated[
-        str, option("--law", "LAWS", "joint, mixer, paper, paper-filter or paper-whole; two: joint,paper.")
+    filter: Annotated[
+        str,
+        option("--filter --law", "FILTERS", "joint, mixer, paper, paper-filter, paper-whole; two: joint,paper."),
     ] = "",
     tau: Annotated[
         float | None,
@@ -74,7 +75,7 @@ def monitor(
     recording.mcap bytes and counts, events.csv marks and alarms; `replay:FILE` gives the same attitude again. Keys
     of the screen: m mark, r record, z zero (display only), n restart charts, q leave.
 
-    --law uses another filter than the joint Kalman filter, or two side by side: mixer and paper are the
+    --filter uses another filter than the joint Kalman filter, or two side by side: mixer and paper are the
     complementary filters of You and Lee, with the forward speed of a receiver or autopilot (paper-filter: their
     velocity filter; paper-whole: also velocity changes). Their readings are in laws.csv and in --json.
 
@@ -94,8 +95,8 @@ def monitor(
     from drivers.errors import PortNotFound
     from procedures.attitude.filter_choice import JOINT, parse_filters, refuse_without_velocity
     from station.calibrated.output_frame import body_axes
-    from station.monitor.alarms import parse_alarm
     from station.monitor.monitor_command import MonitorRequest, run
+    from station.monitor.view import parse_alarm
     from station.sending.outputs import kind_of
     from station.tui import run_monitor
 
@@ -104,8 +105,8 @@ def monitor(
         raise typer.BadParameter("--json and --plain are two outputs; expected one of them")
     _check_sources(aid, locate, camera, wheel, has_receiver=bool(gnss) or url.startswith("replay:"))
     aid = "airspeed-filter" if aid == "airspeed" else aid
-    with refused_as("--law"):
-        filters = parse_filters(law) if law else ()
+    with refused_as("--filter"):
+        filters = parse_filters(filter) if filter else ()
         if filters and not url.startswith("replay:"):
             refuse_without_velocity(filters, aid or ("gnss" if gnss else "none"))
     with refused_as("--lever-arm"):
@@ -113,7 +114,7 @@ def monitor(
     with refused_as("--alarm"):
         alarms = tuple(parse_alarm(text) for text in alarm or ())
     if filters and filters[0] != JOINT and any(each.name == "sigma" for each in alarms):
-        raise typer.BadParameter(f"law {filters[0]} has no uncertainty; name joint first", param_hint="--alarm")
+        raise typer.BadParameter(f"filter {filters[0]} has no uncertainty; name joint first", param_hint="--alarm")
     for text in stream or ():
         if kind_of(text).scheme == "stdout":
             raise typer.BadParameter("stdout has the monitor's own lines; expected another", param_hint="--stream")

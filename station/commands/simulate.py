@@ -257,7 +257,7 @@ def _announce_all(
     stack: ExitStack, autopilot: "Callable[[SimulatedDevice], SimulatedGnss] | None", path: "VehicleTrack | None",
     wheel_file: Path | None, device: "SimulatedDevice",
 ) -> None:  # fmt: skip
-    """Serve what stands beside a device, and say where all of it is."""
+    """Serve what goes with a device, and say where all of it is."""
     if wheel_file is not None:
         from drivers.simulated.companions.wheel_on_can import DBC, SimulatedWheel, wheel_toml
         from station.files.atomic_file import replace_file

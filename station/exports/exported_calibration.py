@@ -1,6 +1,6 @@
 """A `calibration/1` as it is exported: triads, provenance, and the error terms that a program can compute.
 
-Terms are those that the station corrects, `station.calibrated.applied_effects`, in the calibration's units. Beside
+Terms are those that the station corrects, `station.calibrated.applied_effects`, in the calibration's units. With
 the inputs of user-defined terms there are ``warming``, 1 while it grows warmer and -1 while it cools, ``c``, the
 sensor's own coefficient inside a term, and ``sine(y)``, ``sin(x) / x - 1`` of ``y = x^2``.
 """

@@ -15,7 +15,7 @@ from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
-from fixtures_db.folder_on_disk import make_folder, sync_folder
+from fixtures_db.folder_on_disk import make_folder, sync_file, sync_folder
 from station.errors import CannotWrite, cannot_write
 
 
@@ -35,8 +35,7 @@ def replace_file(path: Path, content: bytes) -> None:
         try:
             with aside.open("xb") as stream:
                 stream.write(content)
-                stream.flush()
-                os.fsync(stream.fileno())
+                sync_file(stream)
             os.replace(aside, path)
         finally:
             aside.unlink(missing_ok=True)
@@ -66,8 +65,7 @@ def replace_files(contents: Mapping[Path, bytes]) -> None:
                 raise CannotWrite(path, "it is no file")
             with aside[path].open("xb") as stream:
                 stream.write(content)
-                stream.flush()
-                os.fsync(stream.fileno())
+                sync_file(stream)
         for path in contents:
             os.replace(aside[path], path)
         sync_folder(path.parent)

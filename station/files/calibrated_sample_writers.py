@@ -4,7 +4,6 @@ Columns are CSV, Parquet, NumPy and MATLAB. Formats that need a whole column at 
 of doubles first.
 """
 
-import os
 import shutil
 import struct
 import zipfile
@@ -17,7 +16,7 @@ from typing import IO, Any, Protocol
 
 import numpy as np
 
-from fixtures_db.folder_on_disk import sync_folder
+from fixtures_db.folder_on_disk import sync_file, sync_folder
 from procedures.arrays import FloatArray
 from procedures.optional_libraries import ExtraMissing
 from station.errors import DataRefused, cannot_write
@@ -71,8 +70,7 @@ class CsvSamples:
 
     def finish(self) -> None:
         """Put the file on the disk."""
-        self._stream.flush()
-        os.fsync(self._stream.fileno())
+        sync_file(self._stream)
         self._stream.close()
 
     def abandon(self) -> None:
@@ -115,7 +113,7 @@ class ParquetSamples:
         self._flush()
         self._writer.close()
         with self._path.open("rb") as stream:
-            os.fsync(stream.fileno())
+            sync_file(stream)
 
     def abandon(self) -> None:
         """Release the file."""
@@ -189,8 +187,7 @@ class MatSamples:
                 head += struct.pack("<II", _DOUBLE, 8 * rows)
                 stream.write(struct.pack("<II", _MATRIX, len(head) + 8 * rows) + head)
                 self._spool.copy(i, stream)
-            stream.flush()
-            os.fsync(stream.fileno())
+            sync_file(stream)
         self._spool.close()
 
     def abandon(self) -> None:
@@ -218,8 +215,7 @@ class NpzSamples:
                     with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
                         np.lib.format.write_array_header_1_0(member, header)
                         self._spool.copy(i, member)
-            stream.flush()
-            os.fsync(stream.fileno())
+            sync_file(stream)
         self._spool.close()
 
     def abandon(self) -> None:
@@ -261,8 +257,7 @@ class McapSamples:
     def finish(self) -> None:
         """Put the file on the disk."""
         self._writer.finish()  # type: ignore[no-untyped-call]
-        self._stream.flush()
-        os.fsync(self._stream.fileno())
+        sync_file(self._stream)
         self._stream.close()
 
     def abandon(self) -> None:
@@ -335,7 +330,7 @@ class Ros2Samples:
         self._writer.close()
         for file in self._path.iterdir():
             with file.open("rb") as stream:
-                os.fsync(stream.fileno())
+                sync_file(stream)
         sync_folder(self._path)
 
     def abandon(self) -> None:

@@ -214,7 +214,7 @@ def checked_calibration(document: Any, where: str) -> Mapping[str, Any]:
     check_triads(known, triads, where)
     for entry in effects:
         check_effect(entry, where)
-    _check_beside(known, where)
+    _check_statements(known, where)
     return {"effects": [], "model": "unknown", "serial": "unknown", **known}
 
 
@@ -231,7 +231,7 @@ def doubts(document: Mapping[str, Any], now: datetime) -> list[str]:
     return text + ([str(document.get("status_reason", "") or status)] if status != "calibrated" else [])
 
 
-def _check_beside(document: Mapping[str, Any], where: str) -> None:
+def _check_statements(document: Mapping[str, Any], where: str) -> None:
     for key in _WORDS:
         if not is_text(document.get(key, "")):
             raise DataRefused(where, None, f"{key} {shown(document[key])}", "text")

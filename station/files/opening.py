@@ -1,5 +1,6 @@
 """Opening a file that a campaign names: inside its folder, regular, of a bearable size."""
 
+import hashlib
 import os
 import stat
 from io import BufferedReader
@@ -46,6 +47,12 @@ def open_inside(folder: Path, name: str, named_in: str | Path, line: int | None)
         stream.close()
         raise
     return stream
+
+
+def sha256_inside(folder: Path, name: str, named_in: str | Path, line: int | None) -> str:
+    """Return the hash of the bytes of such a file."""
+    with open_inside(folder, name, named_in, line) as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
 def _check(status: os.stat_result, path: Path) -> None:

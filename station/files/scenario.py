@@ -193,12 +193,12 @@ POLL_PERIOD_S = 0.1
 def serve_scenario(
     scenario: Scenario,
     announce: Callable[[SimulatedDevice, SimulatedGnss | None, SimulatedCamera | None], None],
-    tell: Callable[[str], None],
+    report: Callable[[str], None],
     speed: float | None = None,
 ) -> None:
     """Serve until interrupted.
 
-    ``announce`` is given the devices once they can be opened, ``tell`` a line for each thing that happens.
+    ``announce`` is given the devices once they can be opened, ``report`` a line for each thing that happens.
     ``speed``, device seconds per second, goes before the scenario's.
     """
     with ExitStack() as stack:
@@ -211,11 +211,11 @@ def serve_scenario(
         while all(each.failure is None for each in served):
             while due and due[0][0] <= device.time:
                 at_s, text = due.pop(0)
-                tell(f"{at_s:8.1f} s  {text}")
+                report(f"{at_s:8.1f} s  {text}")
             for command, answer in device.device.moved[stated:]:
                 stated += 1
                 if not answer.startswith("ok"):  # somebody else has moved the cube meanwhile
-                    tell(f"{device.time:8.1f} s  {command}: {answer}")
+                    report(f"{device.time:8.1f} s  {command}: {answer}")
             time.sleep(POLL_PERIOD_S)
         raise next(each.failure for each in served if each.failure is not None)
 

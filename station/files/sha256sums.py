@@ -8,7 +8,7 @@ from pathlib import Path
 from station.errors import Altered, DataRefused
 from station.files.atomic_file import replace_file
 from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML, read_campaign_toml
-from station.files.opening import MAX_LINE, open_inside
+from station.files.opening import MAX_LINE, open_inside, sha256_inside
 
 SHA256SUMS = "SHA256SUMS"
 _LINE = re.compile(r"([0-9a-f]{64}) [ *]([^\\\n]+)")
@@ -77,8 +77,7 @@ def verify_folder(folder: Path) -> list[str]:
     for name, (recorded, line) in hashes.items():
         if not os.path.lexists(folder / name):
             raise Altered(folder / name, "no such file", f"sha256 {recorded}")
-        with open_inside(folder, name, folder / SHA256SUMS, line) as stream:
-            found = hashlib.file_digest(stream, "sha256").hexdigest()
+        found = sha256_inside(folder, name, folder / SHA256SUMS, line)
         if found != recorded:
             raise Altered(folder / name, f"sha256 {found}", recorded)
     if (folder / CAMPAIGN_TOML).exists():

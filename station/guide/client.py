@@ -106,7 +106,7 @@ def engine_process(options: EngineOptions) -> Iterator[Path]:
     with tempfile.TemporaryDirectory(prefix="station-") as folder:  # mode 0700
         socket, log = Path(folder) / "engine", Path(folder) / "stderr"
         with log.open("w") as errors, subprocess.Popen(
-            [sys.executable, "-P", "-m", "station.guide", str(socket)],
+            [sys.executable, "-P", "-m", "station.guide.server", str(socket)],
             stdin=subprocess.PIPE, stderr=errors, text=True,  # a screen has the terminal to itself
             start_new_session=True,  # Ctrl-C is for the screen
         ) as process:  # fmt: skip

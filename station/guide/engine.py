@@ -20,8 +20,7 @@ from fixtures_db.errors import DatabaseError
 from procedures.errors import ProcedureError
 from station.errors import CannotWrite, DataRefused, DiskFull, StationError, exit_code
 from station.files.campaign_setup import Setup
-from station.guide.last_setup import save_setup
-from station.guide.options import CalibrationOptions
+from station.guide.options import CalibrationOptions, save_setup
 from station.guide.setup_view import PortCheck, Readiness, StartView
 from station.guide.start_screen import ReadinessInBackground, announce_readiness, start_view
 from station.guide.step_names import without_file_names

@@ -69,8 +69,8 @@ class PlainScreen:
             self._written["ends"] = ", ".join(view.readiness.outcomes)
         for event in self._new_events.of(view.events):
             self._hear(event)
-        is_said = view.stage in SPOKEN_STAGES or (view.turn is not None and view.turn.is_to_rest)
-        task = view.line if is_said or not view.link.is_live else ""
+        is_reported = view.stage in SPOKEN_STAGES or (view.turn is not None and view.turn.is_to_rest)
+        task = view.line if is_reported or not view.link.is_live else ""
         if task:
             at = (
                 f"[{min(view.done + 1, len(view.steps))}/{len(view.steps)}] " if view.steps and view.wanted else ""

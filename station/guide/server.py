@@ -1,4 +1,4 @@
-"""The engine as a process, served on its Unix socket until stdin is closed.
+"""The engine as a process: ``python -m station.guide.server SOCKET``, options as JSON on stdin until it closes.
 
 Views go out to every screen, commands come in, a line of JSON each. The socket is in a folder of its own that only
 its user may enter. A round of the engine that takes long, mostly because of a slow disk, is reported meanwhile by
@@ -8,6 +8,7 @@ a `StallNotice`: the engine cannot do so itself.
 import contextlib
 import os
 import socketserver
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -197,3 +198,7 @@ def _watch_stdin(stop: threading.Event) -> None:
     while os.read(0, 4096):
         pass
     stop.set()
+
+
+if __name__ == "__main__":
+    serve(Path(sys.argv[1]), EngineOptions.model_validate_json(sys.stdin.readline()))

@@ -8,7 +8,6 @@ import numpy as np
 
 from drivers.errors import ReplayEnded
 from fixtures_db.folder_on_disk import make_folder
-from procedures.campaign.campaign import UNKNOWN
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries, antenna, is_usable, level_fixes, origin_at
 from procedures.geodesy import LocalLevel, normal_gravity
 from procedures.gnss_records import GnssFix, TimeMark
@@ -60,8 +59,9 @@ def fusion_from_recording(url: str, folder: Path, asked: FusionOptions) -> list[
     refuse_partial(feed.address.name, feed.stream.decoder.kind)
     file = Path(feed.address.name)
     times, imu, sensors = FixTimes(), *_calibrated(feed, applied)
-    for host_ns, sample in feed.buffer.marks(feed.buffer.begin, feed.buffer.end):
-        times.stamp_imu(host_ns, _device_s(feed, sample))
+    marks = [(at, _device_s(feed, sample)) for at, sample in feed.buffer.marks(feed.buffer.begin, feed.buffer.end)]
+    for mark in marks:
+        times.stamp_imu(*mark)
     for pulse_s in _pulses(feed):
         times.stamp_pulse(pulse_s)
     origin, fixes = _placed(file, read_recorded_fixes(file), times, imu)
@@ -70,16 +70,14 @@ def fusion_from_recording(url: str, folder: Path, asked: FusionOptions) -> list[
     gravity = normal_gravity(origin.latitude, origin.height)
     noise = noise_densities(imu, rest, feed.period, applied.document, counts)
     std = PULSED_STD if times.all_by_pulse else KNOWN_STD if times.knows_sender else UNKNOWN_STD
-    marks = feed.buffer.marks(feed.buffer.begin, feed.buffer.end)
-    seen = recorded_tracks(file.parent, ((at, _device_s(feed, sample)) for at, sample in marks))
+    seen = recorded_tracks(file.parent, marks)
     make_folder(folder)
-    marks = feed.buffer.marks(feed.buffer.begin, feed.buffer.end)
-    rolled = recorded_speeds(file.parent, ((at, _device_s(feed, sample)) for at, sample in marks))
+    rolled = recorded_speeds(file.parent, marks)
     wheel = None if rolled is None or not len(rolled[0].t) else WheelColumn(*rolled)
     made = FusionRecording(origin, gravity, imu, noise, fixes, std, asked.lever_arm, seen, wheel)
     write_fusion(folder, made)
     silent = [f"warning: {feed.silent}"] if feed.silent else []
-    return [*silent, *_said(folder, made, rest, applied)]
+    return [*silent, *_notes(folder, made, rest, applied)]
 
 
 def _device_s(feed: LiveFeed, sample: int) -> float:
@@ -99,9 +97,8 @@ def _pulses(feed: LiveFeed) -> Iterator[float]:
 def _read(url: str, asked: FusionOptions) -> tuple[LiveFeed, AppliedCalibration]:
     """Return a feed that has taken the whole of a recording; what came before a restart is discarded."""
     feed = open_feed(Replay(url, 0.0))
-    unknown = UNKNOWN if feed.wire.identity is None else None
     try:
-        unit = feed.identify(asked.model or unknown, asked.serial or unknown)
+        unit = feed.identify_or_unknown(asked.model, asked.serial)
         while True:
             feed.advance()
     except ReplayEnded:
@@ -144,7 +141,7 @@ def _placed(file: Path, records: list[Record], times: FixTimes, imu: ImuSeries) 
     return origin, level_fixes(origin, np.array(stamps), used)
 
 
-def _said(folder: Path, made: FusionRecording, rest: Rest, applied: AppliedCalibration) -> list[str]:
+def _notes(folder: Path, made: FusionRecording, rest: Rest, applied: AppliedCalibration) -> list[str]:
     imu, fixes, seen = made.imu, made.fixes, made.seen
     rested = f"noise from {rest.seconds:.0f} s of rest"
     if rest.seconds < MIN_REST_S:

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from procedures.arrays import FloatArray
+from procedures.attitude.sensor_noise import white_noise
 from procedures.free_positions.rest_detection import second_means, whole_seconds
 from procedures.fusion.alignment_attempts import align_when_possible, is_still
 from procedures.fusion.alignment_in_motion import MovingAligner
@@ -23,7 +24,6 @@ from procedures.fusion.pose_graph import OUTLIER_SIGMAS, GlobalPose, PoseGraphSe
 from procedures.fusion.preintegration import ImuGap, imu_gaps
 from procedures.geodesy import earth_rate_n
 from procedures.statistics.allan_deviation import noise_terms, overlapping_deviation
-from procedures.statistics.white_noise import white_noise
 from station.calibrated.filter_settings import FORCE_WALK, GYRO_BIAS_WALK, force_bias_std, gyro_bias_std
 from station.errors import DataRefused
 from station.files.fusion_folder import FusionLog

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from drivers.can.wheel_reading import WheelReading
+from drivers.can.frame_record import WheelReading
 from procedures.arrays import FloatArray
 from procedures.fusion.fusion_records import (
     GnssFixes,

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from drivers.camera import CameraImage
-from drivers.can.wheel_reading import WheelReading
+from drivers.can.frame_record import WheelReading
 from procedures.arrays import FloatArray
 from procedures.fusion.fusion_records import ImuSeries
 from station.calibrated.rates_and_forces import CalibratedTick

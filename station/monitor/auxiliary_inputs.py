@@ -15,7 +15,7 @@ from time import monotonic
 from typing import TypeVar
 
 from drivers.camera import CameraImage
-from drivers.can.wheel_reading import WheelReading
+from drivers.can.frame_record import WheelReading
 from procedures.gnss_records import AirData, FixType, GnssFix
 from station.attitude.live_kalman_filter import NO_AID, AidValues
 from station.files.mcap_files.gnss_file import Record

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from drivers.camera import CameraImage
-from drivers.can.wheel_reading import WheelReading
+from drivers.can.frame_record import WheelReading
 from drivers.errors import DriverError, LinkLost, ReplayEnded
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
@@ -28,10 +28,9 @@ from station.calibrated.rates_and_forces import CalibratedTick, Sensors
 from station.files.mcap_files.gnss_file import Record
 from station.locate.location import Location
 from station.locate.monitor_interface import LocatorTick, in_imu_axes, location_event
-from station.monitor.alarms import Alarm, AlarmWatch
 from station.monitor.auxiliary_inputs import AidSilence, AuxiliaryReaders, StreamHealth, aiding_of
 from station.monitor.recording import MonitorRecording
-from station.monitor.view import ChartPoint, MonitorVerb, MonitorView
+from station.monitor.view import Alarm, AlarmWatch, ChartPoint, MonitorVerb, MonitorView
 from station.stream.auxiliary import Companion
 from station.stream.live.live_feed import LiveFeed
 from station.stream.live.stream_trouble import without_numbers

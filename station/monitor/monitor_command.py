@@ -15,10 +15,9 @@ import platformdirs
 
 from drivers.address_parsing import parse_device_url
 from drivers.camera import CameraImage
-from drivers.can.wheel_reading import WheelReading
+from drivers.can.frame_record import WheelReading
 from procedures.arrays import FloatArray
 from procedures.attitude.filter_choice import JOINT, Gains, parse_filters, refuse_without_velocity
-from procedures.campaign.campaign import UNKNOWN
 from procedures.geodesy import normal_gravity
 from procedures.optional_libraries import opencv
 from procedures.units import STANDARD_GRAVITY
@@ -26,12 +25,11 @@ from station.calibrated.calibration_choice import AppliedCalibration, find_calib
 from station.errors import DataRefused
 from station.files.atomic_file import new_folder
 from station.files.mcap_files.gnss_file import Record
-from station.monitor.alarms import Alarm
 from station.monitor.monitor import Monitor, MonitorOptions
 from station.monitor.monitor_thread import MonitorThread
 from station.monitor.recording import MonitorRecording
 from station.monitor.text_lines import PlainMonitor, json_line, listen
-from station.monitor.view import MonitorSession, MonitorView
+from station.monitor.view import Alarm, MonitorSession, MonitorView
 from station.stream.auxiliary import Companion, RecordedCompanion, read_late_messages
 from station.stream.camera import (
     CAMERA_FILE,
@@ -73,7 +71,7 @@ def calibrated_output(
     """
     if not to:
         return lambda: None
-    from station.sending.chosen_calibration import refuse_unfit
+    from station.calibrated.calibration_choice import refuse_unfit
     from station.sending.sender import FIT_S, opened_sender
 
     assert feed.unit is not None, "identify first"
@@ -171,8 +169,7 @@ def _opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], 
     feed = open_feed(source)
     if reader is not None:
         reader.feed = feed
-    unknown = UNKNOWN if feed.wire.identity is None else None
-    unit = feed.identify(wanted.model or unknown, wanted.serial or unknown)
+    unit = feed.identify_or_unknown(wanted.model, wanted.serial)
     refuse_partial(feed.address.name, feed.stream.decoder.kind)
     applied = find_calibration(wanted.calibration, wanted.database, unit, feed.wire)
     aid, aid_name = _aid(wanted, source, work_folder, stack)

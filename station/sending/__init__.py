@@ -1,5 +1,5 @@
 """Calibrated samples streamed live: to a screen elsewhere, a program, a flight stack.
 
-`sender` opens a feed and the `chosen_calibration`; `live_samples` calibrates counts with times and flags; `sender`
+`sender` opens a feed and chooses the calibration; `live_samples` calibrates counts with times and flags; `sender`
 gives them to all `outputs`: `to_stdout`, `to_udp`, `to_mavlink`, `to_foxglove`.
 """

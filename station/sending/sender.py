@@ -16,10 +16,8 @@ import numpy as np
 from drivers.address_parsing import parse_device_url
 from drivers.errors import ReplayEnded
 from procedures.arrays import FloatArray
-from procedures.campaign.campaign import UNKNOWN
-from station.calibrated.calibration_choice import AppliedCalibration
+from station.calibrated.calibration_choice import AppliedCalibration, chosen_calibration
 from station.files.atomic_file import journal_path, new_folder
-from station.sending.chosen_calibration import chosen_calibration
 from station.sending.live_samples import LiveSamples
 from station.sending.outputs import About, Output, open_outputs
 from station.stream.live.live_feed import ChunkSource, LiveFeed, open_feed
@@ -162,8 +160,7 @@ def run(wanted: StreamRequest, say: Say) -> None:
         reader, journal = _source(wanted, stack)
         receiver = _receiver(wanted.gnss, journal, stack)
         feed = open_feed(reader)
-        unknown = UNKNOWN if feed.wire.identity is None else None
-        unit = feed.identify(wanted.model or unknown, wanted.serial or unknown)
+        unit = feed.identify_or_unknown(wanted.model, wanted.serial)
         refuse_partial(feed.address.name, feed.stream.decoder.kind)
         applied = chosen_calibration(wanted.calibration, wanted.database, unit, feed.wire, nominal=wanted.nominal)
         rate = _rate(feed, receiver)

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Generic, Protocol, TypeVar
 
 from drivers.camera import CameraImage
-from drivers.can.wheel_reading import WheelReading
+from drivers.can.frame_record import WheelReading
 from drivers.errors import DriverError
 from station.errors import DataRefused, cannot_write
 from station.files.mcap_files.gnss_file import Record

@@ -11,7 +11,7 @@ from itertools import islice
 import numpy as np
 
 from drivers.camera import CameraImage
-from drivers.can.wheel_reading import WheelReading
+from drivers.can.frame_record import WheelReading
 from procedures.gnss_records import GnssFix, TimeMark
 from procedures.statistics.line_fits import TimeLine, fit_earliest_line, fit_time_line
 

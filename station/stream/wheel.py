@@ -17,7 +17,7 @@ from pydantic import Field
 
 from drivers.address_parsing import parse_device_url
 from drivers.addresses import WheelAddress
-from drivers.can.wheel_reading import WheelReading
+from drivers.can.frame_record import WheelReading
 from drivers.can.wheel_signal import WheelDecoder, WheelSignal, wheel_signal
 from drivers.errors import BadDeviceUrl
 from procedures.fusion.fusion_records import WheelSpeeds

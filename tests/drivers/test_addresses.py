@@ -208,7 +208,7 @@ def test_a_mistyped_address_is_refused_in_one_line(text: str, found: str) -> Non
     assert "\n" not in str(caught.value)
 
 
-def test_a_key_is_bytes_or_digits_and_never_said(tmp_path: Path) -> None:
+def test_a_key_is_bytes_or_digits_and_never_reported(tmp_path: Path) -> None:
     key, file = bytes(range(200, 232)), tmp_path / "key"
     file.write_bytes(key)
     assert read_key(str(file)) == key
@@ -242,7 +242,7 @@ def test_a_device_is_read() -> None:
     assert address.name == "/dev/v4l/by-id/usb-cam"
 
 
-def test_a_password_is_read_and_not_told() -> None:
+def test_a_password_is_read_and_not_reported() -> None:
     address = camera("camera:http://me:p%40ss@cam:80/stream")
     assert (address.user, address.password) == ("me", "p@ss")
     assert address.public_text == "camera:http://me:***@cam:80/stream"

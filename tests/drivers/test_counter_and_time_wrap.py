@@ -46,7 +46,7 @@ def test_a_wrap_is_no_jump_and_a_gap_across_it_is() -> None:
     assert watch.jumps(block([4])) == 0
 
 
-def test_device_time_tells_gaps_repeats_and_steps_back() -> None:
+def test_device_time_shows_gaps_repeats_and_steps_back() -> None:
     time = 100 + 0.005 * np.arange(60)
     watch = TimeWatch()
     assert watch.jumps(block(time=time[:20].tolist())) == 0

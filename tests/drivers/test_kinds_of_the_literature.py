@@ -14,7 +14,7 @@ FORM_OF_A_RESIDUAL = "accelerometer.bias_walk"  # found by a diagnosis, in no ca
 
 
 @pytest.mark.parametrize("name", LITERATURE)
-def test_a_kind_stands_out_of_the_noise_beside_what_a_calibration_absorbs(name: str) -> None:
+def test_a_kind_stands_out_of_the_noise_with_what_a_calibration_absorbs(name: str) -> None:
     found = shown(LITERATURE[name], 1)
     assert found.best > 3
     assert found.left > 5
@@ -51,7 +51,7 @@ def test_a_temperature_that_lags_a_ramp_is_late_by_its_time_constant() -> None:
     np.testing.assert_allclose(rate[:, 0], 0.6 * grown, atol=1e-4)
 
 
-def test_a_play_is_taken_up_after_twice_its_width() -> None:
+def test_a_backlash_is_taken_up_after_twice_its_width() -> None:
     def temperature(t):
         return 20 + 0.01 * np.minimum(t, 2000 - t)  # up by 10 K, and down again
 
@@ -59,7 +59,7 @@ def test_a_play_is_taken_up_after_twice_its_width() -> None:
     np.testing.assert_allclose(found, [0.5, 1, 1, 1, 0, -1, -1, -1], atol=1e-6)
 
 
-def test_a_floor_that_leans_moves_gravity_level_and_a_slip_turns_it() -> None:
+def test_a_floor_that_is_tilted_moves_gravity_level_and_a_slip_turns_it() -> None:
     truth = truth_of("plain", 1)
     up = np.array([[0.6, 0.0, 0.8]])
     seen = _seen([2000.0], f=up, omega=up, magnetic=np.array([[10.0, 30.0, -20.0]]))

@@ -69,8 +69,8 @@ def test_a_port_that_calls_writes_to_its_peer_alone(other: socket.socket) -> Non
     calling = open_udp(*other.getsockname(), 0.0, listens=False)
     assert calling.peers == 1
     calling.write(b"hello")
-    said, there = other.recvfrom(10)
-    assert said == b"hello"
+    reported, there = other.recvfrom(10)
+    assert reported == b"hello"
     other.sendto(b"back", there)
     while not (got := calling.read(10)):
         pass

@@ -117,7 +117,7 @@ def refuse_with(code: int) -> object:
     return refuse
 
 
-def test_a_missing_port_is_told_with_those_present(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_port_is_reported_with_those_present(monkeypatch: pytest.MonkeyPatch) -> None:
     present = [serial_port.PortInfo("/dev/ttyUSB7", "adapter", None)]
     monkeypatch.setattr(serial_port, "list_ports", lambda: present)
     with refused(PortNotFound, ErrorCode.DEVICE, "/dev/ttyUSB7", port="/dev/ttyNOPE"):
@@ -125,11 +125,11 @@ def test_a_missing_port_is_told_with_those_present(monkeypatch: pytest.MonkeyPat
 
 
 @pytest.mark.parametrize("path", ["/dev/null", "/etc/passwd", "/tmp"])
-def test_what_is_no_serial_line_is_told(path: str) -> None:
-    with refused(PortNotFound, ErrorCode.DEVICE, port=path) as told:
+def test_what_is_no_serial_line_is_reported(path: str) -> None:
+    with refused(PortNotFound, ErrorCode.DEVICE, port=path) as reported:
         open_port(f"serial://{path}")
-    assert str(told.value).count(path) == 1
-    assert "Errno" not in str(told.value)
+    assert str(reported.value).count(path) == 1
+    assert "Errno" not in str(reported.value)
 
 
 def test_an_unplugged_line_is_lost_on_read_and_on_write(line: Line) -> None:

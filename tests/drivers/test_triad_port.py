@@ -10,7 +10,7 @@ from drivers.address_parsing import parse_device_url
 from drivers.errors import BadDeviceUrl, LinkLost, PortNotFound
 from drivers.framing import Decoder, sniff
 from drivers.ports import open_port
-from drivers.simulated.serial_and_tcp_lines import PtyLine
+from drivers.simulated.lines import PtyLine
 from drivers.triad_port import TriadJoiner
 from drivers.wire import FORMATS, triad
 from procedures.counts.sample_records import CountBlock

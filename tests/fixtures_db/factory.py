@@ -1,4 +1,4 @@
-"""A small solution with round numbers, and what a calibration says beside it."""
+"""A small solution with round numbers, and what a calibration says next to it."""
 
 from datetime import UTC, date, datetime, time
 from typing import Any
@@ -68,13 +68,13 @@ def fill_fixtures(session: Session) -> None:
 
 
 def level_row(
-    slab_id: str, tilt: tuple[float, float] = (0.0, 0.0), std: tuple[float, float] = (1e-5, 1e-5), **said: Any
+    slab_id: str, tilt: tuple[float, float] = (0.0, 0.0), std: tuple[float, float] = (1e-5, 1e-5), **reported: Any
 ) -> SlabLevelRow:
-    """How a slab was found: east and north [rad]; ``said`` has the columns that are not tilt and sigma."""
+    """How a slab was found: east and north [rad]; ``reported`` has the columns that are not tilt and sigma."""
     (tilt_east_rad, tilt_north_rad), (std_east_rad, std_north_rad) = tilt, std
     return SlabLevelRow(
         slab_id=slab_id, tilt_east_rad=tilt_east_rad, tilt_north_rad=tilt_north_rad,
-        std_east_rad=std_east_rad, std_north_rad=std_north_rad, **said,
+        std_east_rad=std_east_rad, std_north_rad=std_north_rad, **reported,
     )  # fmt: skip
 
 

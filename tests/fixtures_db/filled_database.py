@@ -55,8 +55,8 @@ def record(session: Session, folder: str, serial: str) -> None:
 
 
 def _accept(session: Session, folder: str, serial: str) -> CalibrationRow:
-    said = replace(facts(serial), verdict="PASS", limits=WIDE, judged=JUDGED)
-    row = accept_calibration(session, solution(), said, campaign_folder=folder)
+    reported = replace(facts(serial), verdict="PASS", limits=WIDE, judged=JUDGED)
+    row = accept_calibration(session, solution(), reported, campaign_folder=folder)
     set_state(session, folder, "accepted")
     return row
 

@@ -33,9 +33,9 @@ def db(tmp_path: Path) -> Iterator[Database]:
                 add_fixture(session, SlabRow(id=name, **dated))
             for name, due in (("good", DAY), ("open", None), ("old", BEFORE)):
                 face = {"x_up": FaceCertificate(np.zeros(2), np.eye(2) * 1e-12)}
-                said = {"source": "CMM 12", "measured_utc": LONG_AGO, "due_date": due}
-                certify_faces(session, name, face, **said)
-                add_level(session, level_row(name, std=(1e-6, 1e-6), **said))
+                reported = {"source": "CMM 12", "measured_utc": LONG_AGO, "due_date": due}
+                certify_faces(session, name, face, **reported)
+                add_level(session, level_row(name, std=(1e-6, 1e-6), **reported))
                 survey = survey_columns(9.8, 1e-6, "gravimeter", due_date=due)
                 add_fixture(session, SiteRow(id=name, latitude_deg=48.0, **survey))
         yield opened

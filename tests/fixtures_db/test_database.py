@@ -96,7 +96,7 @@ def test_a_newer_schema_is_refused_and_left_alone(sqlite_db: Database, tmp_path:
 
 
 @pytest.mark.parametrize(
-    ("statement", "said"),
+    ("statement", "reported"),
     [
         (VERSION["emptied"], "calibrations"),
         (VERSION["foreign"], "a1b2c3d4.*0001"),
@@ -105,12 +105,12 @@ def test_a_newer_schema_is_refused_and_left_alone(sqlite_db: Database, tmp_path:
         ("DROP TABLE alembic_version", "calibrations"),
     ],
 )
-def test_a_schema_version_that_is_not_that_of_the_tables_is_said(
-    db: Database, db_url: str, statement: str, said: str
+def test_a_schema_version_that_is_not_that_of_the_tables_is_reported(
+    db: Database, db_url: str, statement: str, reported: str
 ) -> None:
     with db.write() as session:
         session.execute(text(statement))
-    with pytest.raises(SchemaAltered, match=said) as error:
+    with pytest.raises(SchemaAltered, match=reported) as error:
         open_db(db_url)
     assert exit_code(error.value) == 1
     with db.read() as session:  # a station that has it open meanwhile

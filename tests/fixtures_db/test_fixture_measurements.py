@@ -80,7 +80,7 @@ def test_a_measured_cube_is_due_with_its_last_measurement_and_a_certified_one_wi
 
 
 @pytest.mark.parametrize(
-    ("column", "value", "said"),
+    ("column", "value", "reported"),
     [
         ("values_rad", '{"parallelism.x.w": 1e-5}', "by_quadratic"),
         ("values_rad", "[]", ""),
@@ -90,11 +90,11 @@ def test_a_measured_cube_is_due_with_its_last_measurement_and_a_certified_one_wi
         ("sources", "{", ""),
     ],
 )
-def test_what_is_no_measurement_is_refused(column: str, value: str, said: str, measured: Database) -> None:
+def test_what_is_no_measurement_is_refused(column: str, value: str, reported: str, measured: Database) -> None:
     with measured.read() as session:
         row = measurements(fixture_row(session, CubeRow, "C8"))[0]
     columns = {c: getattr(row, c) for c in ("cube_id", "values_rad", "covariance_rad2", "sources", "measured_utc")}
-    with pytest.raises(ValueError, match=f"C8.*{said}"):
+    with pytest.raises(ValueError, match=f"C8.*{reported}"):
         check_measurement(CubeMeasurementRow(**columns | {column: value}))
 
 
@@ -104,14 +104,14 @@ def test_a_covariance_that_is_none_and_a_name_that_is_none_are_refused(measured:
         (replace(was.cube, covariance=-was.cube.covariance), "positive definite"),
         (replace(was.cube, names=("parallelism.x.w", *was.cube.names[1:])), "x.w"),
     )
-    for found, said in wrong:
-        with pytest.raises(ValueError, match=said), measured.write() as session:
+    for found, reported in wrong:
+        with pytest.raises(ValueError, match=reported), measured.write() as session:
             add_measurement(session, "C8", replace(was, cube=found), campaigns=CAMPAIGNS, measured_utc=LATER)
     with pytest.raises(NotInDatabase), measured.write() as session:
         add_measurement(session, "C9", was, campaigns=CAMPAIGNS, measured_utc=datetime(2026, 1, 1, tzinfo=UTC))
 
 
-def test_a_cube_of_an_older_database_is_dated_anew_by_the_first_of_its_faces(db: Database) -> None:
+def test_a_cube_of_an_older_database_is_dated_again_by_the_first_of_its_faces(db: Database) -> None:
     with db.write() as session:
         add_fixture(session, CubeRow(id="C8", side_mm=400.0))
         days = (("x_up", NOON, date(2027, 1, 1)), ("x_up", LATER, date(2029, 1, 1)), ("y_up", LATER, None))

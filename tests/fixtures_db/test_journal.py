@@ -51,7 +51,7 @@ def test_what_the_station_writes_is_the_sum_of_the_journal(filled: Database) -> 
 
 
 @pytest.mark.parametrize(
-    ("statement", "said"),
+    ("statement", "reported"),
     [
         ("UPDATE imu_limits SET high = 9 WHERE parameter LIKE '%.x'", "high 9.0, expected high 0.002"),
         ("DELETE FROM imu_limits", "imu_limits 2: found no row"),
@@ -71,23 +71,25 @@ def test_what_the_station_writes_is_the_sum_of_the_journal(filled: Database) -> 
     ],
 )
 def test_what_decides_a_pass_cannot_be_changed_past_the_journal(
-    filled: Database, statement: str, said: str
+    filled: Database, statement: str, reported: str
 ) -> None:
-    assert any(said in fault for fault in found(filled, statement))
+    assert any(reported in fault for fault in found(filled, statement))
 
 
 def test_a_campaign_is_not_taken_for_another_whose_number_begins_alike(filled: Database) -> None:
     with filled.write() as session:
         for more in range(10):  # up to campaign 15
             record(session, f"more{more}", "S2")
-        said = replace(facts("S1"), verdict="PASS", limits=WIDE, judged=JUDGED, inputs={"again.csv": "12" * 32})
-        accept_calibration(session, solution(), said, campaign_folder="c1")
+        reported = replace(
+            facts("S1"), verdict="PASS", limits=WIDE, judged=JUDGED, inputs={"again.csv": "12" * 32}
+        )
+        accept_calibration(session, solution(), reported, campaign_folder="c1")
     with filled.read() as session:
         assert alterations(session) == []
 
 
 @pytest.mark.parametrize(
-    ("statements", "said"),
+    ("statements", "reported"),
     [
         (
             ("ALTER TABLE imu_limits RENAME TO hidden", "CREATE TABLE imu_limits AS SELECT * FROM hidden",
@@ -105,14 +107,14 @@ def test_a_campaign_is_not_taken_for_another_whose_number_begins_alike(filled: D
     ],
 )  # fmt: skip
 def test_tables_that_were_rebuilt_hidden_or_taken_away_are_found(
-    sqlite_filled: Database, statements: tuple[str, ...], said: list[str]
+    sqlite_filled: Database, statements: tuple[str, ...], reported: list[str]
 ) -> None:
     faults = found(sqlite_filled, *statements)
-    assert all(any(fault.startswith(one) for fault in faults) for one in said), faults
+    assert all(any(fault.startswith(one) for fault in faults) for one in reported), faults
 
 
 @pytest.mark.parametrize("how", REBUILT)
-def test_a_table_built_anew_with_the_same_rows_is_found_where_it_is_declared_otherwise(
+def test_a_table_rebuilt_with_the_same_rows_is_found_where_it_is_declared_otherwise(
     rolled_back: Database, how: str
 ) -> None:
     unseen = []
@@ -140,8 +142,8 @@ def test_a_row_that_cannot_be_read_is_named_by_table_and_key(rolled_back: Databa
                 put_back(connection)
                 with Session(bind=connection) as session:
                     rows = [fault.row for fault in alterations(session)]
-            said = {f"{table.name} {key}", f"journal {key}", f"{ROW_TITLE.get(table.name)} {key}"}
-            assert said & set(rows), (column.name, value, rows)
+            reported = {f"{table.name} {key}", f"journal {key}", f"{ROW_TITLE.get(table.name)} {key}"}
+            assert reported & set(rows), (column.name, value, rows)
             assert not any(row == NO_ROW for row in rows), (column.name, value, rows)
 
 
@@ -191,8 +193,8 @@ def test_no_code_writes_rows_past_the_session() -> None:
         names = {alias.name for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)
                  and (node.module or "").startswith("sqlalchemy") for alias in node.names}  # fmt: skip
         called = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
-        beside = {"bulk_save_objects", "bulk_insert_mappings", "bulk_update_mappings"} & called
-        assert path.name in allowed or not ({"insert", "update", "delete"} & names or beside), Path(path)
+        bulk = {"bulk_save_objects", "bulk_insert_mappings", "bulk_update_mappings"} & called
+        assert path.name in allowed or not ({"insert", "update", "delete"} & names or bulk), Path(path)
 
 
 def test_every_table_is_journalled_but_the_journal() -> None:

@@ -32,7 +32,7 @@ def test_new_limits_take_the_place_of_all_of_that_model_and_of_no_other(db: Data
 
 
 @pytest.mark.parametrize(
-    ("limit", "said"),
+    ("limit", "reported"),
     [
         (("accelerometer.bais", 0.0, 1.0, "g"), r"accelerometer\.scale_factor"),
         (("accelerometer", 0.0, 1.0, "g"), "gyroscope"),
@@ -45,8 +45,8 @@ def test_new_limits_take_the_place_of_all_of_that_model_and_of_no_other(db: Data
         (("residual.p_value", 0.01, None, "1", 1.0), "p_value"),
     ],
 )
-def test_what_is_no_limit_is_refused(limit: tuple[object, ...], said: str) -> None:
-    with pytest.raises(ValueError, match=said):
+def test_what_is_no_limit_is_refused(limit: tuple[object, ...], reported: str) -> None:
+    with pytest.raises(ValueError, match=reported):
         Limit(*limit)  # type: ignore[arg-type]
 
 

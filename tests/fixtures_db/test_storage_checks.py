@@ -44,7 +44,7 @@ def test_what_is_stored_otherwise_is_named_with_what_is_expected(
         assert fault == ChainFault(row, found, expected)
 
 
-def test_an_index_that_lacks_rows_is_said_of_the_file_three_times_at_most(sqlite_filled: Database) -> None:
+def test_an_index_that_lacks_rows_is_reported_of_the_file_three_times_at_most(sqlite_filled: Database) -> None:
     with sqlite_filled.engine.begin() as connection:
         other = "replace(sql, '(campaign_id)', '(name)')"
         connection.execute(text("PRAGMA writable_schema = ON"))

@@ -167,10 +167,10 @@ def test_a_verdict_is_stored_where_its_limits_are_those_of_the_model(
 ) -> None:
     with sqlite_db.write() as session:
         set_limits(session, "FOG-3", (TIGHT,))
-    said = replace(facts(), verdict=verdict, limits=limits)
+    reported = replace(facts(), verdict=verdict, limits=limits)
     try:
         with sqlite_db.write() as session:
-            accept_calibration(session, solution(), said)
+            accept_calibration(session, solution(), reported)
     except LimitsChanged:
         assert not is_stored
     with sqlite_db.read() as session:
@@ -201,13 +201,13 @@ def test_a_document_says_more_than_its_campaign(db: Database) -> None:
             session, "c1", model="FOG-3", serial="S1", started_utc=NOON, cube_id="CUBE-7", site_id="SITE-1"
         )
         accept_calibration(session, solution(), facts(), campaign_folder="c1")
-        said = replace(
+        reported = replace(
             facts("S2"),
             operator="A. Miller",
             procedure={"name": "twelve positions", "ended_utc": "2026-03-01T10:00:00+01:00"},
             references=({"kind": "cube", "id": "CUBE-9"}, {"kind": "slab", "id": "SLAB-1"}),
         )
-        accept_calibration(session, solution(), said)
+        accept_calibration(session, solution(), reported)
     with db.read() as session:
         old, new = stored_runs(session, model="FOG-3")
         assert [one.sha256 for one in stored_runs(session, serial="S2")] == [new.sha256]

@@ -53,9 +53,9 @@ def specific_force(
     for position, heading in zip(positions, headings, strict=True):
         C = body_from_level(position)
         c, s = np.cos(heading), np.sin(heading)
-        lean = np.array([c * slab[0] + s * slab[1], -s * slab[0] + c * slab[1], 0.0])
+        tilt = np.array([c * slab[0] + s * slab[1], -s * slab[0] + c * slab[1], 0.0])
         up = C[:, 2]
-        across = C @ lean
+        across = C @ tilt
         vertical = int(np.argmax(np.abs(up)))
         others = [i for i in range(3) if i != vertical]
         across[others] += faces[2 * vertical + (0 if up[vertical] > 0 else 1)]

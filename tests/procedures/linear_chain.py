@@ -18,7 +18,7 @@ from procedures.twelve_positions.accelerometer_fit import TriadFit, specific_for
 
 Residual = Callable[[FloatArray], FloatArray]
 STEP_SIGMAS = 0.1  # for central differences
-SAME_SIGMAS = 0.01  # of a parameter: nothing beside the scatter that is looked at
+SAME_SIGMAS = 0.01  # of a parameter: negligible against the scatter that is looked at
 COMPARED, STEPS = 4, 10
 
 

@@ -63,7 +63,7 @@ def test_rotations_are_made_all_at_once() -> None:
 
 
 @given(small, small)
-def test_the_slab_sees_up_lean_as_its_tilt_says(east: float, north: float) -> None:
+def test_the_slab_sees_up_tilted_as_its_tilt_says(east: float, north: float) -> None:
     up = slab_C_ln(np.array([east, north])) @ [0, 0, 1]
     assert np.abs(up[:2] - [east, north]).max() <= np.hypot(east, north) ** 3 + EXACT  # sin x = x - x^3 / 6
     assert up[2] > 0

@@ -94,7 +94,7 @@ def test_up_is_up() -> None:
 FIX = GnssFix("GPS_RAW_INT", 1, 0, FixType.FIX_3D, latitude=0.8, longitude=0.2, altitude=500.0)
 
 
-def test_fixes_alike_to_the_last_digit_are_said_to_be() -> None:
+def test_fixes_alike_to_the_last_digit_are_reported() -> None:
     same, scattered = [FIX] * 20, [replace(FIX, latitude=0.8 + i * 1e-9) for i in range(20)]
     for fixes, is_constant in ((same, True), (scattered, False), (same[:19], False)):
         site = averaged_site(fixes)

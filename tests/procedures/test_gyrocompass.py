@@ -46,7 +46,7 @@ def known(position: int, latitude: float, bias: FloatArray) -> CertainDwell:
 
 @pytest.mark.parametrize("latitude", [SOUTH, CHINA, EUROPE])
 @pytest.mark.parametrize("position", range(1, 13))
-def test_every_position_is_told_from_the_rate_alone(position: int, latitude: float) -> None:
+def test_every_position_is_determined_from_the_rate_alone(position: int, latitude: float) -> None:
     bias = RAD_S_PER_DEG_H * np.array([0.5, -0.4, 0.3])
     heading = found(K * (seen(position, latitude) + bias), position, latitude)
     assert heading.is_sure
@@ -56,7 +56,7 @@ def test_every_position_is_told_from_the_rate_alone(position: int, latitude: flo
 
 @pytest.mark.parametrize("quarter", [1, 3])
 @pytest.mark.parametrize("face", FACES)
-def test_a_cube_set_down_a_quarter_turn_off_is_said(face: str, quarter: int) -> None:
+def test_a_cube_set_down_a_quarter_turn_off_is_reported(face: str, quarter: int) -> None:
     heading = found(K * seen(first_position(face), CHINA, quarter * np.pi / 2), first_position(face), CHINA)
     assert heading.is_sure
     assert heading.position is None
@@ -101,7 +101,7 @@ def test_a_large_bias_is_not_sure_until_known_dwells_take_it_off() -> None:
 
 
 def test_a_scale_factor_that_would_hide_the_earth_rate_behind_the_bias_is_not_likely() -> None:
-    """Beside a bias of a third of the Earth's rate any heading fits, if k is so large that all counts are few."""
+    """With a bias of a third of the Earth's rate any heading fits, if k is so large that all counts are few."""
     bias = RAD_S_PER_DEG_H * np.array([5.0, -4.0, 4.0])
     heading = found(K * (seen(2, CHINA) + bias), 2, CHINA, (known(1, CHINA, bias),), bias_std=5 * RAD_S_PER_DEG_H)
     assert heading.position == 2
@@ -134,7 +134,7 @@ def test_it_is_never_sure_and_wrong_with_biases_up_to_three_sigma() -> None:
     assert sure[89] == 0
 
 
-def test_a_simulated_unit_is_found_in_all_twelve_positions_once_the_first_is_said() -> None:
+def test_a_simulated_unit_is_found_in_all_twelve_positions_once_the_first_is_stated() -> None:
     truth = Truth.example(8)
     bench = SimulatedBench(truth, 8)
     dwells: list[CertainDwell] = []

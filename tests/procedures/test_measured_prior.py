@@ -81,7 +81,7 @@ def angle_sigma(std: FloatArray) -> FloatArray:
     )
 
 
-def test_a_cube_measured_with_the_imu_turned_tells_k2_of_the_next_unit_from_parallelism() -> None:
+def test_a_cube_measured_with_the_imu_turned_determines_k2_of_the_next_unit_from_parallelism() -> None:
     z = list[FloatArray]()
     for seed in range(8):
         rng = np.random.default_rng([seed, 2])

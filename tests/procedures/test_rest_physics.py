@@ -127,10 +127,10 @@ def test_motion_by_hand_and_of_vehicles_contradicts_nothing(seed: int) -> None:
     draw, hz, n = np.random.default_rng(seed), 100.0, 6000
     smooth = np.exp(-np.arange(200) / (20.0 + 10 * seed))
 
-    def wander(size: float) -> np.ndarray:
+    def drift(size: float) -> np.ndarray:
         raw = np.apply_along_axis(np.convolve, 0, draw.normal(0, 1, (n, 3)), smooth, "same")
         return size * raw / raw.std()
 
-    force, rate = turning(wander((3, 15, 60)[seed % 3] * DEG), hz)
-    force = force + wander((0.1, 0.5, 2.0)[seed % 3])
+    force, rate = turning(drift((3, 15, 60)[seed % 3] * DEG), hz)
+    force = force + drift((0.1, 0.5, 2.0)[seed % 3])
     assert contradiction(force, rate + 0.03 * DEG, hz) is None

@@ -85,8 +85,8 @@ class Drawn:
     def accelerometer(self) -> FloatArray:
         """Rates over k (N, 12, 3) [g]."""
         u = np.einsum("qa,nab,njb->njq", E, self.seat, self.C[..., 2])
-        wander = self.uniform("accelerometer-wander", N, 12, 3) * 1e-6
-        return u + self.uniform("quadratic", N, 1, 3) * 1e-6 * u**2 + TABLE_4_D + wander
+        drift = self.uniform("accelerometer-wander", N, 12, 3) * 1e-6
+        return u + self.uniform("quadratic", N, 1, 3) * 1e-6 * u**2 + TABLE_4_D + drift
 
     def gyroscope(self) -> tuple[FloatArray, FloatArray]:
         """Rates over k of the positions (N, 12, 3) [rad/s], half differences of the turns (N, 3, 3) [rad]."""
@@ -145,15 +145,15 @@ FLOOR = {"g": 3e-9, "1": 1e-8, "rad": 1e-8, "rad/s": 2e-13}  # of the second ord
 
 
 @pytest.mark.parametrize("name", SET_ASIDE)
-def test_each_item_by_itself_does_what_is_said_of_it_and_nothing_else(name: str) -> None:
+def test_each_item_by_itself_does_what_is_stated_of_it_and_nothing_else(name: str) -> None:
     drawn = found({name: SIZES[name]}, 1)
-    said = set_aside_errors({name: SIZES[name]}, CASE)[name]
-    assert said.keys() <= QUANTITIES.keys()
+    reported = set_aside_errors({name: SIZES[name]}, CASE)[name]
+    assert reported.keys() <= QUANTITIES.keys()
     for quantity, error in drawn.items():
         if name == "faces-in-turns" and quantity.startswith("accelerometer"):
             continue  # the drawing in the positions is `estimator_errors`'
         rms = np.sqrt(np.mean(error**2, axis=0))
-        sigma = said.get(quantity, np.zeros(3))
+        sigma = reported.get(quantity, np.zeros(3))
         floor = FLOOR[QUANTITIES[quantity]]
         assert rms == pytest.approx(sigma, rel=0.04, abs=floor), quantity  # 3000 draws: 1.3 % 1 sigma
 
@@ -161,25 +161,25 @@ def test_each_item_by_itself_does_what_is_said_of_it_and_nothing_else(name: str)
 def test_all_items_together_add_up_as_variances() -> None:
     sizes = SIZES | {"faces-in-turns": 0.0}
     drawn = found(sizes, 2)
-    said = combined(set_aside_errors(sizes, CASE))
+    reported = combined(set_aside_errors(sizes, CASE))
     for quantity, error in drawn.items():
         rms = np.sqrt(np.mean(error**2, axis=0))
-        assert rms == pytest.approx(said[quantity], rel=0.04), quantity
+        assert rms == pytest.approx(reported[quantity], rel=0.04), quantity
 
 
 @pytest.mark.parametrize(
     ("name", "draws"), [("slab-flatness", 12), ("quadratic", 12), ("accelerometer-wander", 120)]
 )
-def test_the_joint_bias_of_the_real_solve_is_off_by_what_is_said(name: str, draws: int) -> None:
+def test_the_joint_bias_of_the_real_solve_is_off_by_what_is_stated(name: str, draws: int) -> None:
     a = Drawn({name: SIZES[name]}, 3).accelerometer()[:draws]
-    said = set_aside_errors({name: SIZES[name]}, CASE)[name].get("accelerometer.bias", np.zeros(3))
+    reported = set_aside_errors({name: SIZES[name]}, CASE)[name].get("accelerometer.bias", np.zeros(3))
     errors = []
     for rates in a:
         joint = solve_accelerometer([campaign()], dwells(1000 * rates, 1e-3))
         assert joint is not None
         errors.append(triad_vector(joint, "accelerometer", joint).value[12:] - TABLE_4_D)
     rms = np.sqrt(np.mean(np.square(errors)))
-    expected = np.sqrt(np.mean(said**2))
+    expected = np.sqrt(np.mean(reported**2))
     assert rms == pytest.approx(expected, rel=4 / np.sqrt(2 * 3 * draws), abs=2e-9)
 
 

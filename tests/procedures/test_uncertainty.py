@@ -233,8 +233,8 @@ def test_effects_in_the_model_are_a_line_of_their_own_and_the_budget_still_adds_
 def test_six_faces_by_hand_have_the_prior_of_the_angles_in_their_budget() -> None:
     """Only the prior says how far the sensors are from right angles: without its share U is too small."""
     rng, up = np.random.default_rng(7), np.vstack((np.eye(3), -np.eye(3)))
-    leaning = up + np.radians(2.0) * rng.standard_normal((6, 3))
-    attitudes = [turned_up(each / np.linalg.norm(each)) for each in leaning]
+    tilted = up + np.radians(2.0) * rng.standard_normal((6, 3))
+    attitudes = [turned_up(each / np.linalg.norm(each)) for each in tilted]
     truth = Truth.example(5)
     campaign = simulate_campaign(truth, 5, dwell_s=20.0, positions=(), free=attitudes)
     fits = fitted(campaign)

@@ -1,4 +1,4 @@
-"""The budget beside Monte Carlo (JCGM 101): of the observations, and in small of the whole chain."""
+"""The budget against Monte Carlo (JCGM 101): of the observations, and in small of the whole chain."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ SHOWN = [0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14]  # E off its diagonal
 @pytest.mark.proof
 @pytest.mark.parametrize("certificate", [None, 5e-6])
 @pytest.mark.parametrize("triad", ["accelerometer", "gyroscope"])
-def test_the_fit_s_covariance_is_the_scatter_of_its_rows_drawn_anew(triad: str, certificate: float | None) -> None:
+def test_the_fit_s_covariance_is_the_scatter_of_its_rows_redrawn(triad: str, certificate: float | None) -> None:
     fits = fitted(simulated(1, certificate))
     assert fits.accelerometer is not None
     assert fits.gyroscope is not None
@@ -45,7 +45,7 @@ def sigma_of(fits: CampaignFits, triad: str) -> FloatArray:
 
 
 @pytest.mark.proof
-def test_the_budget_is_the_scatter_of_whole_campaigns_drawn_anew() -> None:
+def test_the_budget_is_the_scatter_of_whole_campaigns_redrawn() -> None:
     """A few of the thousands that the proof `budget` draws: a wrong share of a half is seen."""
     found = compare([trial(seed, "short noisy dwells") for seed in range(24)])
     assert np.max(np.abs(np.log(found.std))) < 4.5 * found.own_std

@@ -57,16 +57,16 @@ def scores(solution: Solution, truth: Truth) -> FloatArray:
 
 
 def test_what_is_stated_covers_the_error_that_the_drift_makes() -> None:
-    silent, told = [], []
+    silent, reported = [], []
     for seed in range(6):
         truth, campaign = warming(seed)
         silent.append(scores(solve([campaign]), truth))
-        told.append(scores(solve([stated(campaign)]), truth))
-    rms_silent, rms = (np.sqrt(np.mean(np.square(z), axis=(0, 2))) for z in (silent, told))
+        reported.append(scores(solve([stated(campaign)]), truth))
+    rms_silent, rms = (np.sqrt(np.mean(np.square(z), axis=(0, 2))) for z in (silent, reported))
     assert rms_silent[1] > 50  # the accelerometers' bias: counting noise knows nothing of drift
     assert np.all(rms < 1.5)
     assert rms[1] > 0.3  # nor is it as wide as the sky
-    assert np.abs(told).max() < 5
+    assert np.abs(reported).max() < 5
 
 
 def test_the_residual_is_then_what_was_expected() -> None:

@@ -75,11 +75,11 @@ def test_part_by_part_it_is_what_it_is_at_once(tmp_path: Path, size: int) -> Non
     assert parts[-1].warnings == whole.warnings == ()
 
 
-def test_what_an_effect_lacks_is_said_with_its_size(tmp_path: Path) -> None:
+def test_what_an_effect_lacks_is_reported_with_its_size(tmp_path: Path) -> None:
     found = loaded(tmp_path, LAGGED).apply(counts(), T_S)
     # 3 deg/h/K at 25 K from 25 degC
-    (said,) = found.warnings
-    assert "75 deg/h" in said
+    (reported,) = found.warnings
+    assert "75 deg/h" in reported
     assert loaded(tmp_path, LAGGED).without("gyroscope.temperature_lag").apply(counts(), T_S).warnings == ()
 
 
@@ -94,7 +94,9 @@ def wild(at: list[int], rate: float = 700.0) -> np.ndarray:
 
 
 @pytest.mark.parametrize("others", [(), (EFFECTS[1],)])
-def test_a_sample_that_does_not_settle_is_nan_and_said(tmp_path: Path, others: tuple[dict[str, Any], ...]) -> None:
+def test_a_sample_that_does_not_settle_is_nan_and_reported(
+    tmp_path: Path, others: tuple[dict[str, Any], ...]
+) -> None:
     calm, at = loaded(tmp_path, SINE, *others).apply(counts(), T_S), [70, 16_500]
     found = loaded(tmp_path, SINE, *others).apply(wild(at), T_S)
     rest = np.delete(np.arange(N), at)
@@ -103,8 +105,8 @@ def test_a_sample_that_does_not_settle_is_nan_and_said(tmp_path: Path, others: t
     assert np.array_equal(found.specific_force, calm.specific_force)
     assert found.angular_rate_std == pytest.approx(calm.angular_rate_std, rel=1e-2)
     names = ", ".join(each["name"] for each in (SINE, *others))
-    (said,) = found.warnings
-    assert all(value in said for value in (names, "2 of 20000 samples", "0.71 s"))
+    (reported,) = found.warnings
+    assert all(value in reported for value in (names, "2 of 20000 samples", "0.71 s"))
 
 
 def test_more_than_one_in_a_thousand_that_do_not_settle_are_refused(tmp_path: Path) -> None:

@@ -11,8 +11,8 @@ from station.commands.command_table import COMMANDS
 
 def test_help_lists_all_commands_at_once_and_imports_none() -> None:
     program = "import sys; from station.cli import run; run(['--help']); print(sorted(sys.modules))"
-    said = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout
-    text, _, modules = said.rpartition("[")
+    reported = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout
+    text, _, modules = reported.rpartition("[")
     assert all(f"  {command.name} " in text and command.help[:30] in text for command in COMMANDS)
     assert not [name for name in ("numpy", "scipy", "pydantic", "rich", "mcap") if f"'{name}'" in modules]
 
@@ -36,8 +36,8 @@ def test_ctrl_c_is_130_and_one_line(monkeypatch: pytest.MonkeyPatch, capsys: pyt
     assert capsys.readouterr().err == "cancelled\n"
 
 
-def test_the_version_is_said() -> None:
+def test_the_version_is_reported() -> None:
     command = [sys.executable, "-P", "-c", "from station.cli import main; main()", "--version"]
-    said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
-    assert said.startswith("station 1.")
-    assert said.count("\n") == 1
+    reported = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert reported.startswith("station 1.")
+    assert reported.count("\n") == 1

@@ -26,7 +26,7 @@ def items_file(path: Path, more: str = "", **changed: float) -> Path:
     return path
 
 
-def test_the_paper_s_cube_of_the_database_is_told_in_a_table(
+def test_the_paper_s_cube_of_the_database_is_reported_in_a_table(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     code, text = run(capsys, tmp_path, "P1", "--want-ug", "100", "--estimator", "twelve")
@@ -91,13 +91,13 @@ def test_k2_stays_in_every_bias_but_is_no_fault_of_the_cube(
 
 
 @pytest.mark.parametrize(
-    ("more", "changed", "said"),
+    ("more", "changed", "reported"),
     [("", {"t1": 0.0}, "items.toml"), ("[cost]\nt3 = 0.0", {}, "t3"), ("[price]\nt3 = 1.0", {}, "price"),
      ("[set_aside]\nslab-colour = 1.0", {}, "slab-colour"), ("[campaign]\nturn_s = 0.0", {}, "turn_s")],
 )  # fmt: skip
 def test_an_items_file_with_a_fault_is_refused_by_name(
-    more: str, changed: dict[str, float], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    more: str, changed: dict[str, float], reported: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = items_file(tmp_path / "items.toml", more, **changed)
     code, text = run(capsys, tmp_path, "--items", str(file))
-    assert (code, "items.toml" in text, said in text) == (3, True, True), text
+    assert (code, "items.toml" in text, reported in text) == (3, True, True), text

@@ -79,7 +79,7 @@ def test_two_faces_are_not_enough(data: Path, capsys: pytest.CaptureFixture[str]
     assert "2 found" in capsys.readouterr().err
 
 
-def test_free_dwells_beside_a_cube_leave_three_perpendicularities_open_instead_of_six(
+def test_free_dwells_with_a_cube_leave_three_perpendicularities_open_instead_of_six(
     data: Path, tmp_path: Path
 ) -> None:
     out = tmp_path / "out.json"

@@ -12,7 +12,7 @@ FORM = """
 import sys, pathlib, station.cli
 from station.commands.calibrate import calibrate
 from station.commands._guided import set_up, campaigns_root
-from station.guide.last_setup import load_setup
+from station.guide.options import load_setup
 from station.guide.client import engine_process
 from station.guide.options import EngineOptions
 from station.guide.client import EngineConnection

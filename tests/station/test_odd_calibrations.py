@@ -13,12 +13,12 @@ import pytest
 
 from station.applying.applying import OutputRequest, Progress, apply_to
 from station.applying.open_source import open_source
+from station.calibrated.calibration_choice import chosen_calibration
 from station.calibration import load
 from station.errors import DataRefused
 from station.exports import EXPORTS, Request
 from station.files.calibration_document import parsed_calibration
 from station.files.logs.log_columns import ColumnOptions
-from station.sending.chosen_calibration import chosen_calibration
 from station.sending.to_stdout import lines
 from tests.station.exports.every_effect import EFFECTS
 from tests.station.monitor.unit import calibration_of
@@ -83,7 +83,7 @@ def changed(at: tuple[Any, ...], odd: Any) -> dict[str, Any]:
 @pytest.fixture(scope="module")
 def accepted() -> list[str]:
     """Documents with something odd in them that are taken all the same; every other is refused in one line."""
-    found, said = list[str](), list[str]()
+    found, reported = list[str](), list[str]()
     for at in paths(DOCUMENT):
         for odd in ODD[:: 7 if at[0] in UNREAD else 2]:
             text = json.dumps(changed(at, odd))
@@ -91,8 +91,8 @@ def accepted() -> list[str]:
                 parsed_calibration(text, "c.json")
                 found.append(text)
             except DataRefused as error:
-                said.append(str(error))
-    assert not [line for line in said if "\n" in line or len(line) > 300]
+                reported.append(str(error))
+    assert not [line for line in reported if "\n" in line or len(line) > 300]
     return found
 
 

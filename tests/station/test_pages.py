@@ -75,7 +75,7 @@ def test_every_file_and_proof_that_is_named_is_there(page: Path) -> None:
 
 
 @every_page
-def test_every_table_and_function_that_is_said_to_be_in_a_file_is_there(page: Path) -> None:
+def test_every_table_and_function_that_is_stated_to_be_in_a_file_is_there(page: Path) -> None:
     for name, file in NAME_IN_FILE.findall(" ".join(prose(page).split())):
         text = (ROOT / file).read_text(encoding="utf-8")
         assert re.search(rf"^\s*(def |class )?{name}\b", text, re.MULTILINE), f"{file} has no {name}"

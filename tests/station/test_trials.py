@@ -198,6 +198,6 @@ def test_an_analogue_gyroscope_on_a_rate_table(
     assert cubic["value"] == pytest.approx(0.16, abs=4 * cubic["std"])  # ppm/(deg/s)^2: 1600 ppm at 100 deg/s
     assert asymmetry["value"] == pytest.approx(900, abs=4 * asymmetry["std"])  # 450 ppm either side
     assert run(["diagnose", str(made / "turntable.csv"), *columns]) == 0
-    said = capsys.readouterr().out
-    assert re.search(r"scale factor z\s+12\.39\d+ \+- \S+ mV/\(deg/s\)", said)
-    assert re.search(r"offset z\s+250[23]\.\d+ \+- \S+ mV", said)
+    reported = capsys.readouterr().out
+    assert re.search(r"scale factor z\s+12\.39\d+ \+- \S+ mV/\(deg/s\)", reported)
+    assert re.search(r"offset z\s+250[23]\.\d+ \+- \S+ mV", reported)

@@ -1,7 +1,7 @@
 """The tutorials are run as they stand: files are written, commands give the output that is printed.
 
 A block of ``console`` has commands after ``$ ``, each with its output; ``...`` stands for any text, as in doctest,
-and blanks and line breaks count alike. A command that ends in `` &`` runs beside the others: its first lines are
+and blanks and line breaks count alike. A command that ends in `` &`` runs next to the others: its first lines are
 compared. A block with a title is a file.
 """
 
@@ -30,8 +30,8 @@ LIMIT_S = 600
 
 
 @contextmanager
-def beside(command: str, lines: int, folder: Path, names: Mapping[str, str]) -> Iterator[str]:
-    """Run a command beside others and yield its first lines; end it at last."""
+def in_background(command: str, lines: int, folder: Path, names: Mapping[str, str]) -> Iterator[str]:
+    """Run a command next to others and yield its first lines; end it at last."""
     program = subprocess.Popen(
         ["bash", "-c", f"exec {command}"], cwd=folder, env=names, stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT, text=True,
@@ -71,7 +71,7 @@ def test_a_tutorial_does_what_it_says(pages: tuple[str, ...], tmp_path: Path) ->
                     names[name] = value
                 elif command.endswith(" &"):
                     lines = max(1, expected.count("\n") - expected.startswith("..."))
-                    got = running.enter_context(beside(command.removesuffix(" &"), lines, tmp_path, names))
+                    got = running.enter_context(in_background(command.removesuffix(" &"), lines, tmp_path, names))
                     compare(command, expected, got)
                 else:
                     done = subprocess.run(

@@ -1,4 +1,4 @@
-"""`stored_result`: a whole result as a YAML file beside the test, compared within a tolerance.
+"""`stored_result`: a whole result as a YAML file next to the test, compared within a tolerance.
 
 Written again by ``pytest tests/stored --force-regen`` after a change that is meant to move these numbers.
 """

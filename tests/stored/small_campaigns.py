@@ -16,7 +16,7 @@ from procedures.frames import rotation
 from procedures.inference.result import Diagnosis
 from procedures.positions import TURN_START
 from procedures.uncertainty.budget import ParameterBudget
-from tests.procedures.diagnosis.planted import wandering, with_reference_time
+from tests.procedures.diagnosis.planted import drifting, with_reference_time
 
 SECONDS = 8.0  # of a dwell, of 80 samples but for moves
 FREE = np.array([
@@ -85,11 +85,11 @@ def with_table(campaign: Campaign) -> Campaign:
 
 
 def with_channel(campaign: Campaign) -> Campaign:
-    def beside(record: Any) -> Any:
+    def auxiliary(record: Any) -> Any:
         swing = np.sin(record.series.t / 30)
         return replace(record, series=replace(record.series, extra={"aux_pump": swing}))
 
-    return replace(campaign, dwells=tuple(map(beside, campaign.dwells)))
+    return replace(campaign, dwells=tuple(map(auxiliary, campaign.dwells)))
 
 
 CERTIFIED = {"certificate_sigma": 5e-6}
@@ -129,7 +129,7 @@ CASES = {
         {"disturbance.dwell": {"x": 0.5, "z": 0.2, "position": 4.0, "at_s": 3.0, "duration_s": 2.0, "hz": 3.0}},
         ("disturbance.dwell", "accelerometer.quadratic"),
     ),
-    "wandering": Case({}, ("accelerometer.relaxation",), then=lambda campaign: wandering(campaign, 1, 40.0)),
+    "wandering": Case({}, ("accelerometer.relaxation",), then=lambda campaign: drifting(campaign, 1, 40.0)),
     "rests": Case(
         BETWEEN_FACES,
         ("accelerometer.cross_product", "accelerometer.cubic", "accelerometer.quadratic",
@@ -184,11 +184,11 @@ def some_effects(*names: str) -> list[Effect]:
 def outcome(found: Diagnosis) -> dict[str, Any]:
     """Return what a diagnosis says, not the rows and fits that it says it of."""
     rows = {"before", "after", "evidence", "added", "solution_before", "looked_at"}
-    said = {each.name: getattr(found, each.name) for each in fields(found) if each.name not in rows}
+    reported = {each.name: getattr(found, each.name) for each in fields(found) if each.name not in rows}
     kept = ("accelerometer", "gyroscope", "slab_tilt", "parallelism", "quality")
-    said["solution"] = {name: getattr(found.solution, name) for name in kept}
-    said["probabilities"] = {name: p for name, p in found.probabilities.items() if p > 0.01}
-    return said | {"values": found.values, "added": [each.effect.name for each in found.added]}
+    reported["solution"] = {name: getattr(found.solution, name) for name in kept}
+    reported["probabilities"] = {name: p for name, p in found.probabilities.items() if p > 0.01}
+    return reported | {"values": found.values, "added": [each.effect.name for each in found.added]}
 
 
 def stated(budgets: tuple[ParameterBudget, ...]) -> list[dict[str, Any]]:

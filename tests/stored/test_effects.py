@@ -27,7 +27,7 @@ TRUTH = replace(
 
 @cache
 def evidence() -> Evidence:
-    """Twelve positions, turns and a soak of a unit in a field that grows warmer, an auxiliary channel beside."""
+    """Twelve positions, turns and a soak of a unit in a field that grows warmer, with an auxiliary channel."""
     truth = unit(
         3, temperature_rise_k=6.0, temperature_tau_s=900.0, temperature_swing_k=2.0,
         temperature_swing_period_s=1300.0, magnetic_enu_ut=np.array([-3.0, 34.0, -36.0]),

@@ -32,8 +32,10 @@ def test_an_autopilot_is_heard(stored_result: StoredResult) -> None:
     t = np.arange(0.0, 31.0, 5.0)
     track = VehicleTrack(t, np.stack((3 * t, 40 * np.sin(t / 9), 0.1 * t), axis=1))
     faults = [TimedFault("no_fix", 12.0, seconds=2.0), TimedFault("time_jump", 20.0, seconds=1.0, size=3.0)]
-    told = AutopilotTruth(states_utc=True, states_accuracy=False, states_velocity=False, system=7, latency_s=0.2)
-    pilot, decoder, session = Autopilot(TRUTH, told, faults, track, 5), MavlinkDecoder(), MavlinkSession(5.0)
+    reported = AutopilotTruth(
+        states_utc=True, states_accuracy=False, states_velocity=False, system=7, latency_s=0.2
+    )
+    pilot, decoder, session = Autopilot(TRUTH, reported, faults, track, 5), MavlinkDecoder(), MavlinkSession(5.0)
     heard = list[object]()
     for step in range(300):
         now = 0.1 * step

@@ -64,7 +64,7 @@ class Bench:
         return 0 if self.device.imu.is_moving else self.device.imu.position
 
     @property
-    def lean(self) -> float:
+    def tilt(self) -> float:
         """How far the cube stands from where its face would lie on the clean slab [rad], 0 while it is carried."""
         imu = self.device.imu
         if not self.position:

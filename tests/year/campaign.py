@@ -35,8 +35,8 @@ from tests.year.plans import drawn_plan
 from tests.year.receiver import ADDRESS as RECEIVER_ADDRESS
 from tests.year.receiver import Receiver
 from tests.year.screen import DrawnScreen
-from tests.year.second_station import OtherStation, tries_what_is_taken, writes_beside
-from tests.year.shown_on_screens import Told
+from tests.year.second_station import OtherStation, tries_what_is_taken, writes_concurrently
+from tests.year.shown_on_screens import Reported
 from tests.year.troubles import TROUBLES, Drawn, Session, draw, withdraw_limits
 
 IDLE_S = 900.0  # of the machine's time without anything accepted or said: a hang
@@ -60,7 +60,7 @@ class YearCampaign:
         self.is_usual = not self._steps
         self.machine = Machine(root, self.drawn.start_utc)
         self.machine.renders = self.drawn.screen
-        self.told = Told()
+        self.tally = Reported()
         self.truth = replace(Truth.example(self.drawn.unit), sample_period_s=self.drawn.period_s)
         self.machine.bench = Bench(self.machine.clock, self.truth, self.drawn.unit, self.drawn.ppm)
         self.database_file, self.folder = root / "station.db", root / "c"
@@ -80,12 +80,12 @@ class YearCampaign:
             self._furnish()
             sessions = iter([*self.drawn.sessions, *[LAST] * (MOST_SESSIONS - len(self.drawn.sessions))])
             for session in sessions:
-                self.told.sessions += 1
+                self.tally.sessions += 1
                 if self._session(session):
                     break
                 self._between(session)
             else:
-                if not self.told.unsolved:
+                if not self.tally.unsolved:
                     raise Finding("it came to no end")
             if self.other is not None:
                 self.other.finish()
@@ -138,8 +138,8 @@ class YearCampaign:
             return self._guided(engine, session)
         except Killed as killed:
             disk.is_dead = True
-            self.told.kills += 1
-            self._stood = machine.bench.lean
+            self.tally.kills += 1
+            self._stood = machine.bench.tilt
             where = re.sub(r"\.[0-9a-f]{12}\.tmp", ".tmp", str(killed))  # a name of its own each time
             machine.say(f"killed at write {disk.writes}: {where}")
             return False
@@ -164,7 +164,7 @@ class YearCampaign:
     def _guided(self, engine: CalibrationEngine, session: Session) -> bool:
         """Begin or resume at the start screen, then follow the views to an end."""
         if not self._begun(engine):
-            return bool(self.told.verdict and self.told.verdict.stored_sha256)
+            return bool(self.tally.verdict and self.tally.verdict.stored_sha256)
         self.person.comes()
         with DrawnScreen(engine.view) if self.drawn.screen else nullcontext() as screen:
             return self._followed(engine, session, screen)
@@ -217,8 +217,10 @@ class YearCampaign:
         if row is not None and row.state == "accepted":
             self._stored_before_kill()
             return False
-        if self.told.shown.total() and not there:
-            raise Finding(f"a campaign with {self.told.shown.total()} accepted steps is not offered to be resumed")
+        if self.tally.shown.total() and not there:
+            raise Finding(
+                f"a campaign with {self.tally.shown.total()} accepted steps is not offered to be resumed"
+            )
         tries = 0
         while True:
             tries += 1
@@ -234,7 +236,7 @@ class YearCampaign:
                 return engine.view.stage not in ENDED_STAGES or self._ended(engine.view)
             assert engine.view.start is not None
             self.machine.say(f"refused: {engine.view.start.refused}")
-            self.told.refused.append(engine.view.start.refused)
+            self.tally.refused.append(engine.view.start.refused)
             # killed between campaign.toml and its row: nothing is accepted, and nothing of it is taken away
             if "it is not empty" in engine.view.start.refused and (self.folder / "campaign.toml").exists():
                 self.folder = self.machine.root / f"{self.folder.name}-{tries}"
@@ -248,9 +250,9 @@ class YearCampaign:
 
         with open_db(self.database_file) as database, database.read() as session:
             row = newest_calibration(session, str(self.folder))
-        if row is None or self.told.verdict is None:
+        if row is None or self.tally.verdict is None:
             raise Finding("an accepted campaign without a calibration, or one whose verdict nobody saw")
-        self.told.verdict = self.told.verdict.model_copy(update={"stored_sha256": row.sha256})
+        self.tally.verdict = self.tally.verdict.model_copy(update={"stored_sha256": row.sha256})
 
     def _accepted(self, view: CalibrationView) -> bool:
         """Take in what the view says is accepted; what was accepted must stand where the cube did."""
@@ -258,20 +260,20 @@ class YearCampaign:
         if not view.steps:
             return False
         stood, self._stood = self._stood, 0.0  # what the first view shows was accepted before the kill
-        if now == self.told.shown:
+        if now == self.tally.shown:
             return False
-        for name, count in (now - self.told.shown).items():
+        for name, count in (now - self.tally.shown).items():
             step = view.step(name)
             assert step is not None
             stands = self.machine.bench.device.imu.position
             self.machine.say(f"accepted {name} ({count}), the cube is in {stands}")
-            self.told.leans[name] = max(self.machine.bench.lean, stood)
-            self.told.turned[name] = self.machine.bench.turned
+            self.tally.tilts[name] = max(self.machine.bench.tilt, stood)
+            self.tally.turned[name] = self.machine.bench.turned
             is_right = step.position in {0, stands} or self.person.lies
             expect(bool(is_right), f"{name} is accepted, the cube is in position {stands}")
-        if lost := self.told.shown - now:
+        if lost := self.tally.shown - now:
             raise Finding(f"accepted and gone: {dict(lost)}")
-        self.told.shown = now
+        self.tally.shown = now
         return True
 
     def _end(self, engine: CalibrationEngine, session: Session, seconds: float) -> None:
@@ -301,19 +303,19 @@ class YearCampaign:
             expect(known_campaign(session, str(self.folder)) is None, "a cancelled campaign is in the database")
         tables = read_campaign_toml(self.folder)[0]
         recorded = len(tables.dwell) + len(tables.turn)
-        expect(recorded == len(self.told.shown), f"cancelled with {recorded} steps of {dict(self.told.shown)}")
+        expect(recorded == len(self.tally.shown), f"cancelled with {recorded} steps of {dict(self.tally.shown)}")
         self.folder = self.machine.root / f"{self.folder.name}-again"
-        self.told.shown, self.told.verdict = Counter(), None
+        self.tally.shown, self.tally.verdict = Counter(), None
 
     def _concluded(self, engine: CalibrationEngine, session: Session, screen: DrawnScreen | None) -> bool:
         """Look at the verdict, and store."""
         view = engine.view
         if view.verdict is None:
-            self.told.unsolved = view.hint
+            self.tally.unsolved = view.hint
             self.machine.say(f"unsolved: {view.hint}")
             engine.execute(OperatorCommand(verb="leave"))
             return True
-        self.told.verdict = view.verdict
+        self.tally.verdict = view.verdict
         self.machine.say(f"verdict: {view.verdict.sentence}; {view.verdict.status} {view.verdict.status_reason}")
         if session.end == "kill_end":
             self.machine.disk.kill_at = self.machine.disk.writes + int(session.at)
@@ -335,7 +337,7 @@ class YearCampaign:
                 self._cancelled()
                 return False
             raise Finding(f"not stored: {engine.view.stage} {engine.view.hint} {engine.view.error}")
-        self.told.verdict = stored
+        self.tally.verdict = stored
         self.machine.say(f"stored {stored.stored_sha256}")
         engine.execute(OperatorCommand(verb="leave"))
         return True
@@ -362,7 +364,7 @@ class YearCampaign:
         if self.other is not None:
             self.other.finish()
         if self.drawn.neighbour:
-            writes_beside(self.database_file, self.told.sessions)
+            writes_concurrently(self.database_file, self.tally.sessions)
         if session.powers or session.pause_s > 200.0:
             machine.clock.now += session.pause_s
             machine.bench.switch_on(position or 1)
@@ -373,14 +375,14 @@ class YearCampaign:
 
     def _certify(self) -> None:
         """Have the certificate issued."""
-        if self.told.unsolved or self.told.verdict is None:
+        if self.tally.unsolved or self.tally.verdict is None:
             return
         received_on = min(self._received_on, HostDate.today())  # the clock may have been set back over midnight
         with open_db(self.database_file) as database:
             try:
-                row = issue(database, self.told.verdict.stored_sha256, demo_laboratory(received_on))
+                row = issue(database, self.tally.verdict.stored_sha256, demo_laboratory(received_on))
             except Incomplete as error:
-                self.told.certificate = "lacks " + ", ".join(name for name, _ in error.missing)
+                self.tally.certificate = "lacks " + ", ".join(name for name, _ in error.missing)
             else:
-                self.told.certificate = row.sha256
-        self.machine.say(f"certificate: {self.told.certificate}")
+                self.tally.certificate = row.sha256
+        self.machine.say(f"certificate: {self.tally.certificate}")

@@ -29,7 +29,7 @@ from station.results.certificate.issuing import copy_of
 from station.results.parameters_by_name import parameters, shown, title_of
 from station.stream.recorder.accepted_step_writer import step_of
 from tests.year.campaign import Finding, YearCampaign
-from tests.year.unnoticed_leans import MOST_SIGMAS, untold_by_heading, untold_by_size, untold_values
+from tests.year.undetectable_tilts import MOST_SIGMAS, unreported_by_heading, unreported_by_size, unreported_values
 
 ROW_UNITS = {"1": PPM_PER_ONE, "g": UG_PER_G}  # of what `compared` shows otherwise than it is stored
 Sent = tuple[IntArray, list[float]]  # of a power-on: its counts (n, 6), what its clock was off by [s]
@@ -39,12 +39,12 @@ Sent = tuple[IntArray, list[float]]  # of a power-on: its counts (n, 6), what it
 class Errors:
     """Stored values less truth, in their own sigmas, by parameter; ``excused``: why they prove nothing.
 
-    ``untold``: why some are not among them, as the program said itself (`tests.year.unnoticed_leans`).
+    ``unreported``: why some are not among them, as the program said itself (`tests.year.undetectable_tilts`).
     """
 
     sigmas: dict[str, float]
     excused: str
-    untold: str = ""
+    unreported: str = ""
 
 
 def look(campaign: YearCampaign) -> Errors:
@@ -62,7 +62,7 @@ def _findings(campaign: YearCampaign) -> Iterator[str]:
         return
     yield from _recorded(campaign)
     yield from _verified(campaign)
-    verdict = campaign.told.verdict
+    verdict = campaign.tally.verdict
     if verdict is not None and verdict.stored_sha256:
         yield from _stored_as_shown(campaign, verdict)
         yield from _certified(campaign, verdict)
@@ -90,10 +90,10 @@ def _once(campaign: YearCampaign) -> Iterator[str]:
     with open_db(campaign.database_file) as database, database.read() as session:
         row = known_campaign(session, str(campaign.folder))
         steps = [] if row is None else [(step.name, step.file, step.superseded) for step in row.steps]
-    told, there = campaign.told.shown, Counter(name for name, _, _ in steps)
-    if lost := told - there:
+    tally, there = campaign.tally.shown, Counter(name for name, _, _ in steps)
+    if lost := tally - there:
         yield f"accepted and not in the database: {dict(lost)}"
-    if (more := there - told).total() > campaign.told.kills:
+    if (more := there - tally).total() > campaign.tally.kills:
         yield f"in the database and never said to be accepted: {dict(more)}"
     files = Counter(file for _, file, _ in steps)
     if twice := [file for file, count in files.items() if count > 1]:
@@ -162,13 +162,13 @@ def _verified(campaign: YearCampaign) -> Iterator[str]:
     with open_db(campaign.database_file) as database, database.read() as session:
         for fault in alterations(session):
             yield f"verify: {fault}"
-    if campaign.told.shown:
+    if campaign.tally.shown:
         verify(campaign.folder, db=str(campaign.database_file))
 
 
 def _stored_as_shown(campaign: YearCampaign, verdict: Verdict) -> Iterator[str]:
     document = _stored(campaign)
-    if not (campaign.folder / "calibration.json").exists() and not campaign.told.kills:
+    if not (campaign.folder / "calibration.json").exists() and not campaign.tally.kills:
         yield "calibration.json is not there"
     found = parameters(document)
     titles = {title_of(name): one for name, one in found.items()}
@@ -192,10 +192,10 @@ def _stored(campaign: YearCampaign) -> Mapping[str, Any]:
 
 def _certified(campaign: YearCampaign, verdict: Verdict) -> Iterator[str]:
     """A certificate is there where all that it needs was there, and is read back as it was issued."""
-    said, what = campaign.told.certificate, campaign.drawn.references
-    if said.startswith("lacks "):
-        if campaign.is_usual and what != "no operator" and "confirmation" not in said:
-            yield f"no certificate: it {said}"
+    reported, what = campaign.tally.certificate, campaign.drawn.references
+    if reported.startswith("lacks "):
+        if campaign.is_usual and what != "no operator" and "confirmation" not in reported:
+            yield f"no certificate: it {reported}"
         return
     with open_db(campaign.database_file) as database:
         row = copy_of(database, verdict.stored_sha256)
@@ -207,20 +207,20 @@ def _certified(campaign: YearCampaign, verdict: Verdict) -> Iterator[str]:
 
 
 def _errors(campaign: YearCampaign) -> Errors:
-    verdict = campaign.told.verdict
+    verdict = campaign.tally.verdict
     if verdict is None or not verdict.stored_sha256:
         return Errors({}, "nothing stored")
     document = _stored(campaign)
     rows = compared(document, _truth(campaign, document))
     unexplained = _unexplained(document)
     sigmas = {row.title: row.sigmas * row.std / hypot(row.std, unexplained.get(row.title, 0.0)) for row in rows}
-    untold = untold_by_heading(campaign.told.turned, radians(campaign.truth.heading_std_deg))
-    untold |= untold_values(verdict.warnings, campaign.told.leans)
+    unreported = unreported_by_heading(campaign.tally.turned, radians(campaign.truth.heading_std_deg))
+    unreported |= unreported_values(verdict.warnings, campaign.tally.tilts)
     solution = json.loads((campaign.folder / "solution.json").read_text())
-    untold |= untold_by_size(solution.get("unnoticed_leans", ()), campaign.told.leans, sigmas)
+    unreported |= unreported_by_size(solution.get("unnoticed_leans", ()), campaign.tally.tilts, sigmas)
     excused = "the operator answered wrongly" if campaign.person.lies else verdict.doubt
-    counted = {title: one for title, one in sigmas.items() if title not in untold}
-    return Errors(counted, excused, "; ".join(dict.fromkeys(untold.values())))
+    counted = {title: one for title, one in sigmas.items() if title not in unreported}
+    return Errors(counted, excused, "; ".join(dict.fromkeys(unreported.values())))
 
 
 def _unexplained(document: Mapping[str, Any]) -> dict[str, float]:

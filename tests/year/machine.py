@@ -54,10 +54,10 @@ class Machine:
         self.bench: Bench
         self.receiver: Receiver | None = None
         self.log: list[str] = []
-        self.others: dict[str, Machine] = {}  # beside this one, by the address of their port
+        self.others: dict[str, Machine] = {}  # next to this one, by the address of their port
         self._first: Machine | None = None
 
-    def beside(self, address: str) -> "Machine":
+    def next_to(self, address: str) -> "Machine":
         """Return another machine in the same time, with a port of its own."""
         other = self.others[address] = Machine(self.root, 0.0)
         other.clock, other.disk, other.log, other._first = self.clock, self.disk, self.log, self

@@ -33,14 +33,14 @@ class Outcome:
     def line(self) -> str:
         """The campaign in a line."""
         name, worst = max(self.errors.sigmas.items(), key=lambda one: abs(one[1]), default=("nothing", 0.0))
-        said = (
+        reported = (
             f"FINDING {self.finding}; again: --seed {self.seed} --campaign {self.number}" if self.finding else ""
         )
-        why = "; ".join(filter(None, (self.errors.excused, self.errors.untold)))
+        why = "; ".join(filter(None, (self.errors.excused, self.errors.unreported)))
         excused = f" ({why})" if why else ""
         return (
             f"{self.number:5d} {self.ended:<14} {self.steps:2d} steps {self.sessions} sessions {self.kills} kills "
-            f"worst {name} {worst:+.1f} sigma{excused} {self.seconds:.1f} s {said}"
+            f"worst {name} {worst:+.1f} sigma{excused} {self.seconds:.1f} s {reported}"
         ).rstrip()
 
 
@@ -57,14 +57,14 @@ def one_campaign(
         finding = str(found)
     except Exception as error:  # of the harness itself: the night goes on
         finding = f"{type(error).__name__} at the end: {error}"
-    told = campaign.told
+    tally = campaign.tally
     if not finding and not errors.excused:
         far = {name: round(one, 1) for name, one in errors.sigmas.items() if abs(one) > BEYOND[-1]}
         finding = f"beyond {BEYOND[-1]:g} sigma: {far}" if far else ""
-    ended = "unsolved" if told.unsolved else "" if told.verdict is None else told.verdict.word
+    ended = "unsolved" if tally.unsolved else "" if tally.verdict is None else tally.verdict.word
     return Outcome(
-        seed, number, ended or "not ended", finding, errors, campaign.machine.log, told.kills, told.sessions,
-        len(told.shown), time.process_time() - began,
+        seed, number, ended or "not ended", finding, errors, campaign.machine.log, tally.kills, tally.sessions,
+        len(tally.shown), time.process_time() - began,
     )  # fmt: skip
 
 

@@ -28,7 +28,7 @@ def take_back(path: Path) -> bool:
 
     A calibration names the journal's entry after which it was stored, and an older program had no journal.
     """
-    open_db(path).close()  # what stood in the log beside it is in it
+    open_db(path).close()  # what stood in the log next to it is in it
     with closing(sqlite3.connect(path)) as now:
         if now.execute("SELECT count(*) FROM calibrations").fetchone()[0]:
             return False

@@ -19,7 +19,7 @@ class Manner:
     """How careful somebody is: shares of moves and rounds in which the thing happens."""
 
     wrong_share: float = 0.0  # another position than wanted
-    crumb_share: float = 0.0  # put down tilted
+    debris_share: float = 0.0  # put down tilted
     tremor_share: float = 0.0  # carried as hands carry
     pause_rate: float = 0.0  # 1/s
     redo_rate: float = 0.0  # 1/s
@@ -38,7 +38,7 @@ class Carrying:
         rng, manner, wrong = self._rng, self._manner, position
         if rng.random() < manner.wrong_share:
             wrong = int(rng.choice([p for p in range(1, 13) if p != position]))
-        if rng.random() < manner.crumb_share:
+        if rng.random() < manner.debris_share:
             tilt = np.degrees(rng.choice([3e-5, 3e-4, 3e-3, np.radians(OFF_DEG)])) * rng.standard_normal(3)
             words = hands.say(f"place {wrong} {move_s} {tilt[0]:.6f} {tilt[1]:.6f} {tilt[2]:.6f}")
             return float(words[-1]), False

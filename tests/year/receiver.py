@@ -1,4 +1,4 @@
-"""A GNSS receiver beside the unit, in the machine's time, and the reader of its port in this process."""
+"""A GNSS receiver next to the unit, in the machine's time, and the reader of its port in this process."""
 
 from contextlib import suppress
 from pathlib import Path
@@ -17,7 +17,7 @@ ADDRESS = "mavlink:udpin:127.0.0.1:14550"
 
 
 class Receiver:
-    """What stands beside the bench; UTC is the true one, whatever the machine's wall clock does."""
+    """What stands next to the bench; UTC is the true one, whatever the machine's wall clock does."""
 
     def __init__(self, machine: Machine, truth: Truth, seed: int) -> None:
         self._machine = machine

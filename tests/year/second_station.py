@@ -25,7 +25,7 @@ POSITIONS = (1, 2, 3, 5, 7, 9, 11)
 LONGEST_S = 3000.0  # of its campaign
 
 
-def writes_beside(database_file: Path, number: int) -> None:
+def writes_concurrently(database_file: Path, number: int) -> None:
     """Write a slab and a cube, which no campaign uses, to the same database."""
     with open_db(database_file) as database, database.write() as session:
         session.add(SlabRow(id=f"OTHER-{number}"))
@@ -59,7 +59,7 @@ class OtherStation:
     def __init__(self, first: Machine, database_file: Path, unit: int) -> None:
         self._first, self._file, self.unit = first, database_file, UNITS + unit
         self.truth = replace(Truth.example(self.unit), sample_period_s=0.05)
-        self.machine = first.beside(OTHER_ADDRESS)
+        self.machine = first.next_to(OTHER_ADDRESS)
         self.machine.bench = Bench(first.clock, self.truth, self.unit, 10.0)
         self.person = Person(self.machine, Manner(), np.random.default_rng(self.unit), OTHER_ADDRESS)
         self.verdict: Verdict | None

@@ -7,11 +7,11 @@ from station.guide.view import Verdict
 
 
 @dataclass
-class Told:
+class Reported:
     """What the screens showed of a campaign, over all its sessions."""
 
     shown: Counter[str] = field(default_factory=Counter)  # accepted recordings by step, as shown last
-    leans: dict[str, float] = field(default_factory=dict)  # how far off its seat [rad] the cube stood, by step
+    tilts: dict[str, float] = field(default_factory=dict)  # how far off its seat [rad] the cube stood, by step
     turned: dict[str, float] = field(default_factory=dict)  # how far off its marks [rad], by step
     verdict: Verdict | None = None
     certificate: str = ""  # its hash, or what it lacks

@@ -41,10 +41,10 @@ def _reader_dies(machine: Machine, _: np.random.Generator) -> str:
     return "the reader dies"
 
 
-def _knock(machine: Machine, rng: np.random.Generator) -> str:
+def _shock(machine: Machine, rng: np.random.Generator) -> str:
     if machine.bench.device.imu.is_moving:
-        return "no knock: it is carried"
-    command = f"knock {rng.uniform(0.05, 2):.2f} {rng.uniform(0.002, 0.5):.3f}"
+        return "no shock: it is carried"
+    command = f"shock {rng.uniform(0.05, 2):.2f} {rng.uniform(0.002, 0.5):.3f}"
     machine.bench.say(command)
     return command
 
@@ -92,7 +92,7 @@ TROUBLES: dict[str, Act] = {
     "clock_step": _clock_step,
     "held_up": _held_up,
     "reader_dies": _reader_dies,
-    "knock": _knock,
+    "shock": _shock,
     "creep": _creep,
     "wrong_unit": _wrong_unit,
     "receiver": _receiver,
@@ -151,7 +151,7 @@ def draw(rng: np.random.Generator, most_sessions: int = 4) -> Drawn:
     """Draw a campaign."""
     careful = rng.random() < 0.5
     manner = Manner(tremor_share=0.3) if careful else Manner(
-        wrong_share=float(rng.uniform(0, 0.15)), crumb_share=float(rng.uniform(0, 0.15)), tremor_share=0.5,
+        wrong_share=float(rng.uniform(0, 0.15)), debris_share=float(rng.uniform(0, 0.15)), tremor_share=0.5,
         pause_rate=0.003, redo_rate=0.003, lie_share=0.0 if rng.random() < 0.8 else 0.3,
         keep_share=0.0 if rng.random() < 0.8 else 0.05,
     )  # fmt: skip

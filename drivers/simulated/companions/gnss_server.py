@@ -19,7 +19,7 @@ from drivers.mavlink.frames import signing_time
 from drivers.simulated.companions.companion_device import CompanionDevice
 from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.faults import TimedFault, active
-from drivers.simulated.serial_and_tcp_lines import PtyLine, TcpLine, UdpLine
+from drivers.simulated.lines import PtyLine, TcpLine, UdpLine
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from drivers.simulated.vehicle_track import VehicleTrack
@@ -168,7 +168,7 @@ class Autopilot:
                 case "COMMAND_LONG" if self._active(now, "deaf"):
                     pass
                 case "COMMAND_LONG" if message.target_system in {0, self.truth.system}:
-                    out.append(self._obey(message, now))
+                    out.append(self._execute(message, now))
                 case "REQUEST_DATA_STREAM" if message.target_system in {0, self.truth.system}:
                     rate = message.req_message_rate * message.start_stop
                     for number in STREAMS.get(message.req_stream_id, SENDS if not message.req_stream_id else ()):
@@ -204,7 +204,7 @@ class Autopilot:
         self._interval[mavlink.HEARTBEAT] = 1.0
         self._next = {number: now if every < NEVER else NEVER for number, every in self._interval.items()}
 
-    def _obey(self, message: "dialect.MAVLink_message", now: float) -> bytes:
+    def _execute(self, message: "dialect.MAVLink_message", now: float) -> bytes:
         result = UNSUPPORTED
         if message.command == SET_MESSAGE_INTERVAL and self.truth.knows_intervals:
             number, interval = int(message.param1), message.param2

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from drivers.can.wheel_signal import WheelSignal, wheel_signal
-from drivers.simulated.can_lines import SlcanAdapter
 from drivers.simulated.companions.companion_device import CompanionDevice
 from drivers.simulated.faults import TimedFault
+from drivers.simulated.lines import SlcanAdapter
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.vehicle_track import VehicleTrack
 from procedures.arrays import FloatArray

@@ -1,6 +1,6 @@
 """Every error term that can be planted by name and size.
 
-Each is a `planted_effect`: of the `sensors` or of the `bench`.
+Each is a `planted_effect`: of the `sensors` (also their bias noise) or of the `bench`.
 `written_term` plants a user-defined one. `docs/reference/simulated-devices.md` lists units and equations.
 """
 
@@ -9,9 +9,8 @@ from types import MappingProxyType
 
 from drivers.errors import TruthRefused, UnknownEffect
 from drivers.simulated.effects.bench import BENCH, PROCEDURE, VIBRATION
-from drivers.simulated.effects.bias_noise import BIAS_NOISE
 from drivers.simulated.effects.planted_effect import PlantedEffect, Stimulus, TriadInput
-from drivers.simulated.effects.sensors import ACCELEROMETER, GYROSCOPE
+from drivers.simulated.effects.sensors import ACCELEROMETER, BIAS_NOISE, GYROSCOPE
 from drivers.simulated.effects.written_term import planted_term
 from drivers.simulated.truth import Sizes
 

@@ -121,9 +121,12 @@ def _walk(noise: ImuNoise) -> FloatArray:
 def add_fixes(normal: Normal, state: WindowState, fixes: Sequence[KeyframeFix]) -> None:
     """Add what GNSS says of the first keyframes."""
     if any(fix.v_weight.any() or fix.p_weight.any() for fix in fixes):
-        r, J, weight = fix_residuals(state, range(len(fixes)), fixes)
-        JtW = np.swapaxes(J, 1, 2) * weight[:, None, :]
-        normal.add(JtW @ J, (JtW @ r[..., None])[..., 0])
+        _add_weighted(normal, *fix_residuals(state, range(len(fixes)), fixes))
+
+
+def _add_weighted(normal: Normal, r: FloatArray, J: FloatArray, weight: FloatArray) -> None:
+    JtW = np.swapaxes(J, 1, 2) * weight[:, None, :]
+    normal.add(JtW @ J, (JtW @ r[..., None])[..., 0])
 
 
 def fix_residuals(
@@ -177,9 +180,7 @@ def add_wheels(normal: Normal, state: WindowState, wheels: Sequence[KeyframeWhee
     """Add what a wheel says of the first keyframes."""
     if any(wheels):
         silent = KeyframeWheel(np.zeros(3), 0.0, 0.0, 0.0)
-        r, J, weight = wheel_residuals(state, range(len(wheels)), [wheel or silent for wheel in wheels])
-        JtW = np.swapaxes(J, 1, 2) * weight[:, None, :]
-        normal.add(JtW @ J, (JtW @ r[..., None])[..., 0])
+        _add_weighted(normal, *wheel_residuals(state, range(len(wheels)), [wheel or silent for wheel in wheels]))
 
 
 def wheel_residuals(

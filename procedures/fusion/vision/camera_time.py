@@ -77,10 +77,10 @@ def _spanned(imu: ImuSeries, pairs: FramePairs, prior: float, reach: float) -> F
     good = (first >= imu.t[0]) & (last <= imu.t[-1])
     for gap in imu_gaps(imu):
         good &= (last < gap.first) | (first > gap.last)
-    return _telling(imu, pairs.part(np.flatnonzero(good)), prior, reach, MAX_PAIRS)
+    return _most_decisive(imu, pairs.part(np.flatnonzero(good)), prior, reach, MAX_PAIRS)
 
 
-def _telling(imu: ImuSeries, pairs: FramePairs, prior: float, reach: float, most: int) -> FramePairs:
+def _most_decisive(imu: ImuSeries, pairs: FramePairs, prior: float, reach: float, most: int) -> FramePairs:
     """Return those pairs over which the rate changes most, for that is what an offset shows by."""
     if len(pairs) <= most:
         return pairs
@@ -169,7 +169,7 @@ class _Fit:
     def _search(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return offsets (n,), and what each costs with the best bias and mount for it, in sigmas squared."""
         reach = SEARCH_SIGMAS * self.known
-        some = _telling(self.imu, self.pairs, self.prior_offset, reach, ROUGH_PAIRS).part(
+        some = _most_decisive(self.imu, self.pairs, self.prior_offset, reach, ROUGH_PAIRS).part(
             slice(None), ROUGH_POINTS
         )
         seen, gyro = EpipolarRotations(some, self.std, ROUGH_LOSS, ROUGH_ROUNDS), GyroRotations(self.imu, x[1:4])
@@ -216,8 +216,8 @@ class _Fit:
         each = back @ less @ misfit.H @ J
         A = np.einsum("p,pij->ij", trust, each + np.swapaxes(each, 1, 2)) / 2 + np.diag(self.prior)
         b = parts.sum(axis=0) + self.prior * np.concatenate(([x[0] - self.prior_offset], x[1:]))
-        telling = float(np.average(np.minimum(off, ROUGH_LOSS**2), weights=each[:, 0, 0] + TINY))
-        return _Normal(A, b, parts, off, telling)
+        decisive = float(np.average(np.minimum(off, ROUGH_LOSS**2), weights=each[:, 0, 0] + TINY))
+        return _Normal(A, b, parts, off, decisive)
 
     def _sigma(self, normal: _Normal) -> float:
         """Return 1 sigma [s]: as the weights have it, or as the pairs scatter, those that overlap together."""

@@ -101,7 +101,7 @@ MIN_DIFFERENCE_SIGMAS = 4.0  # by which a file's period must differ
 def with_one_period(steps: Sequence[LoadedStep]) -> tuple[list[LoadedStep], float, list[str]]:
     """Return the steps, those of uneven stamps on a grid of their common period.
 
-    Beside them its 1 sigma, relative, and words for both; 0 and none where no stamps are uneven.
+    Next to them its 1 sigma, relative, and words for both; 0 and none where no stamps are uneven.
     """
     data = [step.data for step in steps if step.data is not None and step.data.times.is_uneven]
     if not data:

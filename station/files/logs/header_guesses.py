@@ -221,7 +221,7 @@ _NO_SENSOR = re.compile(r"ref|cmd|command|table|target|set_?point|true|enc")
 _MAGNETIC = re.compile(r"(?:^|_)(?:mag|compass|field|[mbh]_?[xyz]$)")
 _GRAVITY_REMOVED = re.compile(r"(?:^|_)(?:lin(?:ear)?|user|free)_?acc")
 _BARE = r"(?:.*_)?"
-_BESIDE_A_WORD = r"(?:raw|data|out|cal)"
+_FILLER_WORD = r"(?:raw|data|out|cal)"
 _INDEX = re.compile(r"\[([0-2])\]")
 
 
@@ -303,8 +303,8 @@ def _of_axis(kinds: Mapping[str, str | None], triad: str, axis: str) -> str | No
 
 
 def _pattern(word: str, axis: str) -> re.Pattern[str]:
-    called = rf"{word}(?:_?{_BESIDE_A_WORD})?_?(?:in_)?{axis}(?:_?axis)?|{axis}(?:_?axis)?_?{word}"
-    return re.compile(rf"(?:.*_)?(?:{called})(?:_?{_BESIDE_A_WORD})?")
+    called = rf"{word}(?:_?{_FILLER_WORD})?_?(?:in_)?{axis}(?:_?axis)?|{axis}(?:_?axis)?_?{word}"
+    return re.compile(rf"(?:.*_)?(?:{called})(?:_?{_FILLER_WORD})?")
 
 
 def _plain(name: str) -> str:
@@ -313,7 +313,7 @@ def _plain(name: str) -> str:
 
 def _word(name: str) -> str:
     """Return a name without what may stand alongside its word, as ``gx`` of ``gx_raw``."""
-    return re.sub(rf"_{_BESIDE_A_WORD}(?=_|$)", "", _plain(name))
+    return re.sub(rf"_{_FILLER_WORD}(?=_|$)", "", _plain(name))
 
 
 def _axis_of_index(found: re.Match[str]) -> str:

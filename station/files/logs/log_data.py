@@ -65,8 +65,8 @@ def rates_of_angle(
     values = np.stack([columns[name] for name in names], axis=1)
     gyro = [i for i, name in enumerate(names) if name in TRIADS["gyro"]]
     turned = mean_rates(t, angle, values)
-    likeness = [slope_and_correlation(turned.reference, turned.values[:, i])[1] for i in gyro]
-    own = gyro[int(np.argmax(np.abs(likeness)))] if gyro else 0
+    correlations = [slope_and_correlation(turned.reference, turned.values[:, i])[1] for i in gyro]
+    own = gyro[int(np.argmax(np.abs(correlations)))] if gyro else 0
     late, std = lateness(t, angle, values[:, own])
     if abs(late) > SURE * std:
         word = "late" if late > 0 else "early"

@@ -310,18 +310,18 @@ def _guessed_axis(columns: Mapping[str, FloatArray], found: LogColumns) -> tuple
     reference = columns[REFERENCE]
     outputs = [columns.get(name) for name in TRIADS["gyro"]]
     slopes = [(0.0, 0.0) if each is None else slope_and_correlation(reference, each) for each in outputs]
-    likeness = [correlation if slope else 0.0 for slope, correlation in slopes]
-    followers = [i for i in range(3) if abs(likeness[i]) >= MIN_CORRELATION]
+    follows = [correlation if slope else 0.0 for slope, correlation in slopes]
+    followers = [i for i in range(3) if abs(follows[i]) >= MIN_CORRELATION]
     if not followers:
-        best = max(range(3), key=lambda i: abs(likeness[i]))
+        best = max(range(3), key=lambda i: abs(follows[i]))
         raise DataRefused(
             found.table.file, None,
-            f"no gyroscope that follows {found.reference} (best {AXES[best]}, correlation {likeness[best]:.2f})",
+            f"no gyroscope that follows {found.reference} (best {AXES[best]}, correlation {follows[best]:.2f})",
             "the one that the table turned", f"name it: --as rate:z{_if_taken_for_a_rate(found)}",
         )  # fmt: skip
     turned = max(followers, key=lambda i: abs(slopes[i][0]))
-    axis = f"{'-' if likeness[turned] < 0 else ''}{AXES[turned]}"
-    guess = f"the table turned about {axis}, correlation {likeness[turned]:.4f} (state --as rate:{axis})"
+    axis = f"{'-' if follows[turned] < 0 else ''}{AXES[turned]}"
+    guess = f"the table turned about {axis}, correlation {follows[turned]:.4f} (state --as rate:{axis})"
     return f"rate:{axis}", guess
 
 

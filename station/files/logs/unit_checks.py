@@ -77,7 +77,7 @@ def check_units(log: Readings) -> list[str]:
     force = None if sample_rate is None else _of_force(log, sample_rate)
     notes = _unsigned(log, force)
     rate = None if sample_rate is None else _of_rate(log, sample_rate)
-    return notes + [each.said_of(log.file) for each in (force, rate) if each is not None]
+    return notes + [each.reported_of(log.file) for each in (force, rate) if each is not None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +90,7 @@ class _Impossible:
     explained: Sequence[str]
     unexplained: str
 
-    def said_of(self, file: Path) -> str:
+    def reported_of(self, file: Path) -> str:
         """Return it in a sentence; raise `DataRefused` where something explains it."""
         if not self.explained:
             return f"{self.found}, expected {self.expected}: {self.unexplained}"

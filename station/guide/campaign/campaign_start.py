@@ -34,8 +34,7 @@ from station.guide.campaign.interrupted_campaigns import clear_unfinished, has_r
 from station.guide.campaign.live_campaign import FinishedCampaign, LiveCampaign
 from station.guide.campaign.port_check import RECORD_INSTEAD, reopen_receiver, setup_with_site, site_text, utc_now
 from station.guide.campaign.sequential_campaign import limits_of, sequential_plan, target_record
-from station.guide.last_setup import from_anywhere
-from station.guide.options import CalibrationOptions
+from station.guide.options import CalibrationOptions, from_anywhere
 from station.guide.stages.guide import Guide
 from station.guide.stages.stage_context import POWER_CYCLED, BenchFacts, StageContext
 from station.stream.connected_unit import Unit
@@ -164,7 +163,7 @@ def _opened(url: str, folder: Path, stack: ExitStack) -> tuple[RestartableReader
 def _after_power_cycle(done: AcceptedSteps, recorder: CampaignRecorder, feed: LiveFeed) -> AcceptedSteps:
     """Return what the steps so far leave, the unit perhaps switched off and on since the last of them."""
     files = [recorder.folder / table.file for table in recorder.tables.steps()]
-    if not files or not feed.tells_time or feed.stamp is None:
+    if not files or not feed.gives_time or feed.stamp is None:
         return done
     return after_pause(done, feed.stamp[1], time.time() - max(file.stat().st_mtime for file in files))
 

@@ -30,7 +30,7 @@ from station.files.campaign_folder.campaign_schema import (
 from station.files.campaign_setup import Setup
 from station.files.effect_file import check_stored, stored_effect
 from station.files.sha256sums import append_hash
-from station.guide.last_setup import load_setup
+from station.guide.options import load_setup
 
 T = TypeVar("T", bound=BaseModel)
 

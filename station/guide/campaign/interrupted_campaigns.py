@@ -5,7 +5,6 @@ step half accepted; `reopen` decides: with a row it is accepted; named in ``camp
 that nothing names stays where it is and is never used.
 """
 
-import hashlib
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from datetime import UTC, datetime
@@ -19,7 +18,7 @@ from fixtures_db.schema import StepRow
 from procedures.errors import ErrorCode
 from station.errors import DataRefused, cannot_write
 from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML, read_campaign_toml
-from station.files.opening import open_inside
+from station.files.opening import sha256_inside
 from station.files.sha256sums import SHA256SUMS, read_hashes
 from station.guide.campaign.folder_lock import LOCK_FILE
 from station.stream.recorder.accepted_step_writer import TOML, CampaignRecorder, step_of
@@ -100,8 +99,7 @@ def _check(folder: Path, file: str, sha256: str, hashes: Mapping[str, str]) -> N
         raise _refusal(folder / SHA256SUMS, f"{hashes.get(file, 'no hash')} for {file}", sha256 or "its hash")
     if not (folder / file).exists():
         raise _refusal(folder / file, "no such file", "the recording that was accepted")
-    with open_inside(folder, file, folder / SHA256SUMS, None) as stream:
-        found = hashlib.file_digest(stream, "sha256").hexdigest()
+    found = sha256_inside(folder, file, folder / SHA256SUMS, None)
     if found != sha256:
         raise _refusal(folder / file, f"sha256 {found}", f"{sha256} as accepted")
 

@@ -108,8 +108,8 @@ class SequentialCampaign:
             if at < len(self._done):  # the move to the one after came from what is superseded
                 name, after = self._done[at]
                 self._done[at] = name, replace(after, is_carried=False)
-        if (placing := _placing(step, seconds, is_carried=is_carried)) is not None:
-            self._done.append((step.name, placing))
+        if (placement := _placement(step, seconds, is_carried=is_carried)) is not None:
+            self._done.append((step.name, placement))
 
     def _take(self, noise: UnitNoise | None) -> None:
         """Plan with a unit's noise, where it is known."""
@@ -144,9 +144,9 @@ class SequentialCampaign:
         """
         if self._known is None:
             return [Dwell(FIRST_POSITION, NOISE_S)]
-        asked = (tuple(self._placings), goes_on, self._sigmas)
+        asked = (tuple(self._placements), goes_on, self._sigmas)
         if self._next is None or asked != self._next_of:  # a search of seconds
-            self._next = next_placement(self._sigmas, self._wanted, self._placings, goes_on=goes_on)
+            self._next = next_placement(self._sigmas, self._wanted, self._placements, goes_on=goes_on)
             self._next_of = asked
         left = self._next.way.placements[len(self._done) :]
         return [Dwell(at.position, at.seconds) for at in left]
@@ -169,7 +169,7 @@ class SequentialCampaign:
         found = self._next
         if found is None or found.placing is None:
             return ALL_MET if found is None else time_left(found)
-        far = ", ".join(one.text for one in self._views(CampaignDesign(tuple(self._placings))))
+        far = ", ".join(one.text for one in self._views(CampaignDesign(tuple(self._placements))))
         return f"{far}, {time_left(found)}"
 
     def limits(self, step: Step | None, seconds: float, *, is_carried: bool) -> tuple[LimitView, ...]:
@@ -179,17 +179,17 @@ class SequentialCampaign:
         key = (len(self._done), step, round(seconds), is_carried, self._sigmas)
         if key != self._limits[0]:  # every view asks, many times a second
             design = None if step is None else self._with(step, seconds, is_carried=is_carried)
-            self._limits = key, self._views(design or CampaignDesign(tuple(self._placings)))
+            self._limits = key, self._views(design or CampaignDesign(tuple(self._placements)))
         return self._limits[1]
 
     @property
-    def _placings(self) -> list[Placement]:
+    def _placements(self) -> list[Placement]:
         return [at for _, at in self._done]
 
     def _with(self, step: Step, seconds: float, *, is_carried: bool) -> CampaignDesign | None:
-        placing = _placing(step, seconds, is_carried=is_carried) if seconds else None
+        placement = _placement(step, seconds, is_carried=is_carried) if seconds else None
         others = [at for name, at in self._done if name != step.name]
-        return None if placing is None else CampaignDesign((*others, placing))
+        return None if placement is None else CampaignDesign((*others, placement))
 
     def _views(self, design: CampaignDesign) -> tuple[LimitView, ...]:
         found = self._sigmas.of(design) if design.placements else np.full(len(self._asked.sigma), np.inf)
@@ -223,7 +223,7 @@ def _ratio(std: FloatArray, scale: FloatArray, variance: FloatArray) -> float:
     return float(np.mean((std / scale) ** 2 / variance)) if np.all(np.isfinite(scale)) else 1.0
 
 
-def _placing(step: Step, seconds: float, *, is_carried: bool) -> Placement | None:
+def _placement(step: Step, seconds: float, *, is_carried: bool) -> Placement | None:
     if isinstance(step, Turn):
         return Placement(step.start_position, 0.0, NUMBERS[step.axis, step.direction], is_carried)
     return Placement(step.position, seconds, None, is_carried) if isinstance(step, Dwell) else None

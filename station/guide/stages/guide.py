@@ -82,7 +82,7 @@ class Guide:
         context = self.context
         context.gate.learn(block)
         self._accel = block.rate[3:]
-        self._time_s = block.ends if context.feed.tells_time else None
+        self._time_s = block.ends if context.feed.gives_time else None
         look = self._look = context.look = context.gate.look(block)
         self._tracker.take(block, look)
         if block.is_restarted:

@@ -131,9 +131,9 @@ class StageContext:
     @property
     def gyro_k(self) -> float | None:
         """The gyros' scale factor [count/rad], roughly; None where nothing says it."""
-        said_by = (*self.turns.values(), *self.accepted_dwells.values())
-        if said_by != self._gyro_k_by:  # every view asks, many times a second
-            self._gyro_k, self._gyro_k_by = self._found_gyro_k(), said_by
+        reported_by = (*self.turns.values(), *self.accepted_dwells.values())
+        if reported_by != self._gyro_k_by:  # every view asks, many times a second
+            self._gyro_k, self._gyro_k_by = self._found_gyro_k(), reported_by
         return self._gyro_k
 
     def _found_gyro_k(self) -> float | None:

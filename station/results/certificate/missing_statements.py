@@ -11,37 +11,37 @@ from station.results.certificate.laboratory import Laboratory
 from station.results.parameters_by_name import applied, parameters
 
 COMMIT = re.compile(r"\((?:sources )?(?P<commit>[0-9a-f]{7,40})(?P<dirty>-dirty)?\)")
-_ANEW = "a stored calibration is never changed; calibrate again"
+_CALIBRATE_AGAIN = "a stored calibration is never changed; calibrate again"
 _CONFIRM = (
     "a later campaign that shows it, `station effects adopt` of its diagnosis; then calibrate with that file"
 )
 
 
 FROM_CALIBRATION = {  # a field of a calibration by its path, and how it is given
-    "model": _ANEW,
-    "serial": _ANEW,
-    "accepted_utc": _ANEW,
-    "operator": f"`station calibrate --operator`; {_ANEW}",
-    "software.commit": f"a station that runs from a checkout or an installed wheel; {_ANEW}",
-    "inputs": _ANEW,
-    "procedure.name": _ANEW,
-    "procedure.steps": _ANEW,
-    "procedure.started_utc": _ANEW,
-    "procedure.ended_utc": _ANEW,
-    "site.latitude_deg": _ANEW,
-    "site.gravity_m_s2": _ANEW,
-    "site.gravity_std_m_s2": _ANEW,
+    "model": _CALIBRATE_AGAIN,
+    "serial": _CALIBRATE_AGAIN,
+    "accepted_utc": _CALIBRATE_AGAIN,
+    "operator": f"`station calibrate --operator`; {_CALIBRATE_AGAIN}",
+    "software.commit": f"a station that runs from a checkout or an installed wheel; {_CALIBRATE_AGAIN}",
+    "inputs": _CALIBRATE_AGAIN,
+    "procedure.name": _CALIBRATE_AGAIN,
+    "procedure.steps": _CALIBRATE_AGAIN,
+    "procedure.started_utc": _CALIBRATE_AGAIN,
+    "procedure.ended_utc": _CALIBRATE_AGAIN,
+    "site.latitude_deg": _CALIBRATE_AGAIN,
+    "site.gravity_m_s2": _CALIBRATE_AGAIN,
+    "site.gravity_std_m_s2": _CALIBRATE_AGAIN,
     "site.gravity_source": (
         "[traceability] gravity_source of the laboratory's file, or `station fixtures add site` first"
     ),
-    "references.cube.id": f"`station calibrate --cube`; {_ANEW}",
-    "references.cube.source": f"`station fixtures add certificate`; {_ANEW}",
-    "references.cube.due_date": f"`station fixtures add certificate --due`; {_ANEW}",
-    "references.slab.id": f"`station calibrate --slab`; {_ANEW}",
-    "references.slab.source": f"`station fixtures add level`; {_ANEW}",
-    "references.slab.due_date": f"`station fixtures add level --due`; {_ANEW}",
+    "references.cube.id": f"`station calibrate --cube`; {_CALIBRATE_AGAIN}",
+    "references.cube.source": f"`station fixtures add certificate`; {_CALIBRATE_AGAIN}",
+    "references.cube.due_date": f"`station fixtures add certificate --due`; {_CALIBRATE_AGAIN}",
+    "references.slab.id": f"`station calibrate --slab`; {_CALIBRATE_AGAIN}",
+    "references.slab.source": f"`station fixtures add level`; {_CALIBRATE_AGAIN}",
+    "references.slab.due_date": f"`station fixtures add level --due`; {_CALIBRATE_AGAIN}",
     "temperature_range_c": "[environment] temperature_c of the laboratory's file: the unit measures none",
-    "uncertainty": f"a station that makes an uncertainty budget; {_ANEW}",
+    "uncertainty": f"a station that makes an uncertainty budget; {_CALIBRATE_AGAIN}",
 }
 LABORATORY_INSTEAD = {  # fields of the laboratory's file that will do where the calibration has none
     "site.gravity_source": "traceability.gravity_source",
@@ -85,9 +85,9 @@ def missing(
     if _has(stated, "uncertainty"):
         budget = {one["name"] for one in document["uncertainty"]["parameters"]}
         values = applied(parameters(document))
-        found += [(f"uncertainty of {name}", _ANEW) for name in values if name not in budget]
+        found += [(f"uncertainty of {name}", _CALIBRATE_AGAIN) for name in values if name not in budget]
         if not values:
-            found.append(("results", _ANEW))
+            found.append(("results", _CALIBRATE_AGAIN))
     return found
 
 

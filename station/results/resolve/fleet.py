@@ -3,7 +3,6 @@
 The database is only read.
 """
 
-import hashlib
 import socket
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -19,7 +18,7 @@ from procedures.errors import ErrorCode
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_for_solve
 from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML, read_campaign_toml
-from station.files.opening import open_inside
+from station.files.opening import sha256_inside
 from station.files.sha256sums import SHA256SUMS, read_hashes
 from station.results.parameters_by_name import Parameter, ParameterShift, largest
 from station.results.resolve.comparison import (
@@ -125,8 +124,7 @@ def _inputs(folder: Path) -> list[str]:
 
 def _sha256(folder: Path, name: str) -> str | None:
     try:
-        with open_inside(folder, name, folder, None) as stream:
-            return hashlib.file_digest(stream, "sha256").hexdigest()
+        return sha256_inside(folder, name, folder, None)
     except (DataRefused, OSError):
         return None
 

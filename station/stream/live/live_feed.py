@@ -14,6 +14,7 @@ from drivers.errors import DriverError, LinkLost, LinkSilent, ReplayEnded, Wrong
 from drivers.framing import seen_instead, sniff
 from drivers.ports import wire_of
 from drivers.wire import FORMATS, WireFormat
+from procedures.campaign.campaign import UNKNOWN
 from station.errors import DataRefused
 from station.files.atomic_file import journal_path
 from station.stream.connected_unit import Unit, not_another, refuse_other, unit_of
@@ -95,7 +96,7 @@ class LiveFeed:
         return period
 
     @property
-    def tells_time(self) -> bool:
+    def gives_time(self) -> bool:
         """Whether the device sends a time that does not begin again as it runs."""
         return self.stream.decoder.kind.has_time and self.wire.time_modulus is None
 
@@ -133,9 +134,9 @@ class LiveFeed:
             If a replayed file ends before it is known how often samples come.
         """
         decoder, kind = self.stream.decoder, self.wire.identity
-        says_who = kind is not None and kind is not self.wire.imu
+        is_identity = kind is not None and kind is not self.wire.imu
         while (period := self.stream.period) is None or (
-            says_who and not decoder.serial and self.stream.counters.samples * period < IDENTITY_S
+            is_identity and not decoder.serial and self.stream.counters.samples * period < IDENTITY_S
         ):
             try:
                 self.advance()
@@ -147,6 +148,11 @@ class LiveFeed:
             self.address.name, decoder.identity, round(period, 9), model, serial, has_begun=has_begun
         )
         return self.unit
+
+    def identify_or_unknown(self, model: str | None, serial: str | None) -> Unit:
+        """Do the same with what was typed, if anything; a device that never says who it is may stay unknown."""
+        unknown = UNKNOWN if self.wire.identity is None else None
+        return self.identify(model or unknown, serial or unknown)
 
     def blocks(self) -> Iterator[Block]:
         """Yield the stream's blocks of a second, for ever; a block never reaches over a break."""

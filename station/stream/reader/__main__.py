@@ -7,87 +7,20 @@ import os
 import sys
 import threading
 import time
-from collections import deque
 from datetime import UTC, datetime
 from pathlib import Path
 
 from drivers.address_parsing import parse_device_url
 from drivers.addresses import DeviceAddress
-from drivers.errors import DriverError, LinkLost
-from drivers.port_interface import Port
-from drivers.ports import frame_descriptions, open_port
+from drivers.errors import DriverError
+from drivers.ports import frame_descriptions
 from station.errors import CannotWrite
 from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC, GNSS_RAW_TOPIC, RAW_TOPIC, WHEEL_RAW_TOPIC
 from station.stream.reader.journal import Journal
-from station.stream.reader.messages import LOST, Chunk, Item, Quiet, Refusal, StreamGap, packed
-
-MAX_WAITING_BYTES = 64 * 2**20  # bytes: an hour of 17 kB/s; the journal has it all
-
-
-class Outbox:
-    """Sends messages in order over a pipe on its own thread; beyond `MAX_WAITING_BYTES` it refuses."""
-
-    def __init__(self, descriptor: int, limit: int = MAX_WAITING_BYTES) -> None:
-        self._descriptor, self._limit = descriptor, limit
-        self._messages: deque[bytes] = deque()
-        self._waiting = 0
-        self._changed = threading.Condition()
-        self._is_closed = self._is_deaf = False
-        self._thread = threading.Thread(target=self._run, name="outbox", daemon=True)
-        self._thread.start()
-
-    def put(self, message: bytes, *, always: bool = False) -> bool:
-        """Queue a message and return at once; False if there is no room, unless it goes ``always``."""
-        with self._changed:
-            if self._waiting > self._limit and not always:
-                return False
-            self._messages.append(message)
-            self._waiting += len(message)
-            self._changed.notify_all()
-            return True
-
-    def wait_for_room(self, timeout_s: float) -> None:
-        """Wait until half the room is free again, at most ``timeout_s``."""
-        with self._changed:
-            self._changed.wait_for(lambda: self._waiting < self._limit / 2 or self._is_deaf, timeout_s)
-
-    def close(self, timeout_s: float) -> None:
-        """Send what is queued, for at most ``timeout_s``."""
-        with self._changed:
-            self._is_closed = True
-            self._changed.notify_all()
-        self._thread.join(timeout_s)
-
-    def _run(self) -> None:
-        while True:
-            with self._changed:
-                self._changed.wait_for(lambda: self._messages or self._is_closed)
-                if not self._messages:
-                    return
-                batch = b"".join(self._messages)
-                self._messages.clear()
-            if not self._send(batch):
-                return
-
-    def _send(self, batch: bytes) -> bool:
-        view = memoryview(batch)
-        while view:
-            try:
-                sent = os.write(self._descriptor, view[:65536])
-            except OSError:  # the station is gone: its pipe is closed
-                with self._changed:
-                    self._is_deaf, self._waiting = True, 0
-                    self._changed.notify_all()
-                return False
-            view = view[sent:]
-            with self._changed:
-                self._waiting -= sent
-                self._changed.notify_all()
-        return True
-
+from station.stream.reader.messages import Chunk, Item, Outbox, Quiet, Refusal, StreamGap, packed
+from station.stream.reader.reconnecting_port import ReconnectingPort
 
 READ_BYTES = 65536
-REOPEN_S = (0.05, 0.1, 0.2, 0.4, 0.8)  # back-off; the last one again and again
 FAREWELL_S = 2.0
 # what stands alongside an IMU; its own is RAW_TOPIC
 TOPICS = {"mavlink": GNSS_RAW_TOPIC, "camera": CAMERA_RAW_TOPIC, "wheel": WHEEL_RAW_TOPIC}
@@ -116,7 +49,7 @@ class _Session:
         self._since = time.time_ns() - time.monotonic_ns()  # wall time is looked at once
         self._refused = 0  # bytes that the station did not collect
         described = frame_descriptions(url)
-        self._port = open_port(url)
+        self._port = ReconnectingPort(url, self._stop, self._mark)
         began = {"started_utc": datetime.now(UTC).isoformat(), "host_ns": str(self._now())}
         session = {"url": url.public_text, **began, **described}
         topic = TOPICS.get(url.scheme, RAW_TOPIC)
@@ -128,15 +61,11 @@ class _Session:
         self._outbox.put(packed(Quiet(self._now())))
         try:
             while not self._stop.is_set():
-                try:
-                    data = self._port.read(READ_BYTES)
-                except LinkLost as error:
-                    self._reopen(error)
-                else:
-                    if data:
-                        self._hand_on(Chunk(self._now(), data))
-                    elif self._url.scheme in TOPICS:  # whoever merges it with another stream waits for this
-                        self._outbox.put(packed(Quiet(self._now())))
+                data = self._port.read(READ_BYTES)
+                if data:
+                    self._hand_on(Chunk(self._now(), data))
+                elif self._url.scheme in TOPICS:  # whoever merges it with another stream waits for this
+                    self._outbox.put(packed(Quiet(self._now())))
         finally:
             self._port.close()
             if self._journal is not None:
@@ -162,22 +91,7 @@ class _Session:
                 return
         self._refused += len(chunk.data)
 
-    def _reopen(self, lost: LinkLost) -> None:
-        """Try the port again and again; the loss and the return are marked."""
-        self._port.close()
-        self._mark(f"{LOST}{lost.reason}", is_open=False)
-        began, attempt = time.monotonic(), 0
-        while not self._stop.wait(REOPEN_S[min(attempt, len(REOPEN_S) - 1)]):
-            attempt += 1
-            try:
-                port: Port = open_port(self._url)
-            except DriverError:
-                continue
-            self._port = port
-            self._mark(f"port back after {time.monotonic() - began:.1f} s", is_open=True)
-            return
-
-    def _mark(self, reason: str, *, is_open: bool) -> None:
+    def _mark(self, reason: str, is_open: bool) -> None:
         mark = StreamGap(self._now(), reason, is_open)
         self._keep(mark)
         self._outbox.put(packed(mark), always=True)

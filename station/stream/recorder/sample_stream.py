@@ -154,12 +154,12 @@ class SampleStream:
         self._values = values[-1]
         self.counters.contradicted += int(differs.sum())
         number = np.cumsum(~repeat)  # 0: repeats of what the chunk before ended with
-        doubted = np.zeros(number[-1] + 1, dtype=bool)
-        doubted[number[differs]] = True
-        doubted[0] |= self._is_ambiguous
-        self._is_ambiguous = bool(doubted[-1])
-        doubted[1:] |= doubted[:-1].copy()
-        amiss: NDArray[np.bool_] = ~repeat & doubted[number]
+        differing = np.zeros(number[-1] + 1, dtype=bool)
+        differing[number[differs]] = True
+        differing[0] |= self._is_ambiguous
+        self._is_ambiguous = bool(differing[-1])
+        differing[1:] |= differing[:-1].copy()
+        amiss: NDArray[np.bool_] = ~repeat & differing[number]
         return amiss
 
     def _learn(self, seconds: np.ndarray[tuple[int], np.dtype[np.float64]]) -> None:

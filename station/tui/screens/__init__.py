@@ -1,4 +1,8 @@
-"""Which screen shows which stage; a line here puts a screen into use."""
+"""Which screen shows which stage; a line here puts a screen into use.
+
+`start` sets a campaign up, `campaign` shows its steps, `verdict` its end; `modals` lie on top of them. All are
+made of the widgets of `station.tui.widgets` in the frame of `stage`.
+"""
 
 from importlib import import_module
 

@@ -17,7 +17,7 @@ from station.tui.screens.modals import DiagnosisScreen
 from station.tui.screens.stage import StageScreen
 from station.tui.widgets.common import ValueWidget
 
-DOUBTED = ("!", "$warning")
+AMBIGUOUS = ("!", "$warning")
 VERDICT_LOOKS = {"PASS": ("✓", "$success"), "FAIL": ("✗", "$error"), "NOT_MEASURED": ("?", "$warning")}
 
 
@@ -28,24 +28,24 @@ class VerdictSentence(ValueWidget[Verdict]):
     VerdictSentence { text-wrap: wrap; height: auto; min-height: 3; padding: 1 2; text-style: bold; }
     VerdictSentence.PASS { background: $success 22%; }
     VerdictSentence.FAIL { background: $error 22%; }
-    VerdictSentence.NOT_MEASURED, VerdictSentence.doubted { background: $warning 22%; }
+    VerdictSentence.NOT_MEASURED, VerdictSentence.ambiguous { background: $warning 22%; }
     """
 
     def show(self, value: Verdict | None) -> None:
         """Take another verdict."""
         for word in VERDICT_LOOKS:
             self.set_class(value is not None and value.word == word, word)
-        self.set_class(value is not None and _is_doubted(value), "doubted")
+        self.set_class(value is not None and _is_ambiguous(value), "ambiguous")
         super().show(value)
 
     def _drawn(self, verdict: Verdict) -> Content:
-        symbol, colour = DOUBTED if _is_doubted(verdict) else VERDICT_LOOKS[verdict.word]
+        symbol, colour = AMBIGUOUS if _is_ambiguous(verdict) else VERDICT_LOOKS[verdict.word]
         plain = verdict.in_words or verdict.word.replace("_", " ")
         sentence = verdict.sentence.removeprefix(f"{plain}: ")
         return Content.assemble((f" {symbol} {plain} ", f"$background on {colour}"), f"  {sentence}")
 
 
-def _is_doubted(verdict: Verdict) -> bool:
+def _is_ambiguous(verdict: Verdict) -> bool:
     return bool(verdict.doubt) and verdict.word == "PASS"
 
 
@@ -131,7 +131,7 @@ class FactLine(Horizontal):
 
     DEFAULT_CSS = """
     FactLine { height: auto; padding: 0 2; display: none; }
-    FactLine.said { display: block; }
+    FactLine.shown { display: block; }
     FactLine .name { width: 11; color: $muted; }
     FactLine .text { width: 1fr; height: auto; }
     FactLine.warning .text { color: $warning; text-style: bold; }
@@ -150,7 +150,7 @@ class FactLine(Horizontal):
     def say(self, text: str) -> None:
         """Say something, or nothing."""
         self._text.update(text)
-        self.set_class(bool(text), "said")
+        self.set_class(bool(text), "shown")
 
 
 class VerdictScreen(StageScreen):

@@ -131,7 +131,7 @@ class PickList(Vertical):
     PickList .label { width: 11; margin-left: 2; }
     PickList Select { width: 1fr; margin-right: 2; }
     PickList .note { height: auto; margin-left: 13; color: $success; display: none; }
-    PickList .note.said { display: block; }
+    PickList .note.shown { display: block; }
     PickList .note.warns { color: $warning; text-style: bold; }
     """
 
@@ -172,7 +172,7 @@ class PickList(Vertical):
         """Say what must be known about the choice: a warning, or that all is well."""
         note, warns = next(((c.note, c.warns) for c in self._choices if c.key == self.value), ("", False))
         self._note.update(f"{'!' if warns else '✓'} {note}" if note else "")
-        self._note.set_class(bool(note), "said")
+        self._note.set_class(bool(note), "shown")
         self._note.set_class(warns, "warns")
 
 

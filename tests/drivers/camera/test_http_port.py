@@ -92,14 +92,14 @@ def test_a_camera_that_hangs_up_is_lost(server: Server) -> None:
             port.read(100)
 
 
-def test_who_asks_is_told_as_basic(server: Server) -> None:
+def test_who_asks_is_answered_as_basic(server: Server) -> None:
     server.answer(OK)
     open_port(server.url.replace("http://", "http://me:p%40ss@")).close()
     assert b"Authorization: Basic " + b64encode(b"me:p@ss") in server.asked
 
 
 @pytest.mark.parametrize(
-    ("answer", "said"),
+    ("answer", "reported"),
     [
         (b"HTTP/1.0 404 Not Found\r\n\r\n", "404 Not Found"),
         (b"HTTP/1.1 302 Found\r\nLocation: https://cam/\r\n\r\n", "https://cam/"),
@@ -111,9 +111,9 @@ def test_who_asks_is_told_as_basic(server: Server) -> None:
         (bytes(70000), "70000"),
     ],
 )
-def test_another_answer_is_refused_in_one_line(server: Server, answer: bytes, said: str) -> None:
+def test_another_answer_is_refused_in_one_line(server: Server, answer: bytes, reported: str) -> None:
     server.answer(answer)
-    with refused(PortNotFound, ErrorCode.DEVICE, said) as caught:
+    with refused(PortNotFound, ErrorCode.DEVICE, reported) as caught:
         open_port(server.url)
     assert "\n" not in str(caught.value)
 

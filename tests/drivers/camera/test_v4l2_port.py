@@ -125,7 +125,7 @@ def test_mjpeg_is_asked_for_and_another_size_than_asked_refused() -> None:
     assert grey[cv2.CAP_PROP_CONVERT_RGB] == 1  # OpenCV converts what is no MJPEG
 
 
-def test_no_device_is_said(tmp_path: Path) -> None:
+def test_no_device_is_reported(tmp_path: Path) -> None:
     with pytest.raises(PortNotFound, match="/dev/video"):
         open_port("camera:/dev/video77")
     with pytest.raises(PortNotFound):

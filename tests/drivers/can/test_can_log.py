@@ -193,7 +193,7 @@ def test_a_sensor_that_the_device_lacks_is_left_out_of_the_mapping(tmp_path: Pat
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "reported"),
     [
         ("".join(f"  can0  100   [8]  00 01 00 02 00 03 00 {i:02X}\n" for i in range(30)), "a.log"),
         ("date Thu Jan 01 00:00:00.0 2026\nbase hex  timestamps relative\n"
@@ -201,10 +201,10 @@ def test_a_sensor_that_the_device_lacks_is_left_out_of_the_mapping(tmp_path: Pat
     ],
 )  # fmt: skip
 def test_a_log_whose_times_cannot_be_known_is_refused(
-    text: str, said: str, tmp_path: Path, described: str
+    text: str, reported: str, tmp_path: Path, described: str
 ) -> None:
     (tmp_path / "a.log").write_text(text)
-    with pytest.raises(BadCanFile, match=said):
+    with pytest.raises(BadCanFile, match=reported):
         replayed(tmp_path / "a.log", described)
 
 

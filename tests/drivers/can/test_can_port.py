@@ -17,8 +17,8 @@ from drivers.framing import Decoder
 from drivers.port_interface import Port
 from drivers.ports import open_port, wire_of
 from drivers.simulated.bench_control import BenchControl
-from drivers.simulated.can_lines import SlcanAdapter
 from drivers.simulated.imu import SimulatedImu
+from drivers.simulated.lines import SlcanAdapter
 from drivers.simulated.server import CAN_TRANSPORTS, SimulatedDevice
 from drivers.simulated.truth import Truth
 from procedures.counts.sample_records import CountBlock
@@ -175,7 +175,7 @@ def test_a_port_in_use_is_busy(adapter: SlcanAdapter) -> None:
     open_port(adapter.address).close()
 
 
-def test_what_is_no_adapter_is_told() -> None:
+def test_what_is_no_adapter_is_reported() -> None:
     far, near = os.openpty()
     with pytest.raises(PortNotFound, match=os.ttyname(near)):
         open_port(f"can://slcan{os.ttyname(near)}")

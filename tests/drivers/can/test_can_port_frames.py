@@ -129,7 +129,7 @@ def test_what_is_no_frame_is_an_error_record_and_what_follows_is_read(given: can
         (PortNotFound, ("absent", "odd")),
     ],
 )  # fmt: skip
-def test_why_a_bus_does_not_open_is_told(kind: type[Exception], channels: tuple[str, ...]) -> None:
+def test_why_a_bus_does_not_open_is_reported(kind: type[Exception], channels: tuple[str, ...]) -> None:
     for channel in channels:
         with refused(kind, ErrorCode.DEVICE, channel):
             open_can("vector", channel, {}, 0.0)

@@ -198,7 +198,7 @@ def test_frames_joined_by_their_order_are_of_one_sample_period(tmp_path: Path) -
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
+    ("old", "new", "reported"),
     [
         ("MORE.Z", "SWITCHED.AXIS", "SWITCHED.AXIS"),
         ("MORE.Z", "LONG.FAR", "LONG.FAR"),
@@ -206,12 +206,12 @@ def test_frames_joined_by_their_order_are_of_one_sample_period(tmp_path: Path) -
     ],
 )
 def test_what_cannot_be_read_is_refused_in_one_line(
-    old: str, new: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    old: str, new: str, reported: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    with pytest.raises(BadCanFile, match=re.escape(said)):
+    with pytest.raises(BadCanFile, match=re.escape(reported)):
         foreign(tmp_path, FLOATS.replace(old, new))
     files = f"dbc={tmp_path / 'imu.dbc'}&map={tmp_path / 'imu.toml'}"
     assert cli.run(["devices", "--url", f"can://udp_multicast/239.74.163.2?{files}"]) == 3
     error = capsys.readouterr().err
-    assert said in error
+    assert reported in error
     assert error.count("\n") == 1

@@ -41,7 +41,7 @@ MAP = CanMap(
 
 
 def frame(identifier: int, u: int, host: float | None = None, byte_1: int = 1, payload: int = 0) -> bytes:
-    """Return frame ``u``, sent at u periods; its words are u + payload and what is beside it."""
+    """Return frame ``u``, sent at u periods; its words are u + payload and what is next to it."""
     words = np.array([u % 1000 + payload, identifier % 0x800, -u % 1000], "<i2").tobytes()
     at = round((u if host is None else host) * PERIOD) + (identifier == B) * 1000
     return frame_record.pack(identifier, at, bytes((u % 256, byte_1)) + words)
@@ -187,7 +187,7 @@ def test_rates_are_in_their_units() -> None:
     assert block.gyro.tolist() == [[3.0, 5.0, 249.0]]  # 8, 16, 992
 
 
-def test_running_totals_are_told_apart_by_the_sample_before() -> None:
+def test_running_totals_are_distinguished_by_the_sample_before() -> None:
     fed = Fed(replace(MAP, output="cumulative"))
 
     def total(u: int, value: int) -> list[bytes]:

@@ -96,7 +96,7 @@ def test_a_wrong_frame_that_passes_its_check_is_marked_by_its_step() -> None:
     assert decoder.counters.bad_status == 1
 
 
-def test_a_restarted_device_begins_anew() -> None:
+def test_a_restarted_device_begins_again() -> None:
     decoder = Decoder(WIRE)
     block = fed(b"".join([*FRAMES, *frames_of(samples(20, first=0))]), decoder)
     assert len(block) == N + 20

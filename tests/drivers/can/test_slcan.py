@@ -81,7 +81,7 @@ def test_one_that_does_not_answer_in_time_is_a_lost_link(ends: Ends, silent: pyt
         ends.read()
 
 
-def test_one_that_answers_is_asked_anew_at_the_next_silence(ends: Ends, silent: pytest.MonkeyPatch) -> None:
+def test_one_that_answers_is_asked_again_at_the_next_silence(ends: Ends, silent: pytest.MonkeyPatch) -> None:
     ends.line.took(b"zz")  # of before: no answer
     ends.read()
     assert ends.asked() == QUESTION
@@ -148,14 +148,14 @@ def test_the_status_is_read_wherever_the_stream_is_cut(parts: list[bytes], flags
     assert line.flags == flags
 
 
-@pytest.mark.parametrize(("flags", "said"), [(0x20, "error passive"), (0x80, "bus-off"), (0xA0, "bus-off")])
-def test_a_bus_in_trouble_is_told(flags: int, said: str) -> None:
+@pytest.mark.parametrize(("flags", "reported"), [(0x20, "error passive"), (0x80, "bus-off"), (0xA0, "bus-off")])
+def test_a_bus_in_trouble_is_reported(flags: int, reported: str) -> None:
     line = SlcanLine(serial.Serial())
     for harmless in (None, 0, 0x5F):  # a full queue, a lost frame, an arbitration lost
         line.flags = harmless
         line.refuse_trouble()
     line.flags = flags
-    with pytest.raises(can.CanOperationError, match=said):
+    with pytest.raises(can.CanOperationError, match=reported):
         line.refuse_trouble()
 
 

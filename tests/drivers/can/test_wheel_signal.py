@@ -35,15 +35,15 @@ def test_frames_that_cantools_made_are_read_in_m_s(foreign: str) -> None:
     frames = [message.encode({"WheelBasedSpeed": v, "Ratio": 40.0, "Bare": 1.0}) for v in speeds]
     records = b"".join(pack(message.frame_id | 0x80000000, 1000 + 20 * i, frame) for i, frame in enumerate(frames))
     decoder = WheelDecoder(wheel_signal(foreign, "CCVS.WheelBasedSpeed"))
-    told = decoder.feed(records[:50], 5000) + decoder.feed(records[50:], 6000)
-    assert [each.speed for each in told] == pytest.approx([v / 3.6 for v in speeds], abs=1e-3)
-    assert [each.host_ns for each in told] == [5000, 5980, 6000]
-    assert [each.came_ns for each in told] == [5000, 6000, 6000]  # nobody had the second before
+    received = decoder.feed(records[:50], 5000) + decoder.feed(records[50:], 6000)
+    assert [each.speed for each in received] == pytest.approx([v / 3.6 for v in speeds], abs=1e-3)
+    assert [each.host_ns for each in received] == [5000, 5980, 6000]
+    assert [each.came_ns for each in received] == [5000, 6000, 6000]  # nobody had the second before
     mph = WheelDecoder(wheel_signal(foreign, "CCVS.WheelBasedSpeed", "mph")).feed(records, 1)
     assert [each.speed for each in mph] == pytest.approx([v * 0.44704 for v in speeds], abs=1e-3)
 
 
-def test_what_is_no_speed_is_counted_and_never_told() -> None:
+def test_what_is_no_speed_is_counted_and_never_reported() -> None:
     signal = wheel_signal(DBC, SIGNAL)
     good = signal.frame(12.34, 0)
     assert good == pack(288, 0, (4442).to_bytes(2, "little") + bytes(6))
@@ -59,7 +59,7 @@ def test_what_is_no_speed_is_counted_and_never_told() -> None:
 
 
 @pytest.mark.parametrize(
-    ("octets", "is_told"),
+    ("octets", "is_reported"),
     [
         ("fb00", True),  # 250.996 km/h, the most that the DBC states
         ("fb80", False),  # beyond it
@@ -68,17 +68,19 @@ def test_what_is_no_speed_is_counted_and_never_told() -> None:
     ],
 )
 @pytest.mark.parametrize("stated", ["[0|251]", "[0|0]"])
-def test_j1939s_marks_for_no_value_are_no_speed(tmp_path: Path, octets: str, is_told: bool, stated: str) -> None:
+def test_j1939s_marks_for_no_value_are_no_speed(
+    tmp_path: Path, octets: str, is_reported: bool, stated: str
+) -> None:
     (tmp_path / "j.dbc").write_text(FOREIGN.replace("[0|250.996]", stated))
     signal = wheel_signal(str(tmp_path / "j.dbc"), "CCVS.WheelBasedSpeed")
     decoder = WheelDecoder(signal)
     frame = pack(signal.identifier, 0, b"\0" + bytes.fromhex(octets) + bytes(5))
     is_beyond = octets == "fb80" and stated == "[0|0]"
-    assert len(decoder.feed(frame, 0)) == (is_told or is_beyond)
+    assert len(decoder.feed(frame, 0)) == (is_reported or is_beyond)
 
 
 @pytest.mark.parametrize(
-    ("name", "unit", "said"),
+    ("name", "unit", "reported"),
     [
         ("CCVS.Ratio", "", "found CCVS.Ratio in 'rpm'; expected a unit of speed"),
         ("CCVS.Bare", "", "found CCVS.Bare without a unit"),
@@ -88,10 +90,10 @@ def test_j1939s_marks_for_no_value_are_no_speed(tmp_path: Path, octets: str, is_
         ("CCVS", "", "a name MESSAGE.SIGNAL"),
     ],
 )
-def test_a_wrong_signal_is_refused_in_one_line(foreign: str, name: str, unit: str, said: str) -> None:
+def test_a_wrong_signal_is_refused_in_one_line(foreign: str, name: str, unit: str, reported: str) -> None:
     with pytest.raises(BadCanFile) as refused:
         wheel_signal(foreign, name, unit)
-    assert said in str(refused.value)
+    assert reported in str(refused.value)
     assert "\n" not in str(refused.value)
     assert wheel_signal(foreign, "CCVS.Bare", "m/s").factor == 1.0
 

@@ -118,7 +118,7 @@ def test_every_field_of_gps_input_is_in_si_and_its_flags_leave_out_what_they_nam
 
 
 def test_a_filters_position_and_heading_are_in_si() -> None:
-    said = dialect.MAVLink_global_position_int_message(
+    reported = dialect.MAVLink_global_position_int_message(
         time_boot_ms=1500,
         lat=311700000,
         lon=1214000000,
@@ -129,7 +129,7 @@ def test_a_filters_position_and_heading_are_in_si() -> None:
         vz=0,
         hdg=9000,
     )
-    fix = fix_of(said)
+    fix = fix_of(reported)
     assert (fix.latitude, fix.longitude) == pytest.approx((0.5440191, 2.1188297), abs=1e-7)
     assert (fix.altitude, fix.speed, fix.heading) == pytest.approx((10.25, 5.0, 1.5707963))
     assert fix.course == pytest.approx(5.3558901)
@@ -184,7 +184,7 @@ def test_the_equator_the_prime_meridian_and_the_poles_are_places(
 
 
 @pytest.mark.parametrize("message", [raw, raw2, gps_input])
-def test_a_fix_of_no_satellites_is_none_but_of_a_base_that_was_told_its_place(
+def test_a_fix_of_no_satellites_is_none_but_of_a_base_that_knows_its_place(
     message: Callable[..., dialect.MAVLink_message],
 ) -> None:
     assert not fix_of(message(satellites_visible=0)).has_position
@@ -224,7 +224,7 @@ S = 10**9
 UTC_NS = 1_780_000_000 * S  # 2026: in microseconds beyond 1e15, so no time since boot
 
 
-def test_a_stamp_is_told_on_both_clocks_once_a_mark_has_joined_them() -> None:
+def test_a_stamp_is_reported_on_both_clocks_once_a_mark_has_joined_them() -> None:
     clock = SenderClock()
     assert clock.times(5_000_000) == (None, 5 * S)
     assert clock.times(UTC_NS // 1000) == (UTC_NS, None)
@@ -256,7 +256,7 @@ def test_a_boot_time_that_goes_back_by_more_than_a_second_is_a_restart() -> None
     assert clock.latency(201 * S, 2 * S) == pytest.approx(1.0)  # by the new clock alone
 
 
-def test_a_boot_time_of_32_bit_that_begins_anew_is_no_restart() -> None:
+def test_a_boot_time_of_32_bit_that_restarts_is_no_restart() -> None:
     clock = SenderClock()
     for ms in range(2**32 - 3000, 2**32 + 3000, 1000):
         boot_ns = clock.since_boot_ns(ms % 2**32)

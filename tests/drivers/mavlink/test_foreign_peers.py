@@ -24,8 +24,8 @@ SENDER = Path(__file__).with_name("mavsdk_sender.py")
 
 @contextmanager
 def running(*command: str, folder: Path) -> Iterator[None]:
-    with (folder / "said").open("w") as said:
-        process = subprocess.Popen(command, stdout=said, stderr=said, cwd=folder, stdin=subprocess.DEVNULL)
+    with (folder / "reported").open("w") as reported:
+        process = subprocess.Popen(command, stdout=reported, stderr=reported, cwd=folder, stdin=subprocess.DEVNULL)
         try:
             yield
         finally:

@@ -44,7 +44,7 @@ class Station:
         (one,) = dialect.MAVLink(None).parse_buffer(self.datagram())
         return one
 
-    def is_told_nothing(self) -> bool:
+    def is_sent_nothing(self) -> bool:
         """Say whether nothing has come; on loopback what was sent is there at once."""
         self.socket.setblocking(False)
         try:
@@ -79,22 +79,22 @@ def test_its_heartbeat_is_an_imus_once_a_second(station: Station) -> None:
     )
     station.now += 0.99
     out.keep_up()
-    assert station.is_told_nothing()
+    assert station.is_sent_nothing()
     station.now = 51.0
     out.keep_up()
     assert station.message().get_type() == "HEARTBEAT"
     out.keep_up()
-    assert station.is_told_nothing()
+    assert station.is_sent_nothing()
 
 
 @pytest.mark.parametrize(("t", "boot_ms"), [(1.2344, 1234), (1.2346, 1235), (2**32 * 1e-3 + 5.0, 5000)])
-def test_an_attitude_is_told_after_the_heartbeat(t: float, boot_ms: int, station: Station) -> None:
+def test_an_attitude_is_sent_after_the_heartbeat(t: float, boot_ms: int, station: Station) -> None:
     station.hears().attitude(t, 0.25, -0.5, W, 1.5)
     assert station.message().get_type() == "HEARTBEAT"
-    said = station.message()
-    assert said.time_boot_ms == boot_ms
-    assert (said.roll, said.pitch, said.yaw) == (0.25, -0.5, 1.5)
-    assert (said.rollspeed, said.pitchspeed, said.yawspeed) == W
+    reported = station.message()
+    assert reported.time_boot_ms == boot_ms
+    assert (reported.roll, reported.pitch, reported.yaw) == (0.25, -0.5, 1.5)
+    assert (reported.rollspeed, reported.pitchspeed, reported.yawspeed) == W
 
 
 NONE = (0.0, 0.0, 0.0)
@@ -110,7 +110,7 @@ NONE = (0.0, 0.0, 0.0)
         ((math.nan,) * 3, (math.nan,) * 3, 31.5, TEMPERATURE),
     ],
 )
-def test_what_is_not_measured_is_nought_and_not_among_the_fields(
+def test_what_is_not_measured_is_zero_and_not_among_the_fields(
     force: tuple[float, float, float],
     rate: tuple[float, float, float],
     temperature: float,
@@ -118,13 +118,17 @@ def test_what_is_not_measured_is_nought_and_not_among_the_fields(
     station: Station,
 ) -> None:
     station.hears().highres(12.3456789, force, rate, temperature)
-    said = station.message()
-    assert (said.get_type(), said.time_usec, said.fields_updated) == ("HIGHRES_IMU", 12_345_679, updated)
-    assert (said.xacc, said.yacc, said.zacc) == (F if updated & ACCELEROMETER else NONE)
-    assert (said.xgyro, said.ygyro, said.zgyro) == (W if updated & GYROSCOPE else NONE)
-    assert said.temperature == (31.5 if updated & TEMPERATURE else 0.0)
+    reported = station.message()
+    assert (reported.get_type(), reported.time_usec, reported.fields_updated) == (
+        "HIGHRES_IMU",
+        12_345_679,
+        updated,
+    )
+    assert (reported.xacc, reported.yacc, reported.zacc) == (F if updated & ACCELEROMETER else NONE)
+    assert (reported.xgyro, reported.ygyro, reported.zgyro) == (W if updated & GYROSCOPE else NONE)
+    assert reported.temperature == (31.5 if updated & TEMPERATURE else 0.0)
     others = "xmag", "ymag", "zmag", "abs_pressure", "diff_pressure", "pressure_alt"
-    assert [getattr(said, name) for name in others] == [0.0] * 6
+    assert [getattr(reported, name) for name in others] == [0.0] * 6
 
 
 def test_frames_are_signed_with_the_key_of_the_address(station: Station, tmp_path: Path) -> None:
@@ -133,9 +137,9 @@ def test_frames_are_signed_with_the_key_of_the_address(station: Station, tmp_pat
     data = station.datagram()
     reader = dialect.MAVLink(None)
     reader.signing.secret_key = KEY
-    (said,) = reader.parse_buffer(data)
-    assert said.get_type() == "HEARTBEAT"
-    assert said.get_signed()
+    (reported,) = reader.parse_buffer(data)
+    assert reported.get_type() == "HEARTBEAT"
+    assert reported.get_signed()
     assert int.from_bytes(data[-12:-6], "little") > 10**13  # ten microseconds since 2015
     station.hears().keep_up()
     assert not station.message().get_signed()

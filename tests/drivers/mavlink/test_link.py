@@ -113,7 +113,7 @@ def test_a_track_is_seen_in_speed_and_course() -> None:
     assert fix.velocity_n == pytest.approx((6.0, 8.0), abs=0.02)
 
 
-def test_a_denied_message_is_said_to_be_and_asked_for_the_old_way() -> None:
+def test_a_denied_message_is_reported_and_asked_for_the_old_way() -> None:
     stubborn = AutopilotTruth(denies=frozenset({GLOBAL_POSITION_INT, GPS2_RAW}), default_hz=0.0)
     with SimulatedGnss(TRUTH, stubborn, speed=4.0) as gnss:
         heard = Listener(f"{gnss.url}?rate=50")
@@ -148,7 +148,7 @@ def test_with_a_key_both_sides_sign_and_only_good_frames_are_read(tmp_path: Path
     assert all(np.diff(times) > 0)
 
 
-def test_without_a_key_an_autopilot_that_wants_signatures_obeys_nobody() -> None:
+def test_without_a_key_an_autopilot_that_wants_signatures_follows_nobody() -> None:
     with SimulatedGnss(TRUTH, AutopilotTruth(key=KEY), speed=20.0) as gnss:
         heard = Listener(gnss.url)
         heard.until(lambda: len(heard.fixes()) > 5)  # what it sends unasked is signed, and can be read

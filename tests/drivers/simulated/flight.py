@@ -79,8 +79,8 @@ def _smooth(x: FloatArray) -> FloatArray:
 
 def _body(course: FloatArray, bank: FloatArray, attack: FloatArray) -> FloatArray:
     """Return C_nb (n, 3, 3) of a body flying along ``course``, banked about its path, nose up by ``attack``."""
-    nought = np.zeros_like(course)
-    about_z = rotation(np.stack([nought, nought, course], axis=1))
-    about_x = rotation(np.stack([bank, nought, nought], axis=1))
-    C: FloatArray = about_z @ about_x @ rotation(np.stack([nought, attack, nought], axis=1))
+    zero = np.zeros_like(course)
+    about_z = rotation(np.stack([zero, zero, course], axis=1))
+    about_x = rotation(np.stack([bank, zero, zero], axis=1))
+    C: FloatArray = about_z @ about_x @ rotation(np.stack([zero, attack, zero], axis=1))
     return C

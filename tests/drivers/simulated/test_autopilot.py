@@ -52,14 +52,14 @@ def fault(kind: str, size: float = 0.0, at_s: float = 0.0, seconds: float = 100.
 
 
 def test_system_time_is_utc_and_the_time_since_boot() -> None:
-    said = last(autopilot(), "SYSTEM_TIME", 12.0)
-    assert (said.time_unix_usec, said.time_boot_ms) == (1_800_000_012_000_000, 12_000)
+    reported = last(autopilot(), "SYSTEM_TIME", 12.0)
+    assert (reported.time_unix_usec, reported.time_boot_ms) == (1_800_000_012_000_000, 12_000)
     late = last(autopilot(fault("time_jump", 5.0), fault("time_jump", 2.0)), "SYSTEM_TIME", 12.0)
     assert late.time_unix_usec == 1_800_000_019_000_000
     assert last(autopilot(fault("no_fix")), "SYSTEM_TIME", 12.0).time_unix_usec == 0
 
 
-def test_the_time_since_boot_begins_anew_after_49_days_and_after_a_reboot() -> None:
+def test_the_time_since_boot_restarts_after_49_days_and_after_a_reboot() -> None:
     assert last(autopilot(), "SYSTEM_TIME", 2**32 * 1e-3 + 5.0).time_boot_ms == 5000
     one = autopilot(fault("reboot", at_s=7.0, seconds=2.0))
     assert last(one, "SYSTEM_TIME", 6.0).time_boot_ms == 6000
@@ -189,8 +189,8 @@ def test_signed_frames_are_signed_with_its_key_but_for_the_faults() -> None:
         reader = dialect.MAVLink(None)
         reader.signing.secret_key = key
         reader.robust_parsing = True
-        (said,) = reader.parse_buffer(signed[kind])
-        assert (said.get_type() == "HEARTBEAT") is is_right
+        (reported,) = reader.parse_buffer(signed[kind])
+        assert (reported.get_type() == "HEARTBEAT") is is_right
 
 
 ALL = {"HIGHRES_IMU", "GPS_RAW_INT", "GPS2_RAW", "GLOBAL_POSITION_INT", "VFR_HUD", "SYSTEM_TIME"}
@@ -234,7 +234,7 @@ def test_a_stream_holds_its_messages(stream: int, sent: set[str]) -> None:
 
 
 @pytest.mark.parametrize(("interval", "times"), [(-1.0, []), (0.0, [1500, 2000])])
-def test_an_interval_of_nought_is_the_usual_one_and_a_negative_one_is_none(
+def test_an_interval_of_zero_is_the_usual_one_and_a_negative_one_is_none(
     interval: float, times: list[int]
 ) -> None:
     one = quiet(default_hz=2.0)

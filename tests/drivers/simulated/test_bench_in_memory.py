@@ -71,7 +71,7 @@ def test_a_closed_turn_integrates_to_whole_revolutions() -> None:
         assert max(speed[:90].max(), speed[-90:].max()) < 30, "at rest for 2 s at each end"
 
 
-def test_a_turn_is_about_the_slabs_normal_however_the_slab_leans() -> None:
+def test_a_turn_is_about_the_slabs_normal_however_the_slab_is_tilted() -> None:
     truth = Truth(slab_tilt_rad=np.array([3e-3, -2e-3]), slab_azimuth_rad=0.3)
     world = world_with_effects(truth)
     for position, axis in ((1, 0), (4, 0), (5, 1), (8, 1), (9, 2), (12, 2)):

@@ -22,17 +22,17 @@ def identity(truth: Truth) -> bytes:
     return COUNTS.encode_identity(Identity(truth.model, truth.serial, truth.sample_period_s))
 
 
-def test_who_it_is_is_said_once_a_second() -> None:
-    device, said = ByteDevice(SLOW, None, "counts"), list[int]()
+def test_who_it_is_is_reported_once_a_second() -> None:
+    device, reported = ByteDevice(SLOW, None, "counts"), list[int]()
     sizes = list[int]()
     for _ in range(6):
         before = device.samples
         sent = b"".join(part for part in device.chunk(3) if isinstance(part, bytes))
         if sent.startswith(identity(SLOW)):
-            said.append(before)
+            reported.append(before)
         assert sent.count(identity(SLOW)) == (before in {0, 4, 8})
         sizes.append(device.samples - before)
-    assert (said, sizes) == ([0, 4, 8], [3, 1, 3, 1, 3, 1])
+    assert (reported, sizes) == ([0, 4, 8], [3, 1, 3, 1, 3, 1])
 
 
 def test_its_samples_are_those_of_the_imu() -> None:
@@ -72,10 +72,11 @@ def test_moves_act_on_the_sample_of_their_time() -> None:
         ("place 3 2 1 -2 3", lambda imu: imu.place(3, 2.0, np.radians([1.0, -2.0, 3.0]))),
         ("carry 5 2 30", lambda imu: imu.carry(5, 2.0, 30.0)),
         ("carry 5 2 30 0.5", lambda imu: imu.carry(5, 2.0, 30.0, 0.5)),
-        ("lean 1 2 -3", lambda imu: imu.tilt(np.array([1.0, 2.0, -3.0]))),
+        ("tilt 1 2 -3", lambda imu: imu.tilt(np.array([1.0, 2.0, -3.0]))),
         ("lean 1 2 -3 2", lambda imu: imu.tilt(np.array([1.0, 2.0, -3.0]), 2.0)),
         ("heat 20 5", lambda imu: imu.heat(20.0, 5.0)),
-        ("knock 0.5 2", lambda imu: imu.shock(0.5, 2.0)),
+        ("shock 0.5 2", lambda imu: imu.shock(0.5, 2.0)),
+        ("knock 0.5 2", lambda imu: imu.shock(0.5, 2.0)),  # as it was called in version 1.0
         ("creep 2 1 2 -3", lambda imu: imu.creep(2.0, np.radians([1.0, 2.0, -3.0]))),
         ("turn x + 1", lambda imu: imu.turn("x", "+", 1)),
         ("turn x - 1 2", lambda imu: imu.turn("x", "-", 1, 2.0)),
@@ -111,5 +112,5 @@ def test_a_pulse_is_a_whole_second_of_true_time(clock_ppm: float) -> None:
     block = replace(SimulatedImu(TRUTH, None).read(3), device_time=pace * np.array([0.25, 1.0 + 1e-9, 1.5]))
     sent = pulsed(stim, clock_ppm).encode(block)
     size = len(sent) // 3
-    told = [stim.pulse.age(sent[: size * (i + 1)], 0.0) for i in range(3)]
-    assert told == pytest.approx([0.25 * pace, 0.0, 0.5 * pace], abs=1.1e-6)
+    ages = [stim.pulse.age(sent[: size * (i + 1)], 0.0) for i in range(3)]
+    assert ages == pytest.approx([0.25 * pace, 0.0, 0.5 * pace], abs=1.1e-6)

@@ -61,12 +61,12 @@ def test_features_are_followed_to_a_fifth_of_a_pixel(images: CameraImages) -> No
     )
     assert len(off) > 700
     assert np.median(off) < 0.2
-    assert np.mean(off < 1.0) > 0.85  # beside a pillar's edge features go with what is nearer
+    assert np.mean(off < 1.0) > 0.85  # next to a pillar's edge features go with what is nearer
     assert min(kept) > 60
 
 
 def test_the_camera_turns_and_goes_with_the_imu() -> None:
-    """As the segment has it by which the IMU feels the drive; and by its lever arm and mounting beside it."""
+    """As the segment has it by which the IMU feels the drive; and by its lever arm and mounting next to it."""
     fixed = CameraTruth(C_bc=np.eye(3), t_bc=np.array([0.3, -0.2, 0.1]))
     mounted, period = CameraMount(TRUTH, fixed, TRACK), TRUTH.sample_period_s
     driven = drive(TRACK, world_with_effects(TRUTH).attitude(Z_UP_POSITION), 0, period)
@@ -104,9 +104,9 @@ def test_a_mounting_that_cannot_be_is_refused(wrong: dict[str, np.ndarray]) -> N
 
 
 def test_the_description_is_that_of_the_camera() -> None:
-    told = tomllib.loads(camera_toml(CAMERA, "camera:http://127.0.0.1:8080/stream"))
-    assert (told["format"], told["url"]) == ("camera/1", "camera:http://127.0.0.1:8080/stream")
-    assert [told[name] for name in ("fx_px", "fy_px", "cx_px", "cy_px")] == [230.0, 230.0, 187.5, 119.5]
-    T = np.array(told["imu_from_camera"])
+    reported = tomllib.loads(camera_toml(CAMERA, "camera:http://127.0.0.1:8080/stream"))
+    assert (reported["format"], reported["url"]) == ("camera/1", "camera:http://127.0.0.1:8080/stream")
+    assert [reported[name] for name in ("fx_px", "fy_px", "cx_px", "cy_px")] == [230.0, 230.0, 187.5, 119.5]
+    T = np.array(reported["imu_from_camera"])
     assert np.array_equal(T[:3, :3], CAMERA.C_bc)
     assert T[:, 3].tolist() == [*CAMERA.t_bc, 1.0]

@@ -1,4 +1,4 @@
-"""The simulated camera on its port: others can read it, and it goes by the clock of what it stands beside."""
+"""The simulated camera on its port: others can read it, and it goes by the clock of what it stands next to."""
 
 from contextlib import closing
 

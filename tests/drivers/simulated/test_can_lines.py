@@ -9,7 +9,7 @@ from threading import Event, Thread
 import pytest
 
 from drivers.can.frame_record import EXTENDED, pack
-from drivers.simulated.can_lines import MAX_WAITING_BYTES, SlcanAdapter, UdpMulticastLine
+from drivers.simulated.lines import MAX_WAITING_BYTES, SlcanAdapter, UdpMulticastLine
 from tests.free_port import free_udp_port
 from tests.patience import HANG_S, until
 
@@ -21,7 +21,7 @@ class Station:
         self.far = os.open(adapter.address.removeprefix("can://slcan"), os.O_RDWR | os.O_NOCTTY)
         tty.setraw(self.far)
 
-    def said(self, size: int = 1) -> bytes:
+    def reported(self, size: int = 1) -> bytes:
         got = b""
         while len(got) < size:
             assert select.select([self.far], [], [], HANG_S)[0], f"only {got!r} came"
@@ -30,7 +30,7 @@ class Station:
 
     def asked(self, command: bytes, size: int = 1) -> bytes:
         os.write(self.far, command + b"\r")
-        return self.said(size)
+        return self.reported(size)
 
 
 @pytest.fixture
@@ -90,7 +90,7 @@ def test_frames_go_to_whoever_opened_the_channel_and_wait_till_then(
     writer = Thread(target=lambda: sent.append(adapter.write(records, Event())))
     writer.start()
     assert station.asked(b"O") == OK
-    assert station.said(21) == b"t12321122\rT01ABCDEF0\r"
+    assert station.reported(21) == b"t12321122\rT01ABCDEF0\r"
     writer.join(HANG_S)
     assert sent == [True]
 

@@ -51,7 +51,7 @@ def test_each_fault_does_what_it_says_however_the_blocks_are_cut(cuts: tuple[int
 
 
 @pytest.mark.parametrize("kind", ["stall", "unplug"])
-def test_a_silence_loses_what_was_taken_meanwhile(kind: str) -> None:
+def test_a_silence_loses_what_was_taken_during_it(kind: str) -> None:
     _, counter, silences = through([Fault(kind, 2.0, seconds=1.0)])
     assert silences == [Silence(1.0, kind)]
     assert counter.tolist() == [*range(100), *range(150, 500)]

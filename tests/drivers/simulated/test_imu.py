@@ -60,14 +60,14 @@ def test_no_fraction_of_a_count_is_ever_lost() -> None:
 def test_a_rate_output_is_what_the_counts_of_the_same_unit_add_up_to() -> None:
     world, samples = SimulatedImu(TRUTH, None).world, 5000
     standing = rest(world.attitude(5), None, 1)
-    counting, telling = (CountingTriads(TRUTH, world, (), None) for _ in range(2))
-    counts, rates = counting.counts(standing, 0, 0, samples), telling.rates(standing, 0, 0, samples)
+    counting, decisive = (CountingTriads(TRUTH, world, (), None) for _ in range(2))
+    counts, rates = counting.counts(standing, 0, 0, samples), decisive.rates(standing, 0, 0, samples)
     for count, rate in zip(counts, rates, strict=True):
         assert rate.shape == (samples, 3)
         assert rate.mean(axis=0) * samples * counting.period == pytest.approx(count.sum(axis=0), abs=1.0)
 
 
-def test_commands_queue_and_the_end_is_foretold() -> None:
+def test_commands_queue_and_the_end_is_predicted() -> None:
     imu = moved()
     done = imu.done
     assert imu.is_moving

@@ -42,19 +42,19 @@ def effects_of(planted: dict) -> dict[str, dict[str, float]]:
 
 
 def truth_of(name: str) -> Truth:
-    told = json.loads((CAMPAIGNS / name / "truth.json").read_text())["truth"]
+    reported = json.loads((CAMPAIGNS / name / "truth.json").read_text())["truth"]
     return Truth(
-        sample_period_s=told["dt"], latitude_deg=told["lat"], gravity_m_s2=told["g"],
-        accel_k=np.array(told["ka"]), accel_e=np.array(told["Ea"]), accel_d_g=np.array(told["Da"]),
-        gyro_k=np.array(told["kg"]), gyro_e=np.array(told["Eg"]), gyro_d_deg_s=np.array(told["Dg"]),
-        accel_noise_g=told["acc_noise"], gyro_arw_deg_rt_s=told["arw"],
-        gyro_instability_dph=told["bias_walk"] * 3600,
-        faces_rad=np.array(told["faces"]), slab_tilt_rad=-np.array(told["slab"]),
-        slab_azimuth_rad=told["azimuth"], heading_std_deg=float(np.degrees(told["yaw_sd"])),
-        closure_std_deg=float(np.degrees(told["turn_end_sd"])),
-        temperature_start_c=told["temp0"], temperature_rise_k=told["temp_rise"],
-        temperature_tau_s=told["temp_tau"], temperature_swing_k=told["temp_swing"],
-        effects=effects_of(told["effects"]),
+        sample_period_s=reported["dt"], latitude_deg=reported["lat"], gravity_m_s2=reported["g"],
+        accel_k=np.array(reported["ka"]), accel_e=np.array(reported["Ea"]), accel_d_g=np.array(reported["Da"]),
+        gyro_k=np.array(reported["kg"]), gyro_e=np.array(reported["Eg"]), gyro_d_deg_s=np.array(reported["Dg"]),
+        accel_noise_g=reported["acc_noise"], gyro_arw_deg_rt_s=reported["arw"],
+        gyro_instability_dph=reported["bias_walk"] * 3600,
+        faces_rad=np.array(reported["faces"]), slab_tilt_rad=-np.array(reported["slab"]),
+        slab_azimuth_rad=reported["azimuth"], heading_std_deg=float(np.degrees(reported["yaw_sd"])),
+        closure_std_deg=float(np.degrees(reported["turn_end_sd"])),
+        temperature_start_c=reported["temp0"], temperature_rise_k=reported["temp_rise"],
+        temperature_tau_s=reported["temp_tau"], temperature_swing_k=reported["temp_swing"],
+        effects=effects_of(reported["effects"]),
     )  # fmt: skip
 
 

@@ -11,7 +11,7 @@ from threading import Event, Thread
 
 import pytest
 
-from drivers.simulated.serial_and_tcp_lines import PtyLine, TcpLine, UdpLine
+from drivers.simulated.lines import PtyLine, TcpLine, UdpLine
 from tests.patience import HANG_S
 
 

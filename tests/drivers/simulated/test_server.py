@@ -138,7 +138,7 @@ def test_deadlines_are_absolute_and_a_late_wake_up_is_caught_up() -> None:
     assert pace.delay(120) == pytest.approx(0.1)
 
 
-def test_a_device_that_fell_far_behind_starts_its_pace_anew() -> None:
+def test_a_device_that_fell_far_behind_restarts_its_pace() -> None:
     clock = Clock()
     pace = Pace(1.0, 0.02, clock)
     clock.now += 60.0

@@ -74,7 +74,7 @@ def test_turn_on_biases_are_one_draw_per_power_on() -> None:
     assert truth.powered_on(np.random.default_rng(1)).powered_on(np.random.default_rng(2)).accel_turn_on_g == 0
 
 
-def test_a_planted_turn_on_bias_is_drawn_once_beside_the_unit_s_own() -> None:
+def test_a_planted_turn_on_bias_is_drawn_once_with_the_unit_s_own() -> None:
     planted = {"accelerometer.turn_on_bias": {"value": 3e-3}, "gyroscope.turn_on_bias": {"value": 40.0}}
     truth = Truth(accel_turn_on_g=4e-3, effects={**planted, "clock.rate": {"value": 1.0}})
     on = [truth.powered_on(np.random.default_rng(seed)) for seed in range(300)]

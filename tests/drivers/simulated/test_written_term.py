@@ -60,7 +60,7 @@ def test_a_planted_term_adds_what_plain_numpy_says(law: Law) -> None:
 
 
 @pytest.mark.parametrize("name", sorted(UNKNOWN))
-def test_what_a_moment_does_not_tell_is_refused(name: str) -> None:
+def test_what_a_moment_does_not_determine_is_refused(name: str) -> None:
     law = next(law for law in LAWS if law.name == name)
     with pytest.raises(TruthRefused):
         planted({}, {f"{law.triad}.{law.name}": text_of(law)})
@@ -104,9 +104,9 @@ REFUSED = (
 )
 
 
-@pytest.mark.parametrize(("old", "new", "said"), REFUSED)
-def test_what_is_no_effect_is_refused(old: str, new: str, said: str) -> None:
-    with pytest.raises(TruthRefused, match=said):
+@pytest.mark.parametrize(("old", "new", "reported"), REFUSED)
+def test_what_is_no_effect_is_refused(old: str, new: str, reported: str) -> None:
+    with pytest.raises(TruthRefused, match=reported):
         planted({}, {"gyroscope.dead_zone": text_of(LAWS[0]).replace(old, new)})
 
 

@@ -68,28 +68,28 @@ def town_car(rng: np.random.Generator, t: FloatArray) -> Motion:
 
 def motorway_car(rng: np.random.Generator, t: FloatArray) -> Motion:
     """25 to 35 m/s, bends of 10 to 40 s at 1 to 3 m/s2."""
-    speed = 30 * eased((t - 5) / 15) + 4 * wander(rng, t, 30.0) * eased((t - 20) / 10)
+    speed = 30 * eased((t - 5) / 15) + 4 * drift(rng, t, 30.0) * eased((t - 20) / 10)
     turn = bends(rng, t, 20.0, (10, 40), (15, 60), (1, 3), 30.0)
     return _car(rng, t, np.clip(speed, 0, None), turn, hills=0.03, shaken=0.3)
 
 
 def truck(rng: np.random.Generator, t: FloatArray) -> Motion:
     """20 m/s, slow bends, a cab that shakes by 2 m/s2."""
-    speed = 20 * eased((t - 10) / 40) + 3 * wander(rng, t, 40.0) * eased((t - 50) / 10)
+    speed = 20 * eased((t - 10) / 40) + 3 * drift(rng, t, 40.0) * eased((t - 50) / 10)
     turn = bends(rng, t, 40.0, (5, 30), (10, 60), (0.5, 2), 20.0)
     return _car(rng, t, np.clip(speed, 0, None), turn, hills=0.04, shaken=2.0)
 
 
 def aeroplane(rng: np.random.Generator, t: FloatArray) -> Motion:
     """50 m/s, coordinated turns of 15 to 90 s, banks of 10 to 35 deg, climbs."""
-    speed = 50 + 5 * wander(rng, t, 40.0)
+    speed = 50 + 5 * drift(rng, t, 40.0)
     turn = bends(rng, t, 20.0, (15, 90), (10, 60), (2, 7), 50.0, ease=4.0)
     return _aircraft(rng, t, speed, turn, attack=0.06)
 
 
 def small_drone(rng: np.random.Generator, t: FloatArray) -> Motion:
     """18 m/s, now here now there: banks to 45 deg, hardly ever level."""
-    speed = 18 + 2 * wander(rng, t, 10.0)
+    speed = 18 + 2 * drift(rng, t, 10.0)
     turn = bends(rng, t, 5.0, (3, 25), (1, 10), (2, 9), 18.0, ease=1.5)
     return _aircraft(rng, t, speed, turn, attack=0.08)
 
@@ -136,12 +136,12 @@ def _car(
     """A body that leans out of a bend and dips when it brakes by 0.4 deg per m/s2, on a road up and down."""
     moves, way = np.clip(speed / 5, 0, 1), integral(speed, 0.0)
     climb = hills * np.interp(way, *_road(rng, way[-1], 60.0))
-    lean = 0.4 * np.pi / 180
+    tilt = 0.4 * np.pi / 180
     along = np.gradient(speed, PERIOD_S)
     camber = 0.5 * hills * np.interp(way, *_road(rng, way[-1], 60.0))
     shake = shaken * moves[:, None] * rng.standard_normal((len(t), 3))
     return Motion(
-        speed, integral(turn, rng.uniform(-3, 3)), climb, climb + lean * along, camber - lean * speed * turn, shake
+        speed, integral(turn, rng.uniform(-3, 3)), climb, climb + tilt * along, camber - tilt * speed * turn, shake
     )
 
 
@@ -149,8 +149,8 @@ def _aircraft(
     rng: np.random.Generator, t: FloatArray, speed: FloatArray, turn: FloatArray, attack: float
 ) -> Motion:
     bank = np.arctan(speed * turn / G)
-    climb = 0.06 * wander(rng, t, 25.0)
-    gust = 0.01 * wander(rng, t, 1.0)
+    climb = 0.06 * drift(rng, t, 25.0)
+    gust = 0.01 * drift(rng, t, 1.0)
     shake = 0.3 * rng.standard_normal((len(t), 3))
     return Motion(
         speed, integral(turn, rng.uniform(-3, 3)), climb, climb + attack / np.cos(bank) + gust, bank + gust, shake
@@ -158,11 +158,8 @@ def _aircraft(
 
 
 def _body(heading: FloatArray, pitch: FloatArray, roll: FloatArray) -> FloatArray:
-    nought = np.zeros_like(heading)
-    turns = [
-        np.stack(each, axis=1)
-        for each in ((nought, nought, heading), (nought, pitch, nought), (roll, nought, nought))
-    ]
+    zero = np.zeros_like(heading)
+    turns = [np.stack(each, axis=1) for each in ((zero, zero, heading), (zero, pitch, zero), (roll, zero, zero))]
     found: FloatArray = rotation(turns[0]) @ rotation(turns[1]) @ rotation(turns[2])
     return found
 
@@ -170,7 +167,7 @@ def _body(heading: FloatArray, pitch: FloatArray, roll: FloatArray) -> FloatArra
 def _road(rng: np.random.Generator, length: float, wave: float) -> tuple[FloatArray, FloatArray]:
     """Return points (k,) [m] along a road and a smooth number about 1 at each."""
     at = np.arange(0.0, length + 400.0, 5.0)
-    return at, wander(rng, at, wave, period=5.0)
+    return at, drift(rng, at, wave, period=5.0)
 
 
 def integral(values: FloatArray, first: float) -> FloatArray:
@@ -203,7 +200,7 @@ def bends(
     return turn
 
 
-def wander(rng: np.random.Generator, t: FloatArray, correlated: float, period: float = PERIOD_S) -> FloatArray:
+def drift(rng: np.random.Generator, t: FloatArray, correlated: float, period: float = PERIOD_S) -> FloatArray:
     """Return smooth noise (n,) of mean square 1, correlated over ``correlated`` (of ``period``'s unit)."""
     every = max(round(correlated / period), 1)
     coarse = rng.standard_normal(len(t) // every + 4)

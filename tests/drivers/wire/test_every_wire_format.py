@@ -81,7 +81,7 @@ def test_every_kind_of_frame_opens_with_the_sync_and_says_its_length(wire: WireF
 
 
 @every_format
-def test_what_is_measured_and_how_is_said(wire: WireFormat) -> None:
+def test_what_is_measured_and_how_is_reported(wire: WireFormat) -> None:
     assert isinstance(wire.decode(np.zeros(0, wire.frame)), RateBlock if wire.output == "rate" else CountBlock)
     assert ("device_time" in wire.carries) == wire.imu.has_time
     for kind in (wire.imu, *wire.others):

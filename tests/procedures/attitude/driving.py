@@ -13,15 +13,15 @@ BIAS = np.array([2e-3, -1e-3, 3e-3])  # rad/s
 def driving(
     seed: int = 2, seconds: float = 100.0, dt: float = 0.01, bias: FloatArray = BIAS
 ) -> tuple[AttitudeLog, FloatArray]:
-    """A car that starts, turns both ways and brakes, nose along its path; its down vectors beside the log."""
+    """A car that starts, turns both ways and brakes, nose along its path; its down vectors next to the log."""
     rng = np.random.default_rng(seed)
     t = np.arange(0, seconds + dt / 2, dt)
     under_way = t > 15
     speed = 15 * np.clip((t - 10) / 5, 0, 1) + 2 * np.sin(0.3 * (t - 15)) * under_way
     heading = 1.0 + np.cumsum(np.where(under_way, 0.25 * np.sin(0.2 * (t - 15)), 0.0)) * dt
     pitch = 0.05 * np.sin(0.1 * (t - 15)) * under_way
-    nought = 0 * t
-    C = rotation(np.stack([nought, nought, heading], 1)) @ rotation(np.stack([nought, pitch, nought], 1))
+    zero = 0 * t
+    C = rotation(np.stack([zero, zero, heading], 1)) @ rotation(np.stack([zero, pitch, zero], 1))
     velocity = C[:, :, 0] * speed[:, None]
     step = np.swapaxes(C[:-1], 1, 2) @ C[1:]
     rate = np.stack([step[:, i, j] - step[:, j, i] for i, j in ((2, 1), (0, 2), (1, 0))], 1) / (2 * dt)

@@ -64,7 +64,7 @@ def test_a_clean_drive_is_consistent(aid: str) -> None:
     assert len(found.probabilities) >= 5
 
 
-def test_a_law_without_speed_lacks_it_and_its_rate() -> None:
+def test_a_filter_without_speed_lacks_it_and_its_rate() -> None:
     found = diagnose_attitude(drive(), "none", None, G)
     assert [each.effect for each in found.findings] == ["velocity.forward", "velocity.rate"]
     assert [each.value[0] for each in found.findings] == pytest.approx([1, 1], abs=0.02)

@@ -195,7 +195,7 @@ def test_without_truth_nothing_is_chosen() -> None:
         tune(AttitudeLog(log.t, log.omega_b, log.f_b), "none", [Gains(0.1, 0.1)])
 
 
-def test_a_minute_after_its_start_the_law_with_airspeed_answers_by_its_own_gain() -> None:
+def test_a_minute_after_its_start_the_filter_with_airspeed_answers_by_its_own_gain() -> None:
     """Not by that of its first seconds, a running mean: a step of roll as the accelerometers have it."""
     dt, n, at, step = 0.01, 9000, 6000, 0.01
     force = np.tile([0.0, 0.0, -G], (n, 1))

@@ -1,4 +1,4 @@
-"""The velocity aids of the mixing law, a sample each, beside the printed equations of You and Lee in numpy."""
+"""The velocity aids of the complementary filter, a sample each, against You and Lee's equations in numpy."""
 
 import math
 
@@ -145,8 +145,8 @@ def observability_matrix(rate: FloatArray, slope: FloatArray) -> FloatArray:
     """
     p, q, r = np.moveaxis(rate, -1, 0)
     dq, dr = slope[..., 1], slope[..., 2]
-    one, nought = np.ones_like(p), np.zeros_like(p)
-    rows = ((one, nought, nought), (nought, r, -q), (-r * r - q * q, p * q + dr, p * r - dq))
+    one, zero = np.ones_like(p), np.zeros_like(p)
+    rows = ((one, zero, zero), (zero, r, -q), (-r * r - q * q, p * q + dr, p * r - dq))
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 

@@ -79,13 +79,13 @@ def test_a_late_velocity_counts_at_its_own_moment(late_s: float) -> None:
     rows = round(late_s / 0.01)
     late = replace(log, velocity=np.vstack([np.full((rows, 3), np.nan), log.velocity[:-rows]]))
 
-    def error(log: AttitudeLog, **told: float) -> float:
-        off = inclination(estimate(log, "gnss", **told).down, down)  # type: ignore[arg-type]
+    def error(log: AttitudeLog, **specified: float) -> float:
+        off = inclination(estimate(log, "gnss", **specified).down, down)  # type: ignore[arg-type]
         return float(np.degrees(np.sqrt(np.mean(off[log.t > 40] ** 2))))
 
-    at_once, told = error(log), error(late, fix_latency=late_s)
-    assert told < 1.3 * at_once + 0.02
-    assert error(late) > 2 * told
+    at_once, specified = error(log), error(late, fix_latency=late_s)
+    assert specified < 1.3 * at_once + 0.02
+    assert error(late) > 2 * specified
 
 
 def test_one_sample_at_a_time_gives_what_a_log_gives() -> None:
@@ -149,7 +149,7 @@ def test_fixes_that_cut_the_updates_of_coarse_counts_deny_no_rest(fix_hz: int | 
     assert np.mean(resting) > 0.95
 
 
-def test_a_gap_widens_sigma_and_a_long_one_begins_anew() -> None:
+def test_a_gap_widens_sigma_and_a_long_one_restarts() -> None:
     log = paper_bench(1, 9, seconds=40.0)
     for seconds, wider in ((2.0, 1.2), (60.0, 5.0)):
         late = log.t > 20
@@ -163,9 +163,9 @@ def test_a_gap_widens_sigma_and_a_long_one_begins_anew() -> None:
 def test_saturated_rates_are_hardly_believed() -> None:
     log, down = driving()
     rate = log.omega_b.copy()
-    rate[6000:6100] = np.clip(rate[6000:6100] + np.array([4.0, 0, 0]), -2.0, 2.0)  # a knock beyond the range
+    rate[6000:6100] = np.clip(rate[6000:6100] + np.array([4.0, 0, 0]), -2.0, 2.0)  # a shock beyond the range
     track = estimate(replace(log, omega_b=rate), "airspeed-filter")
-    assert any("clipped at 114.6 deg/s, 100 rows" in said for said in track.warnings)
+    assert any("clipped at 114.6 deg/s, 100 rows" in reported for reported in track.warnings)
     assert track.sigma is not None
     assert track.sigma[6110] > 5 * track.sigma[5990]
     assert np.degrees(inclination(track.down, down)[-1]) < 2

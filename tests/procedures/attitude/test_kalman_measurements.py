@@ -1,4 +1,4 @@
-"""Each measurement of the Kalman filter: one step beside the textbook's, its slopes by differences."""
+"""Each measurement of the Kalman filter: one step against the textbook's, its slopes by differences."""
 
 from collections.abc import Callable
 

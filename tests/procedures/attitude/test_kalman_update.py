@@ -1,4 +1,4 @@
-"""The Kalman filter's covariance and its fixes of GNSS beside the textbook's matrices, term by term."""
+"""The Kalman filter's covariance and its fixes of GNSS against the textbook's matrices, term by term."""
 
 import numpy as np
 import pytest

@@ -80,21 +80,21 @@ def test_figure_5_the_velocity_filter_reduces_both_whatever_its_first_covariance
 
 
 @pytest.mark.parametrize("aid", ["paper-airspeed", "airspeed", "paper-airspeed-rate", "paper-filter"])
-def test_the_law_settles_at_the_error_of_the_accelerometers_angle(aid: str) -> None:
+def test_the_filter_settles_at_the_error_of_the_accelerometers_angle(aid: str) -> None:
     """Equation 8, a minute and more into a turn: told from what the law leaves out, against the truth."""
     for seed in range(3):
         log = flight(seed, 300.0, 200.0, 3.0)
         assert log.airspeed is not None
-        law, told, wrong = ComplementaryFilter(aid=aid), [], []
+        law, predicted, wrong = ComplementaryFilter(aid=aid), [], []
         settled, end = np.searchsorted(log.t, (400.0, 500.0))
         for rows in np.split(np.arange(end), np.arange(settled, end, 10)):
             law.run(AttitudeLog(log.t[rows], log.omega_b[rows], log.f_b[rows], log.airspeed[rows]))
             if rows[0] >= settled:
-                said = law.final_bias(FORCE_UG * 1e-6 * STANDARD_GRAVITY, GYRO_DEG_H * RAD_S_PER_DEG_H)
-                assert said is not None
-                told.append([said.roll, said.pitch, said.roll_std, said.pitch_std])
+                reported = law.final_bias(FORCE_UG * 1e-6 * STANDARD_GRAVITY, GYRO_DEG_H * RAD_S_PER_DEG_H)
+                assert reported is not None
+                predicted.append([reported.roll, reported.pitch, reported.roll_std, reported.pitch_std])
                 wrong.append(np.subtract(law.attitude, down_angles(log, int(rows[-1]))))
-        bias, std = np.mean(told, axis=0)[:2], np.mean(told, axis=0)[2:]
+        bias, std = np.mean(predicted, axis=0)[:2], np.mean(predicted, axis=0)[2:]
         assert (np.abs(np.mean(wrong, axis=0) - bias) < 3 * std).all()
         if aid == "paper-airspeed":
             assert bias[1] > 4 * std[1]  # it is no nought that is held against a wide sigma

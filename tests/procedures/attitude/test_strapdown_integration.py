@@ -48,7 +48,7 @@ def test_a_body_that_spins_as_it_hovers_gains_no_velocity(seed: int) -> None:
     integrated(state, DT, TURN, f_b)
     angle = np.linalg.norm(TURN) * DT
     assert np.linalg.norm(state.v_n) < 1.1 * angle**2 / 12 * G * DT
-    assert angle**2 / 12 < 0.02 * angle / 2  # what is left beside what half of the turn is worth
+    assert angle**2 / 12 < 0.02 * angle / 2  # what is left compared with what half of the turn is worth
 
 
 @pytest.mark.parametrize("dt", [0.08, 0.2])  # a series below half a radian, here near its end

@@ -1,4 +1,4 @@
-"""Alignment, one sample and the correction of the Kalman filter, each number beside numpy's and scipy's."""
+"""Alignment, one sample and the correction of the Kalman filter, each number against numpy's and scipy's."""
 
 import math
 
@@ -63,7 +63,7 @@ def test_a_sample_turns_by_its_rate_less_bias_scale_and_earth_and_gains_its_forc
     np.testing.assert_allclose(s.sums, 0.5 + np.hstack((C_nb, C_nb * RATE)) * 0.01, atol=1e-14)
 
 
-def test_a_gap_turns_by_the_mean_of_the_rates_beside_it_and_is_uncertain() -> None:
+def test_a_gap_turns_by_the_mean_of_the_rates_next_to_it_and_is_uncertain() -> None:
     s, edge = state(), state()
     integrated(edge, dt=0.0149)
     assert edge.memory[0].unseen_angle == 0.0

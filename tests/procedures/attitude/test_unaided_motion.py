@@ -14,7 +14,7 @@ from tests.drivers.simulated.flight import paper_bench
 from tests.drivers.simulated.vehicles import FOG, MEMS, VEHICLES, vehicle_log
 from tests.procedures.attitude.driving import G, driving
 
-SAID = "moves like a vehicle"
+REPORTED = "moves like a vehicle"
 
 
 def error_and_ratio(log: AttitudeLog, settings: KalmanSettings | None = None) -> tuple[float, float]:
@@ -34,7 +34,7 @@ def test_sigma_without_aid_is_what_the_error_is_in_every_vehicle(kind: str) -> N
         error, ratio = error_and_ratio(log)
         assert 0.15 < ratio < 2.2
         assert error < 12
-        assert any(SAID in said for said in estimate(log, "none").warnings)
+        assert any(REPORTED in reported for reported in estimate(log, "none").warnings)
 
 
 def in_a_hand(seed: int, reach: float = 0.3) -> AttitudeLog:
@@ -60,7 +60,7 @@ def in_a_hand(seed: int, reach: float = 0.3) -> AttitudeLog:
 def test_a_hand_and_a_bench_are_no_vehicles() -> None:
     for log in (in_a_hand(1), in_a_hand(2), paper_bench(2, 7)):
         track = estimate(log, "none")
-        assert not any(SAID in said for said in track.warnings)
+        assert not any(REPORTED in reported for reported in track.warnings)
         assert track.parameters["speed_noise"] < 1
 
 

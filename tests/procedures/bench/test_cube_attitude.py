@@ -103,7 +103,7 @@ def known(position: int, bias: FloatArray, gyros: FloatArray, rng: np.random.Gen
 
 
 @pytest.mark.parametrize("count", [0, 1, 4])
-def test_the_earth_tells_any_heading_within_its_own_sigma(count: int) -> None:
+def test_the_earth_determines_any_heading_within_its_own_sigma(count: int) -> None:
     errors = []
     for seed in range(300):
         rng = np.random.default_rng(seed)
@@ -120,7 +120,7 @@ def test_the_earth_tells_any_heading_within_its_own_sigma(count: int) -> None:
     assert np.max(np.abs(errors)) < 4.5
 
 
-def test_a_rate_that_is_not_the_earths_tells_nothing() -> None:
+def test_a_rate_that_is_not_the_earths_determines_nothing() -> None:
     C_lb = in_position(3)
     for rate in (np.zeros(3), np.full(3, K * 60 * RAD_S_PER_DEG_H), np.array([K, 0, 0])):
         assert np.isinf(earth_heading(rate, STD, C_lb, CHINA, np.eye(3), K)[1])

@@ -70,7 +70,7 @@ def test_twelve_positions_know_the_differences_and_leave_the_means_to_the_range_
     assert found.shares[0].quadratic_left == pytest.approx(K2_STD_G_PER_G2, rel=0.02)
 
 
-def test_turned_about_z_the_imu_tells_x_and_y_and_not_z() -> None:
+def test_turned_about_z_the_imu_determines_x_and_y_and_not_z() -> None:
     rng, faces = cube(2)
     found = measure_cube(campaigns(rng, faces, 1, ALL[:2]))
     names, _ = common_and_difference(found.cube.names)
@@ -81,14 +81,14 @@ def test_turned_about_z_the_imu_tells_x_and_y_and_not_z() -> None:
     assert [name for name in found.cube.names if "skew" in name] == ["skew.x.y", "skew.x.z", "skew.y.z"]
 
 
-def test_rests_in_free_attitudes_tell_all_without_a_second_mounting() -> None:
+def test_rests_in_free_attitudes_determine_all_without_a_second_mounting() -> None:
     rng, faces = cube(3)
     found = measure_cube(campaigns(rng, faces, free=14))
     assert len(found.cube.names) == 9
     assert np.all(np.sqrt(np.diag(found.cube.covariance)) < 2e-6)
 
 
-def test_units_that_disagree_are_told() -> None:
+def test_units_that_disagree_are_reported() -> None:
     rng, faces = cube(6)
     other = faces.copy()
     other[0, 0] += 2e-5
@@ -101,7 +101,7 @@ def test_units_that_disagree_are_told() -> None:
     assert any("disagree" in warning for warning in found.warnings)
 
 
-def test_a_seating_that_is_off_makes_the_sigmas_larger_and_is_told() -> None:
+def test_a_seating_that_is_off_makes_the_sigmas_larger_and_is_reported() -> None:
     rng, faces = cube(7)
     seen = campaigns(rng, faces)
     quiet = measure_cube(seen)
@@ -167,7 +167,7 @@ def test_a_trend_is_found_within_its_sigma(unit: str | None, per_month: float) -
     assert np.mean(z**2) == pytest.approx(1.0, abs=4 * np.sqrt(2 / z.size))
 
 
-def test_a_cube_that_stays_is_said_to_have_changed_once_in_a_hundred() -> None:
+def test_a_cube_that_stays_is_reported_as_changed_once_in_a_hundred() -> None:
     changed = 0
     for seed in range(200):
         moved = drift(months_of_one_unit(np.random.default_rng(seed)), MONTHS)

@@ -155,11 +155,11 @@ def test_headings_as_good_as_stated_are_left_alone_also_where_the_marks_point_el
     assert sum(map(bool, false)) <= 1
 
 
-def test_nothing_is_said_where_the_gyros_cannot_tell() -> None:
+def test_nothing_is_reported_where_the_gyros_cannot_decide() -> None:
     assert [found(campaign(seed, {7: 4.0}, noise=3 * RAD_S_PER_DEG_H)) for seed in range(10)] == [[]] * 10
 
 
-def test_of_one_face_alone_nothing_is_said_and_of_few_no_wrong_one_is_named_alone() -> None:
+def test_of_one_face_alone_nothing_is_reported_and_of_few_no_wrong_one_is_named_alone() -> None:
     for seed in range(10):
         assert found(campaign(seed, {2: 4.0}, range(1, 3))) == []
         for named, _ in found(campaign(seed, {6: 4.0}, range(1, 7))):
@@ -176,9 +176,9 @@ def solved(seed: int, **effect: dict[str, float]) -> list[str]:
 
 def test_a_solution_names_the_dwell_that_stood_4_deg_off() -> None:
     [text] = solved(1, placement_dwell={"position": 7.0, "y": float(np.radians(4))})
-    told = re.match(
+    reported = re.match(
         r"position 7 \(dwell_07\) has a heading error of (\d\.\d) deg, counter-clockwise from above, by", text
     )
-    assert told
-    assert float(told[1]) == pytest.approx(4.0, abs=0.6)
+    assert reported
+    assert float(reported[1]) == pytest.approx(4.0, abs=0.6)
     assert text.endswith("record it again")

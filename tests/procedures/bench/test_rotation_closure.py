@@ -18,7 +18,7 @@ def seen(direction: str, closure: float, std: float = 0.0, revolutions: int = 3)
     return TurnCounts(direction, K * (angle + closure) / revolutions, angle, std)
 
 
-def said(*turns: tuple[str, float]) -> Closing:
+def reported(*turns: tuple[str, float]) -> Closing:
     return judge_closing([seen(direction, off * C) for direction, off in turns], C)
 
 
@@ -37,7 +37,7 @@ def said(*turns: tuple[str, float]) -> Closing:
     ],
 )
 def test_what_turns_say_together(turns: list[tuple[str, float]], expected: Closing) -> None:
-    assert said(*turns) is expected
+    assert reported(*turns) is expected
 
 
 def test_honest_pairs_are_taken_and_pairs_four_sigma_apart_are_caught() -> None:

@@ -33,7 +33,7 @@ class Unit:
         self.C_sb, self.k, self.noise = np.eye(3) if C_sb is None else C_sb, k, noise
 
     def rests(self, position: int, tilt: tuple[float, float] = (0.0, 0.0)) -> PositionRates:
-        """A dwell, the cube tilted by ``tilt`` (2,) [rad] beside its face's own."""
+        """A dwell, the cube tilted by ``tilt`` (2,) [rad] in addition to its face's own."""
         faces = self.faces.copy()
         faces[FACES.index(face_of(position))] += tilt
         heading = HEADING_STD * self.rng.standard_normal(1)
@@ -68,7 +68,7 @@ def test_a_tilt_of_the_cube_is_measured_along_its_own_axes(axes: tuple[str, str,
 
 
 @pytest.mark.parametrize("order", [(1, 2, 3, 4), (9, 10, 5, 6), (1, 2, 3, 4, 5, 6, 7, 8)])
-def test_what_is_off_by_chance_has_the_sigma_that_is_told(order: tuple[int, ...]) -> None:
+def test_what_is_off_by_chance_has_the_sigma_that_is_reported(order: tuple[int, ...]) -> None:
     z = []
     for seed in range(40):
         unit = Unit(100 + seed, 2e-6)
@@ -114,7 +114,7 @@ def recorded(position: int, series: CountSeries, seconds: float) -> PositionRate
 
 
 @pytest.mark.parametrize("k", [1e3, 1e5])
-def test_a_crumb_is_caught_in_seconds_and_a_clean_cube_is_left_alone(k: float) -> None:
+def test_debris_is_caught_in_seconds_and_a_clean_cube_is_left_alone(k: float) -> None:
     truth = Truth.example(11)
     truth = replace(truth, accel_k=truth.accel_k * k / 1e3)
     bench, accepted = SimulatedBench(truth, 11), list[PositionRates]()
@@ -125,8 +125,8 @@ def test_a_crumb_is_caught_in_seconds_and_a_clean_cube_is_left_alone(k: float) -
         accepted.append(recorded(position, series, 30.0))
     tilt = np.zeros(3)
     tilt[cross_axes("z_up")[1]] = 100 * RAD_PER_ARCSEC
-    crumb = replace(world_with_effects(truth), seatings={10: np.cross(face_normal("z_up"), tilt)})
-    series = SimulatedBench(truth, 12, world=crumb).perform(Dwell(10, 10.0))
+    debris = replace(world_with_effects(truth), seatings={10: np.cross(face_normal("z_up"), tilt)})
+    series = SimulatedBench(truth, 12, world=debris).perform(Dwell(10, 10.0))
     assert "along +y" in judge(seen(accepted, recorded(10, series, 6.0)))
 
 

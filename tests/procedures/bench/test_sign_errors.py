@@ -18,10 +18,10 @@ from procedures.effects import EFFECTS
 
 OPPOSITE = {"+": "-", "-": "+"}
 OTHER_FACE = {1: 3, 3: 1, 2: 4, 4: 2, 5: 7, 7: 5, 6: 8, 8: 6, 9: 11, 11: 9, 10: 12, 12: 10}
-# what a diagnosis tries beside signs
+# what a diagnosis tries in addition to signs
 SOME = [each for each in EFFECTS if each.name.startswith(("placement.", "gyroscope.g_", "procedure.", "slab."))]
 TURNS, GYROS = "labelled with the opposite direction", "gyroscopes' signs are inverted"
-DOES_NOT_TELL = "does not determine which"
+UNDETERMINED = "does not determine which"
 
 
 @cache
@@ -76,7 +76,7 @@ def south(campaign: Campaign) -> Campaign:
     return replace(campaign, site=replace(campaign.site, latitude=-campaign.site.latitude))
 
 
-def said(campaign: Campaign) -> str:
+def reported(campaign: Campaign) -> str:
     """Return what a solve says of signs."""
     return "\n".join(text for text in solve([campaign]).warnings if "backwards" in text)
 
@@ -100,9 +100,9 @@ def said(campaign: Campaign) -> str:
 def test_what_counts_backwards_is_named_rightly(
     wrong: Callable[[Campaign], Campaign], words: Sequence[str], never: Sequence[str], seed: int
 ) -> None:
-    told = said(wrong(recorded(seed)))
-    assert all(word in told for word in words)
-    assert not any(word in told for word in never)
+    words_found = reported(wrong(recorded(seed)))
+    assert all(word in words_found for word in words)
+    assert not any(word in words_found for word in never)
 
 
 @pytest.mark.parametrize("seed", [3])
@@ -110,8 +110,8 @@ def test_what_counts_backwards_is_named_rightly(
 def test_where_the_gyroscopes_do_not_resolve_the_earth_rate_both_are_named(
     wrong: Callable[[Campaign], Campaign], seed: int
 ) -> None:
-    told = said(wrong(recorded(seed, resolves=False)))
-    assert all(word in told for word in ("all turns are " + TURNS + ", or the " + GYROS, DOES_NOT_TELL))
+    words_found = reported(wrong(recorded(seed, resolves=False)))
+    assert all(word in words_found for word in ("all turns are " + TURNS + ", or the " + GYROS, UNDETERMINED))
 
 
 def test_a_diagnosis_turns_them_round_says_so_and_finds_the_truth() -> None:
@@ -126,6 +126,6 @@ def test_a_diagnosis_turns_them_round_says_so_and_finds_the_truth() -> None:
     assert not [text for text in found.solution.warnings if "backwards" in text]
 
 
-def test_without_a_dwell_the_earths_rate_tells_no_sign() -> None:
+def test_without_a_dwell_the_earths_rate_shows_no_sign() -> None:
     signs = earth_signs([recorded(1)], [], np.zeros((0, 3)), np.zeros((0, 3)), np.eye(3))
     assert signs.of_faces([0, 1, 2]) == 0

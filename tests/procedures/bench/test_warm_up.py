@@ -97,7 +97,7 @@ def test_the_time_left_comes_true(seed: int) -> None:
     assert judged(begin_of(means, 10)).left_s is None  # a minute tells no time constant
 
 
-def test_a_cube_that_was_moved_begins_anew() -> None:
+def test_a_cube_that_was_moved_begins_again() -> None:
     still, rate = history(3, 60), np.array([0.0, 60.0, -40.0])
     gyro = still.gyro + np.outer(still.t > 300, rate)
     moved = IntervalMeans(still.t, gyro, still.gyro_std, still.temperature)

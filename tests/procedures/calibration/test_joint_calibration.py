@@ -63,21 +63,21 @@ def test_the_reference_campaigns_are_solved_within_four_sigma(name: str) -> None
     if not (CAMPAIGNS / name).is_dir():
         pytest.skip(f"no reference campaign {name} in {CAMPAIGNS}: set STATION_DATA")
     solution = solve([read_campaign(CAMPAIGNS / name).campaign])
-    told = json.loads((CAMPAIGNS / name / "truth.json").read_text())["truth"]
+    planted = json.loads((CAMPAIGNS / name / "truth.json").read_text())["truth"]
     accel, gyro = both(solution)
-    faces = np.array(told["faces"])
+    faces = np.array(planted["faces"])
     cube = mean_cube_of(faces)
     for triad, k, E, D in (
-        (accel, "ka", "Ea", np.array(told["Da"])),
-        (gyro, "kg", "Eg", np.array(told["Dg"]) * 3600),
+        (accel, "ka", "Ea", np.array(planted["Da"])),
+        (gyro, "kg", "Eg", np.array(planted["Dg"]) * 3600),
     ):
-        assert np.abs(z(triad.scale_factor, np.array(told[k]))).max() < 4
+        assert np.abs(z(triad.scale_factor, np.array(planted[k]))).max() < 4
         assert np.abs(z(triad.bias, D)).max() < 4
         # without a certificate E refers to the mean cube
-        assert np.abs(z(triad.misalignment, referred(np.array(told[E]), cube))[OFF]).max() < 4
+        assert np.abs(z(triad.misalignment, referred(np.array(planted[E]), cube))[OFF]).max() < 4
     assert solution.slab_tilt is not None
     assert solution.parallelism is not None
-    assert np.abs(z(solution.slab_tilt, -np.array(told["slab"]))).max() < 4  # data/README: up is (-s_e, -s_n)
+    assert np.abs(z(solution.slab_tilt, -np.array(planted["slab"]))).max() < 4  # data/README: up is (-s_e, -s_n)
     assert np.abs(z(solution.parallelism, faces[0::2] + faces[1::2])).max() < 4
     assert solution.quality.p_value > 1e-3
     assert not [w for w in solution.warnings if "residual" in w]
@@ -346,7 +346,7 @@ def test_the_global_test_is_uniform_where_the_model_is_right() -> None:
     assert distance < 0.40  # Kolmogorov-Smirnov, 24 values, one in two thousand
 
 
-def test_the_closed_forms_of_the_papers_stand_beside_the_fit_and_are_the_units_bias() -> None:
+def test_the_closed_forms_of_the_papers_stand_next_to_the_fit_and_are_the_units_bias() -> None:
     truth = replace(fine(8), faces_rad=np.zeros((6, 2)))
     accelerometer, _ = both(solve([simulate_campaign(truth, 8, dwell_s=2.0)]))
     for found in (accelerometer.bias_12_position, accelerometer.bias_two_direction):

@@ -108,10 +108,10 @@ def test_a_dead_channel_is_named_and_the_rest_is_solved_and_diagnosed(case: str,
     kill, words, alive = CASES[case]
     campaign = every_step(recorded(counts), kill)
     solution = solve([campaign])
-    told = "\n".join(text for text in solution.warnings if "outputs a constant" in text)
-    assert all(word in told for word in words)
+    warned = "\n".join(text for text in solution.warnings if "outputs a constant" in text)
+    assert all(word in warned for word in words)
     diagnosed = diagnose([campaign], FEW).solution
-    assert [text for text in diagnosed.warnings if "outputs a constant" in text] == told.split("\n")
+    assert [text for text in diagnosed.warnings if "outputs a constant" in text] == warned.split("\n")
     for triad, there in (("accelerometer", alive != "gyroscope"), ("gyroscope", alive != "accelerometer")):
         for each in (solution, diagnosed):
             found = getattr(each, triad)
@@ -149,8 +149,8 @@ def test_a_channel_that_stops_in_a_sequence_is_named_with_its_time(counts: bool)
     assert without_dead([whole])[1] == ()
     [record] = whole.sequences
     stopped_y = dead(GYRO, "y", everywhere, 0.0, 0.5)(record.name, record.series)
-    [kept], [said] = without_dead([replace(whole, sequences=(replace(record, series=stopped_y),))])
-    assert "gyroscope y outputs a constant 0 in walk from" in said
+    [kept], [reported] = without_dead([replace(whole, sequences=(replace(record, series=stopped_y),))])
+    assert "gyroscope y outputs a constant 0 in walk from" in reported
     assert kept.sequences[0].series.gyro is None
     assert kept.sequences[0].series.accel is not None
 
@@ -159,8 +159,8 @@ def test_a_rate_tables_dead_gyroscope_is_left_out() -> None:
     rate = np.repeat([-20.0, 0.0, 20.0], 30)
     output = np.column_stack((rate * 10 + np.arange(90) % 3, np.zeros(90), np.zeros(90)))
     tables = tuple(RateTable(f"table_{axis}", axis, rate, output, np.full(90, 23.0)) for axis in "xy")
-    [kept], said = without_dead([replace(recorded(False), rate_tables=tables)])
-    assert said == ("gyroscope y outputs a constant 0 in all of table_y: not used",)
+    [kept], reported = without_dead([replace(recorded(False), rate_tables=tables)])
+    assert reported == ("gyroscope y outputs a constant 0 in all of table_y: not used",)
     assert np.all(np.isfinite(kept.rate_tables[0].output))
     assert np.all(np.isnan(kept.rate_tables[1].output[:, 1]))
 

@@ -1,4 +1,4 @@
-"""How late a device and a receiver beside it were read on a loaded machine, recorded once.
+"""How late a device and a receiver next to it were read on a loaded machine, recorded once.
 
 A simulated device on a real pty and a simulated receiver on UDP, in a process of their own, were read by the
 station's reader processes while as many processes burned the processor as a trace's ``load`` says. True time is
@@ -103,7 +103,7 @@ def campaign(
 ) -> list[tuple[FloatArray, FloatArray]]:
     """Return device time and UTC [s] of the rows of twelve dwells, of a device whose clock is ``ppm`` fast."""
     line = timeline(traces, BEGIN_S + 12 * (dwell_s + pause_s) + STRETCH_S[1], rng)
-    utc, told = UtcLine(), 0
+    utc, numbered = UtcLine(), 0
     dwells = list[tuple[FloatArray, FloatArray]]()
     for i in range(12):
         begin = BEGIN_S + pause_s + i * (dwell_s + pause_s)
@@ -111,9 +111,9 @@ def campaign(
         if not len(rows):  # a reader that was killed, and the next one still starting
             continue
         until = int(np.searchsorted(line.mark_ns, line.row_ns[rows[-1]] + LATER_NS))
-        for mark in range(told, until):
+        for mark in range(numbered, until):
             utc.mark(int(line.mark_ns[mark]), round(line.mark_s[mark] * 1e9))
-        told = max(told, until)
+        numbered = max(numbered, until)
         read = [utc.utc(int(host)) for host in line.row_ns[rows]]
         times = np.array([np.nan if one is None else one for one in read])
         dwells.append((line.row_s[rows] * (1 + 1e-6 * ppm), times))

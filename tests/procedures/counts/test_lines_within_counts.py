@@ -66,7 +66,7 @@ def test_dwells_of_one_noise_did_not_shake_however_short_some_are(lengths: list[
 
 
 @pytest.mark.parametrize("short", [0, 3])
-def test_the_dwell_that_shook_is_told_from_the_others(short: int) -> None:
+def test_the_dwell_that_shook_is_distinguished_from_the_others(short: int) -> None:
     dwells = noise(2, [300] * short + [5000] * 6)
     dwells[-2] = dwells[-2] + 200 * np.sin(2 * np.pi * 0.05 * np.arange(5000))
     assert shaken(dwells, 0.0) == [False] * (short + 4) + [True, False]

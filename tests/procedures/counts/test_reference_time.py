@@ -60,7 +60,7 @@ def test_a_pulse_that_errs_to_both_sides_is_used_to_its_full_worth(seed: int) ->
 
 
 @pytest.mark.parametrize("ppm", [0.0, 37.0, -50.0, 1000.0])
-def test_whole_seconds_tell_no_more_than_the_moment_they_go_on(ppm: float) -> None:
+def test_whole_seconds_show_no_more_than_the_moment_they_go_on(ppm: float) -> None:
     rate = fit_clock(stamped(ppm, lambda true: np.floor(true) - true))
     assert rate is not None
     assert abs(rate.ppm - ppm) < 4 * rate.std
@@ -88,13 +88,13 @@ def test_a_delay_that_changes_once_is_no_rate(step: float, at_s: float) -> None:
 def test_a_device_that_was_switched_off_in_between_has_one_rate_still() -> None:
     rng = np.random.default_rng(3)
     pieces = stamped(20.0, lambda true: 1e-3 * rng.exponential(size=len(true)))
-    anew = [(t - t[0] if i == 6 else t - pieces[6][0][0], u) for i, (t, u) in enumerate(pieces) if i >= 6]
-    rate = fit_clock([*pieces[:6], *anew])
+    restarted = [(t - t[0] if i == 6 else t - pieces[6][0][0], u) for i, (t, u) in enumerate(pieces) if i >= 6]
+    rate = fit_clock([*pieces[:6], *restarted])
     assert rate is not None
     assert abs(rate.ppm - 20.0) < 4 * rate.std < 20
 
 
-# An encoder beside a rotating gyroscope
+# An encoder next to a rotating gyroscope
 
 
 SCALE, BIAS, PERIOD = 1.02, 0.01, 0.01
@@ -134,7 +134,7 @@ def test_a_delay_is_found_within_its_own_sigma(late_s: float) -> None:
     assert np.std(off) > 0.3
 
 
-def test_a_rate_that_never_changes_tells_no_delay() -> None:
+def test_a_rate_that_never_changes_shows_no_delay() -> None:
     t = PERIOD * np.arange(4000)
     late, std = lateness(t, 20 * t, 20 * SCALE + 0.01 * np.random.default_rng(3).standard_normal(4000))
     assert abs(late) < SURE * std

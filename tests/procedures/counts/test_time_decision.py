@@ -100,7 +100,7 @@ def test_a_scale_in_the_header_decides(scale: float) -> None:
     assert found.winner.rate_hz == pytest.approx(400.0, rel=1e-3)
 
 
-def test_a_told_rate_decides() -> None:
+def test_a_specified_rate_decides() -> None:
     found = decide(TimeEvidence(N, rate_hz=1000.0))
     assert found.winner is not None
     assert found.winner.unit.name == "ms"

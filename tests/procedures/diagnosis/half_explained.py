@@ -1,4 +1,4 @@
-"""A cause of the catalogue beside one of none: temperature, and a pressure that nobody records."""
+"""A cause of the catalogue next to one of none: temperature, and a pressure that nobody records."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

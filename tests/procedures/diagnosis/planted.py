@@ -21,7 +21,7 @@ def planted(seed: int, effects: Effects | None = None, dwell_s: float = 20.0, tu
 
 
 def lively(seed: int) -> dict[str, dict[str, float]]:
-    """Return effects of all kinds, far larger than a healthy unit's: none of them a label, a knock or a clock."""
+    """Return effects of all kinds, far larger than a healthy unit's: none of them a label, a shock or a clock."""
     rng = np.random.default_rng(seed)
     size = rng.standard_normal(12)
     return {
@@ -36,20 +36,20 @@ def lively(seed: int) -> dict[str, dict[str, float]]:
     }
 
 
-def wandering(campaign: Campaign, seed: int, size: float) -> Campaign:
+def drifting(campaign: Campaign, seed: int, size: float) -> Campaign:
     """Return a campaign in each of whose dwells accelerometer x moves by a ramp of +-``size`` counts a sample.
 
     Up or down by chance, the mean as it was: no effect of the catalogue does that.
     """
     rng = np.random.default_rng(seed)
 
-    def leaning(dwell: DwellRecord) -> DwellRecord:
+    def tilted(dwell: DwellRecord) -> DwellRecord:
         accel = np.array(dwell.series.accel)
         ramp = np.linspace(-1, 1, len(accel)) * size * rng.choice([-1, 1])
         accel[:, 0] += np.diff(np.floor(np.cumsum(ramp) + 0.5), prepend=0.0).astype(accel.dtype)
         return replace(dwell, series=replace(dwell.series, accel=accel))
 
-    return replace(campaign, dwells=tuple(leaning(dwell) for dwell in campaign.dwells))
+    return replace(campaign, dwells=tuple(tilted(dwell) for dwell in campaign.dwells))
 
 
 def with_reference_time(

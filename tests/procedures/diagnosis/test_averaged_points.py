@@ -23,7 +23,7 @@ def table(reference: FloatArray, seed: int, cubic: float = 2e-8) -> RateTable:
     return RateTable("rates.csv", "z", reference, output, temperature)
 
 
-def told(one: RateTable) -> FloatArray:
+def reported(one: RateTable) -> FloatArray:
     """Return scale factor, bias and cubic, and 1 sigma of each, (3, 2)."""
     found = diagnose([Campaign("A", "1", False, Site(0.7, 9.8, 1e-3), (), (), rate_tables=(one,))])
     (sensor,), finding = found.on_table, found.findings[0]
@@ -33,9 +33,9 @@ def told(one: RateTable) -> FloatArray:
     ])  # fmt: skip
 
 
-def told_by_all_rows(one: RateTable) -> FloatArray:
+def by_all_rows(one: RateTable) -> FloatArray:
     with mock.patch.object(rate_points, "FEW_ROWS", 10_000):
-        return told(one)
+        return reported(one)
 
 
 def test_a_table_of_few_rows_stays_exactly_as_it_is() -> None:
@@ -47,7 +47,7 @@ def test_a_table_of_few_rows_stays_exactly_as_it_is() -> None:
 
 def test_means_of_many_rows_give_scale_factor_bias_and_cubic_within_their_sigma() -> None:
     one = table(np.repeat(np.array(PLATEAUS, float), 200), 2)
-    means = told(one)
+    means = reported(one)
     truth = np.array([1.001, 3600 * 0.003, 1e6 * 2e-8])
     assert np.all(np.abs(means[:, 0] - truth) < 4 * means[:, 1])
 

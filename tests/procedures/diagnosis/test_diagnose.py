@@ -18,7 +18,7 @@ from tests.benchmarks.diagnosing.outside import outside
 from tests.benchmarks.undeclared_kinds.literature import LITERATURE
 from tests.paths import DATA
 
-LEANING = {"gyroscope.g_sensitivity": {"xy": 0.3, "zx": -0.3}}
+TILTED = {"gyroscope.g_sensitivity": {"xy": 0.3, "zx": -0.3}}
 
 
 def finding_of(found: Diagnosis, name: str) -> Finding:
@@ -55,7 +55,7 @@ def test_a_recorded_campaign_of_a_faulty_bench_names_the_bench_alone() -> None:
     assert np.isfinite(sigma[tilts]).all()
 
 
-TWO = {"accelerometer.relaxation": {"x": 6e-6, "tau_s": 20.0}, **LEANING}
+TWO = {"accelerometer.relaxation": {"x": 6e-6, "tau_s": 20.0}, **TILTED}
 
 
 def test_two_effects_at_once_are_both_named_with_their_sizes() -> None:
@@ -83,14 +83,14 @@ def gyro_bias(fits: CampaignFits) -> np.ndarray:
 
 
 @cache
-def leaning(seed: int) -> Diagnosis:
+def tilted(seed: int) -> Diagnosis:
     return diagnose(certified(unit(seed, effects={"gyroscope.g_sensitivity": {"xx": 0.5, "yy": -0.4}}), seed))
 
 
 def test_the_bias_is_as_good_after_as_that_of_a_clean_unit() -> None:
     before, after, clean = [], [], []
     for seed in (21,):
-        truth, found = unit(seed), leaning(seed)
+        truth, found = unit(seed), tilted(seed)
         clean.append(gyro_bias(fit(certified(truth, seed))) - truth.gyro_d_deg_s)
         before.append(gyro_bias(found.before) - truth.gyro_d_deg_s)
         after.append(gyro_bias(found.after) - truth.gyro_d_deg_s)
@@ -100,7 +100,7 @@ def test_the_bias_is_as_good_after_as_that_of_a_clean_unit() -> None:
 
 
 def test_the_error_of_what_was_left_out_falls_where_an_effect_was_found() -> None:
-    found = leaning(21)
+    found = tilted(21)
     errors = next(each for each in found.errors if each.quantity == "gyroscope dwells")
     assert errors.held_out_before is not None
     assert errors.held_out_after is not None
@@ -132,10 +132,10 @@ def test_a_jump_while_the_cube_rests_is_found_within_its_dwell() -> None:
     assert found.log_p > np.log(0.01)
 
 
-# Error terms that the user declared, beside one that nobody declared
+# Error terms that the user declared, next to one that nobody declared
 
 
-def test_an_effect_that_nobody_declared_is_found_beside_one_that_somebody_did() -> None:
+def test_an_effect_that_nobody_declared_is_found_with_one_that_somebody_did() -> None:
     """The declared one, quadratic, is a parameter of the model; what that lacks is a finding with its size."""
     planted = {"accelerometer.quadratic": {"x": 8e-5}, "gyroscope.g_sensitivity": {"xy": 0.8, "zz": -0.5}}
     campaign = simulate_campaign(unit(2, effects=planted), 2, certificate_sigma=5e-6, draw_stated=False)
@@ -196,7 +196,7 @@ def test_uncertified_quadratic_is_not_separable_and_says_what_separates_it() -> 
     assert not any(is_claimed(each) for each in found.findings)
 
 
-# A known cause beside an unknown one: the first is named with its share, the rest is reported as unexplained
+# A known cause next to an unknown one: the first is named with its share, the rest is reported as unexplained
 
 
 HEATED = {"accelerometer.bias_temperature": {"x": 15e-6, "y": -10e-6, "z": 20e-6}}

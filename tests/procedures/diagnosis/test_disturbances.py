@@ -12,7 +12,7 @@ from procedures.inference.odds import log_odds
 from tests.procedures.diagnosis.planted import lively, planted
 
 
-def knocked(seed: int, size: float, dwell_s: float = 30.0) -> tuple[Campaign, int, np.ndarray]:
+def disturbed(seed: int, size: float, dwell_s: float = 30.0) -> tuple[Campaign, int, np.ndarray]:
     """Return a campaign with a vibration of about ``size`` [g] in one dwell, that dwell, and the amplitudes."""
     rng = np.random.default_rng(seed)
     amplitude = size * rng.uniform(0.3, 1.0, 3)
@@ -25,7 +25,7 @@ def knocked(seed: int, size: float, dwell_s: float = 30.0) -> tuple[Campaign, in
 def test_a_vibration_is_found_where_it_was_and_as_large_as_it_was() -> None:
     missed, beyond = 0, 0
     for seed in range(3):
-        campaign, position, amplitude = knocked(seed, (5e-3, 1e-2, 3e-2)[seed % 3])
+        campaign, position, amplitude = disturbed(seed, (5e-3, 1e-2, 3e-2)[seed % 3])
         found, _ = find_disturbances([campaign])
         assert {each.finding.where["position"] for each in found} <= {position}
         missed += not found
@@ -35,7 +35,7 @@ def test_a_vibration_is_found_where_it_was_and_as_large_as_it_was() -> None:
     assert beyond == 0
 
 
-def test_a_knock_seen_by_the_gyroscopes_alone_is_given_in_their_unit() -> None:
+def test_a_shock_seen_by_the_gyroscopes_alone_is_given_in_their_unit() -> None:
     campaign = planted(4, dwell_s=30.0, turns=True)
     dwell = campaign.dwells[5]
     gyro = dwell.series.gyro
@@ -119,7 +119,7 @@ def most(channels: list[ChannelSamples]) -> float:
 
 
 @pytest.mark.parametrize("seed", [0])
-def test_a_rate_that_runs_up_is_told_from_a_jump(seed: int) -> None:
+def test_a_rate_that_runs_up_is_distinguished_from_a_jump(seed: int) -> None:
     quiet = [channel(10 * seed + k) for k in range(1, 4)]
     assert most([channel(seed), *quiet]) < 0
     assert most([channel(seed, run_up=1.0), *quiet]) < 0  # 3 counts off a line in ten seconds

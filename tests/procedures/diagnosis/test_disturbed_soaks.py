@@ -33,7 +33,7 @@ def lost(found: QuietSoaks) -> int:
     return N - len(found.campaigns[0].soaks[0].series)
 
 
-def test_a_knock_of_a_second_is_cut_and_said() -> None:
+def test_a_shock_of_a_second_is_cut_and_reported() -> None:
     accel, gyro = noise(1)
     accel[AT : AT + RATE] += 20 * np.random.default_rng(2).standard_normal((RATE, 3))
     found = without_knocks([soak(accel, gyro)])
@@ -97,7 +97,7 @@ def test_a_channel_that_is_dead_or_coarse_is_no_disturbance() -> None:
     assert not found.findings
 
 
-def test_a_channel_that_stands_still_for_a_while_is_cut_and_said() -> None:
+def test_a_channel_that_stands_still_for_a_while_is_cut_and_reported() -> None:
     accel, gyro = noise(7)
     gyro[AT : AT + 60 * RATE, 1] = gyro[AT, 1]
     found = without_knocks([soak(accel, gyro)])
@@ -114,7 +114,7 @@ def test_a_channel_that_stands_still_for_a_while_is_cut_and_said() -> None:
     assert not lost(found)
 
 
-def test_noise_that_grows_for_good_is_said_with_the_moment_and_left_in() -> None:
+def test_noise_that_grows_for_good_is_reported_with_the_moment_and_left_in() -> None:
     accel, gyro = noise(11)
     gyro[AT:, 2] *= 3.0
     found = without_knocks([soak(accel, gyro)])
@@ -125,7 +125,7 @@ def test_noise_that_grows_for_good_is_said_with_the_moment_and_left_in() -> None
     assert not lost(found)
 
 
-def test_an_output_at_the_end_of_its_range_is_said() -> None:
+def test_a_saturated_output_is_reported() -> None:
     accel, gyro = noise(12)
     accel[:, 2] = np.minimum(accel[:, 2], 1.5)
     gyro[:, 0] = np.round(3 * gyro[:, 0])  # coarse, which is no end
@@ -192,7 +192,7 @@ def test_a_wrong_row_is_as_large_as_its_scale_factor_says(triad: str, unit: str,
 
 
 @pytest.mark.parametrize(("seconds", "is_cut"), [(20.0, True), (45.0, False)])
-def test_a_knock_is_cut_and_what_lasts_longer_is_a_state_that_stays(seconds: float, is_cut: bool) -> None:
+def test_a_shock_is_cut_and_what_lasts_longer_is_a_state_that_stays(seconds: float, is_cut: bool) -> None:
     found = without_knocks([campaign(shaken(seconds, 30.0))])
     (finding,) = found.findings
     assert (finding.effect, finding.unit) == ("disturbance.dwell", "g")

@@ -14,7 +14,7 @@ SEAT = {"placement.dwell": {"position": 3.0, "y": -4e-3, "z": -3e-3}}
 
 
 @pytest.mark.proof
-def test_bias_and_scale_factor_are_right_with_the_cube_on_a_large_crumb() -> None:
+def test_bias_and_scale_factor_are_right_with_the_cube_on_large_debris() -> None:
     truth = replace(Truth.example(0), sample_period_s=0.05, effects=SEAT)
     campaign = simulate_campaign(
         truth, 0, dwell_s=8.0, positions=SHORT, turns=(), certificate_sigma=5e-6, moves=True

@@ -1,4 +1,4 @@
-"""The linear model of a diagnosis beside dense least squares; false alarms and power of its selection."""
+"""The linear model of a diagnosis against dense least squares; false alarms and power of its selection."""
 
 from dataclasses import replace
 from functools import cache
@@ -102,9 +102,9 @@ def test_the_gyroscopes_fit_moves_by_what_the_design_says_of_dwells_and_turns(nu
     before, evidence = base.gyroscope.joint, evidence_of(base)
     std = np.sqrt(np.diag(before.fit.covariance))
     k = np.linalg.norm(before.K, axis=1)
-    foretold = -evidence.A[:, evidence.columns_of[1][number]] * 5 * std[number]
-    means = foretold[evidence.rows("mean", triad="gyroscope")].reshape(-1, 3) * k
-    totals = foretold[evidence.rows("turn")].reshape(-1, 3) * k
+    predicted = -evidence.A[:, evidence.columns_of[1][number]] * 5 * std[number]
+    means = predicted[evidence.rows("mean", triad="gyroscope")].reshape(-1, 3) * k
+    totals = predicted[evidence.rows("turn")].reshape(-1, 3) * k
     assert np.any(means)
     assert np.any(totals)
     place = {id(turn.record): i for i, turn in enumerate(base.gyroscope.turns)}

@@ -75,7 +75,7 @@ def test_a_planted_effect_has_its_size_by_moves_without_a_turn(name: str, sizes:
     assert float(linear.white @ linear.white) < 1.5 * float(np.sum(1 - linear.leverage))
 
 
-def test_a_move_that_contradicts_its_placings_is_left_out_and_said() -> None:
+def test_a_move_that_contradicts_its_placements_is_left_out_and_reported() -> None:
     made = campaign(4, turns=False)
     one, *others = made.moves
     wrong = replace(one, series=replace(one.series, gyro=np.asarray(one.series.gyro) * 9 // 10))

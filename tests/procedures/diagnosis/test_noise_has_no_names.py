@@ -47,7 +47,7 @@ def soak(one: RateSeries, name: str = "soak") -> SoakRecord:
     return SoakRecord(name, 0, None, one)
 
 
-def beside_channels(rng: np.random.Generator) -> Iterable[Finding]:
+def with_channels(rng: np.random.Generator) -> Iterable[Finding]:
     n = 4608
     ramp = np.cumsum(0.037 * (1 + 0.1 * rng.normal(size=n))) % 1.0
     one = series(rng, n, aux_ramp=360 * ramp, aux_volts=rng.normal(size=n))
@@ -137,7 +137,7 @@ def test_the_gain_of_alike_columns_is_that_of_their_squares() -> None:
 
 @pytest.mark.parametrize(
     "draw",
-    [beside_channels, in_several_recordings, in_soaks, in_rests, in_counts, in_turns, of_labels, of_the_clock],
+    [with_channels, in_several_recordings, in_soaks, in_rests, in_counts, in_turns, of_labels, of_the_clock],
 )
 @pytest.mark.parametrize("draws", [FEW, pytest.param(MANY, marks=pytest.mark.proof)])
 def test_noise_has_names_in_one_draw_of_a_hundred_at_most(draw: Draw, draws: int) -> None:

@@ -55,7 +55,7 @@ def planted(*sensors: int, seed: int = 1, size: float = SIZE, hertz: float = HER
 
 
 @pytest.mark.parametrize(("sensor", "hertz"), [(0, 0.4), (4, 4.6)])
-def test_a_line_of_one_sensor_is_told_with_frequency_and_size(sensor: int, hertz: float) -> None:
+def test_a_line_of_one_sensor_is_reported_with_frequency_and_size(sensor: int, hertz: float) -> None:
     found = line(times(), planted(sensor, hertz=hertz))
     assert found is not None
     assert found.hertz == pytest.approx(hertz, abs=6e-4)  # a seventh of what 251 s resolve

@@ -57,7 +57,7 @@ def test_nonlinearity_then_temperature_come_out_within_their_own_sigma(k: float)
     assert np.max(np.abs(errors)) < 4
 
 
-def test_scale_factor_and_bias_of_the_turned_sensor_are_told_with_honest_sigmas() -> None:
+def test_scale_factor_and_bias_of_the_turned_sensor_are_reported_with_honest_sigmas() -> None:
     errors = list[tuple[float, float]]()
     for seed in range(5):
         diagnosis = diagnose([campaign(table(seed, warm=-400.0, k=-5.0))])
@@ -156,7 +156,7 @@ def saturated(u: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("bend", [periodic, worn])
-def test_what_a_bend_of_the_catalogue_only_resembles_is_in_doubt(bend: Bend) -> None:
+def test_what_a_bend_of_the_catalogue_only_resembles_is_ambiguous(bend: Bend) -> None:
     """A curve that bends slowly, or a knee from which on more is put out, is no loss of counts."""
     found = bent(1, bend)
     assert found.verdict in {"partly", "unexplained", "ambiguous"}
@@ -241,6 +241,6 @@ def test_22_points_of_a_linear_sensor_are_consistent(order: str, seed: int) -> N
     assert found.findings == ()
 
 
-def test_of_too_few_points_nothing_is_said() -> None:
+def test_of_too_few_points_nothing_is_reported() -> None:
     with refused(NotObservable, ErrorCode.NOT_OBSERVABLE):
         diagnosed(np.linspace(-100, 100, LEAST_POINTS - 1), 1, size=0.0, noise=0.002)

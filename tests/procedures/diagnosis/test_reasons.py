@@ -23,7 +23,7 @@ def test_what_was_not_computed_is_absent() -> None:
 
 
 @pytest.mark.parametrize("code", list(EXCESS_TEXT))
-def test_every_reason_is_said_with_its_value(code: str) -> None:
+def test_every_reason_is_reported_with_its_value(code: str) -> None:
     reason = {"code": code, "what": "gyroscope, time", "value": 0.123}
     document = {"log10_p": -9.0, "verdict": "unexplained", "findings": [], "reasons": [reason]}
     assert "{" not in verdict_sentence(document)

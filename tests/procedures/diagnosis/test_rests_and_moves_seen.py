@@ -63,7 +63,7 @@ def test_rests_are_held_against_gravity() -> None:
     assert [rest.excess for rest in rests] == pytest.approx([0.01, 0.01], abs=5e-4)
 
 
-def test_without_units_nothing_is_said_of_sizes() -> None:
+def test_without_units_nothing_is_reported_of_sizes() -> None:
     campaign = replace(sequence([np.array([90.0, 0, 0])]), nominal_scale={})
     assert moves_seen([campaign]) == []
     assert [rest.excess for rest in rests_seen([campaign])] == [None, None]

@@ -84,7 +84,7 @@ def test_a_channel_that_acts_later_is_found_with_its_lag() -> None:
     assert np.all(np.abs(errors(finding, {"ay": 0.06})) < 4)
 
 
-def test_a_line_is_found_and_what_the_sample_rate_may_have_folded_is_said() -> None:
+def test_a_line_is_found_and_what_the_sample_rate_may_have_folded_is_reported() -> None:
     (finding,) = found(soak(white(8) + 0.5 * np.sin(2 * np.pi * 17.77 * T)[:, None]))
     assert finding.effect == "disturbance.line"
     hertz, _, std, rest = finding.shape.split(" ", 3)
@@ -148,10 +148,10 @@ NOISES: dict[str, Callable[[np.random.Generator], FloatArray]] = {
 
 
 @pytest.mark.parametrize("noise", NOISES)
-def test_noise_of_any_colour_beside_any_channel_has_nothing(noise: str) -> None:
+def test_noise_of_any_colour_with_any_channel_has_nothing(noise: str) -> None:
     for seed in range(1):
         rng = np.random.default_rng(seed)
-        beside = {
+        others = {
             "ramp": (3.7 * T) % 1.0,
             "volts": 5 + 0.01 * rng.normal(size=N),
             "slow": lfilter([1], [1, -0.999], rng.normal(size=N)),
@@ -159,7 +159,7 @@ def test_noise_of_any_colour_beside_any_channel_has_nothing(noise: str) -> None:
             "sine": np.sin(2 * np.pi * 1.3 * T),
             "clock": T,
         }
-        assert not found(soak(NOISES[noise](rng), NOISES[noise](rng), **beside))
+        assert not found(soak(NOISES[noise](rng), NOISES[noise](rng), **others))
 
 
 # The number of harmonics of a periodic error follows from the data
@@ -195,10 +195,10 @@ def found_by_phase(error: FloatArray, phase: FloatArray, seed: int = 1) -> Sampl
 def test_the_error_on_held_out_samples_is_that_of_noise_alone(name: str) -> None:
     shape, size = SHAPES[name]
     error = size * shape(ramp(2))
-    told = found_by_phase(error, ramp(2))
-    left = float(np.prod([1 - each.share for each in told.findings if each.share is not None]))
+    reported = found_by_phase(error, ramp(2))
+    left = float(np.prod([1 - each.share for each in reported.findings if each.share is not None]))
     assert left == pytest.approx(1 / (1 + np.var(error)), abs=0.025)
-    assert not told.left
+    assert not reported.left
 
 
 @pytest.mark.parametrize(("harmonics", "order"), [((1,), 1), ((1, 2), 2), ((1, 3), 3), ((2, 12), 12)])

@@ -45,7 +45,7 @@ def test_a_weak_line_of_another_phase_in_every_recording_is_found_with_its_ampli
         assert finding.share == pytest.approx(0.02 / 1.02, rel=0.4)
 
 
-def test_a_line_whose_frequency_wanders_by_many_of_the_record_s_own_is_found() -> None:
+def test_a_line_whose_frequency_drifts_by_many_of_the_record_s_own_is_found() -> None:
     for seed in range(1):
         rng = np.random.default_rng(seed)
         n = 40_000

@@ -87,11 +87,11 @@ def test_the_earth_s_rate_and_an_uneven_hand_are_no_error(gear: float) -> None:
     assert not [each for seed in range(2) for each in found(100 + seed, {}, gear)]
 
 
-def test_what_goes_once_a_turn_is_not_told_from_the_earth_s_rate() -> None:
+def test_what_goes_once_a_turn_is_not_distinguished_from_the_earth_s_rate() -> None:
     assert not found(7, {(0, 1): (0.002, 0.001), (1, 1): (0.002, 0.001)})
 
 
-def test_a_diagnosis_tells_what_is_periodic_while_a_simulated_unit_turns() -> None:
+def test_a_diagnosis_reports_what_is_periodic_while_a_simulated_unit_turns() -> None:
     def motor(t: FloatArray) -> FloatArray:
         found: FloatArray = (137.0 * t + 20 * np.sin(t / 7)) % 360
         return found

@@ -183,7 +183,9 @@ def diagnosed_levels(
 
 
 @pytest.mark.parametrize("moved", [True])
-def test_a_slope_by_temperature_is_told_by_rests_at_one_temperature_each(tmp_path: Path, moved: bool) -> None:
+def test_a_slope_by_temperature_is_determined_by_rests_at_one_temperature_each(
+    tmp_path: Path, moved: bool
+) -> None:
     found = diagnosed_levels(tmp_path, np.outer(np.array(TEMPERATURES) - 25, SLOPE), moved=moved)
     (finding,) = found.findings
     assert finding.effect == "gyroscope.bias_temperature"
@@ -195,7 +197,7 @@ def test_a_slope_by_temperature_is_told_by_rests_at_one_temperature_each(tmp_pat
     assert error.held_out_after < 0.1 * error.held_out_before
 
 
-def test_a_bias_that_is_new_at_each_turn_on_is_named_and_its_sigma_told(tmp_path: Path) -> None:
+def test_a_bias_that_is_new_at_each_turn_on_is_named_and_its_sigma_reported(tmp_path: Path) -> None:
     found = diagnosed_levels(tmp_path, np.stack([OFF, np.roll(OFF, 2), np.roll(OFF, 3)], axis=1))
     (finding,) = found.findings
     assert (finding.effect, finding.coefficients) == ("gyroscope.turn_on_bias", ("value",))

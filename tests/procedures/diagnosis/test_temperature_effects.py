@@ -121,15 +121,15 @@ UP = np.array([0.012, -0.02, 0.9997])
 
 
 def oven(seed: int, accel: FloatArray | float, gyro: FloatArray | float) -> Diagnosis:
-    """Diagnose 2.5 h with ``accel`` [g] and ``gyro`` [deg/s] (n, 3) beside noise of a cheap unit's 1 s means."""
+    """Diagnose 2.5 h with ``accel`` [g] and ``gyro`` [deg/s] (n, 3) next to noise of a cheap unit's 1 s means."""
     rng = np.random.default_rng(seed)
     n, temperature = len(OVEN_T), np.interp(OVEN_T, KNOTS_S, KNOTS_C)
     f = UP + accel + 1e-4 * rng.standard_normal((n, 3))
     w = gyro + 1.3e-3 * rng.standard_normal((n, 3)) + np.array([0.11, -0.07, 0.02])
     series = RateSeries(OVEN_T + 1.0, w, f, temperature + 0.02 * rng.standard_normal(n), 1.0)
     soaks = (SoakRecord("oven", 0, None, series),)
-    told = {"accelerometer": 1.0, "gyroscope": 1.0}
-    return diagnose([Campaign("m", "s", False, Site(0.8, 9.8, 0.02), (), (), soaks=soaks, nominal_scale=told)])
+    reported = {"accelerometer": 1.0, "gyroscope": 1.0}
+    return diagnose([Campaign("m", "s", False, Site(0.8, 9.8, 0.02), (), (), soaks=soaks, nominal_scale=reported)])
 
 
 def on(axis: int, values: FloatArray) -> FloatArray:
@@ -164,7 +164,7 @@ def test_a_lag_and_lines_in_the_temperature_are_named_and_none_is_ambiguous(seed
         lambda t: np.where((t > 2000) & (t < 3100), 1.0, 0.0) * np.sin(2 * np.pi * t / 500.0),
     ],
 )
-def test_what_no_effect_does_is_not_explained_beside_one_that_is(
+def test_what_no_effect_does_is_not_explained_with_one_that_is(
     shape: Callable[[FloatArray], FloatArray],
 ) -> None:
     temperature = np.interp(OVEN_T, KNOTS_S, KNOTS_C) - 25

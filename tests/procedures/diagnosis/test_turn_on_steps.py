@@ -18,9 +18,9 @@ STEP_G = np.array([4e-4, -2e-4, 3e-4])
 FIRST = 3  # dwells before the unit is switched off
 
 
-def switched(seed: int, lean: FloatArray | None = None) -> Campaign:
+def switched(seed: int, tilt: FloatArray | None = None) -> Campaign:
     """Positions 1 to 3 at one turn-on, the others and the turns at the next; position 3 may lie askew."""
-    effects = {} if lean is None else {"placement.dwell": {"position": 3.0, "y": lean[0], "z": lean[1]}}
+    effects = {} if tilt is None else {"placement.dwell": {"position": 3.0, "y": tilt[0], "z": tilt[1]}}
     truth = replace(Truth.example(seed), sample_period_s=0.02, effects=effects)
     before, after = (
         simulate_campaign(
@@ -40,7 +40,7 @@ def switched(seed: int, lean: FloatArray | None = None) -> Campaign:
     return replace(after, dwells=(*before.dwells[:FIRST], *later), turns=turns)
 
 
-def test_a_cube_that_leans_before_the_unit_is_switched_off_is_named_and_the_instrument_is_not() -> None:
+def test_a_cube_that_is_tilted_before_the_unit_is_switched_off_is_named_and_the_instrument_is_not() -> None:
     found = diagnose([switched(1, np.array([-4e-4, 1e-3]))])
     seats = [each for each in found.findings if each.effect == "placement.dwell"]
     assert [(each.where["position"], each.confidence) for each in seats] == [(3, "established")]

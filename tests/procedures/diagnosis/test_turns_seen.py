@@ -1,4 +1,4 @@
-"""What a turn by itself shows: the scale factor, beside the output at rest; by its own sigma."""
+"""What a turn by itself shows: the scale factor, next to the output at rest; by its own sigma."""
 
 from dataclasses import replace
 
@@ -68,9 +68,9 @@ def test_what_was_no_whole_turn_has_an_angle_and_no_scale_factor(angle_deg: floa
 
 
 def test_a_turn_the_other_way_is_named_so() -> None:
-    told = recorded(6, 720.0)
-    assert told.series.gyro is not None
-    (one,) = seen(replace(told, series=replace(told.series, gyro=-told.series.gyro)))
+    reported = recorded(6, 720.0)
+    assert reported.series.gyro is not None
+    (one,) = seen(replace(reported, series=replace(reported.series, gyro=-reported.series.gyro)))
     assert one.scale is None
     assert "a scale factor of z: it turned the other way (state turn:-z)" in left_open([one])
     assert not any("no whole turn" in each or "rest for 2 s" in each for each in left_open([one]))

@@ -22,14 +22,14 @@ from procedures.uncertainty.budget import ParameterBudget, budget
 from procedures.uncertainty.sources import GivenValues, Unexplained
 from tests.benchmarks.diagnosing.designs import certified, plain, unit
 from tests.procedures.diagnosis.half_explained import by_residual, expanded_bias, half_explained
-from tests.procedures.diagnosis.planted import wandering
+from tests.procedures.diagnosis.planted import drifting
 
 
 @cache
 def diagnosed(size: float) -> Diagnosis:
     truth = replace(unit(3), slab_tilt_rad=np.zeros(2), faces_rad=np.zeros((6, 2)))
     (campaign,) = certified(truth, 3)
-    return diagnose([wandering(campaign, 3, size)])
+    return diagnose([drifting(campaign, 3, size)])
 
 
 def bias_x(found: Diagnosis, unexplained: dict[str, Unexplained] | None) -> ParameterBudget:
@@ -71,7 +71,7 @@ def test_parallelism_holds_the_truth_whichever_seating_is_taken() -> None:
     assert found.solution.parallelism.std[1].min() > 5e-5 > 5e-6 > found.solution.parallelism.std[[0, 2]].max()
 
 
-# A closure error of the bench beside an ambiguous error term
+# A closure error of the bench next to an ambiguous error term
 
 
 SEED, CLOSURE_DEG = 3, 0.08
@@ -82,7 +82,7 @@ def expanded(fits, unexplained) -> np.ndarray:  # type: ignore[no-untyped-def]
     return np.array([found[f"gyroscope.scale_factor.{axis}"] for axis in "xyz"])
 
 
-def test_it_does_so_too_where_an_effect_of_the_instrument_is_in_doubt_beside_it() -> None:
+def test_it_does_so_too_where_an_effect_of_the_instrument_is_ambiguous_with_it() -> None:
     """On faces K2 is one with an asymmetry: the calibration carries neither, but its turns stay as loose."""
     planted = {"procedure.closure": {"value": CLOSURE_DEG}, "accelerometer.quadratic": {"x": 5e-5}}
     truth = unit(SEED, effects=planted)
@@ -161,7 +161,7 @@ def test_the_parameters_sigma_grows_by_what_the_coefficients_leave_open() -> Non
         assert np.max(wide / narrow) > 1.2
 
 
-LEANING = {"gyroscope.g_sensitivity": {"xx": 0.15, "yz": -0.15}}
+TILTED = {"gyroscope.g_sensitivity": {"xx": 0.15, "yz": -0.15}}
 
 
 def campaigns(effects: dict[str, dict[str, float]], seed: int) -> tuple[Campaign, ...]:
@@ -171,7 +171,7 @@ def campaigns(effects: dict[str, dict[str, float]], seed: int) -> tuple[Campaign
 
 @pytest.fixture(scope="module")
 def found() -> Diagnosis:
-    diagnosis = diagnose(campaigns(LEANING, 3))
+    diagnosis = diagnose(campaigns(TILTED, 3))
     assert "gyroscope.g_sensitivity" in [finding.effect for finding in diagnosis.findings]
     return diagnosis
 
@@ -181,7 +181,7 @@ def dwells(errors: tuple[ResidualRms, ...]) -> ResidualRms:
 
 
 def test_the_error_of_another_day_falls_by_an_effect_of_the_unit(found: Diagnosis) -> None:
-    errors = dwells(validate(found, campaigns(LEANING, 1003)))
+    errors = dwells(validate(found, campaigns(TILTED, 1003)))
     assert errors.held_out_before is not None
     assert errors.held_out_after is not None
     assert errors.held_out_after < 0.7 * errors.held_out_before

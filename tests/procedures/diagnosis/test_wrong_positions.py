@@ -60,7 +60,7 @@ def test_right_labels_are_left_alone_whatever_else_is_wrong() -> None:
         assert found(planted(seed, lively(seed), dwell_s=8.0, turns=bool(seed % 2))) == {}
 
 
-def test_without_gyroscopes_the_face_is_told_and_the_heading_left_open() -> None:
+def test_without_gyroscopes_the_face_is_reported_and_the_heading_left_open() -> None:
     campaign = planted(3, {"placement.label": {"position": 3.0, "actual": 9.0}})
     without = tuple(replace(d, series=replace(d.series, gyro=None)) for d in campaign.dwells)
     campaign = replace(campaign, dwells=without)
@@ -70,7 +70,7 @@ def test_without_gyroscopes_the_face_is_told_and_the_heading_left_open() -> None
     assert abs(findings[0].value[0] - 9) <= findings[0].std[0] == 1
 
 
-def test_without_accelerometers_the_faces_are_taken_as_named_and_the_heading_is_told() -> None:
+def test_without_accelerometers_the_faces_are_taken_as_named_and_the_heading_is_reported() -> None:
     campaign = recorded(7, {1: 2, 2: 1})
     without = tuple(replace(d, series=replace(d.series, accel=None)) for d in campaign.dwells)
     assert found(replace(campaign, dwells=without)) == {1: 2, 2: 1}
@@ -118,7 +118,7 @@ def test_right_labels_are_left_alone(campaign: Campaign) -> None:
     assert findings == ()
 
 
-def test_a_label_a_knock_and_the_clock_are_put_right_together() -> None:
+def test_a_label_a_shock_and_the_clock_are_put_right_together() -> None:
     effects = {
         "placement.label": {"position": 2.0, "actual": 9.0},
         "disturbance.dwell": {"x": 0.03, "y": 0.02, "position": 7.0, "at_s": 12.0, "duration_s": 4.0, "hz": 7.3},

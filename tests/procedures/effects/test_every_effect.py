@@ -46,15 +46,15 @@ TURNS = tuple(
     for direction in "+-"
     for speed in (20, 60)
 )
-LEANS = tuple(
+TILTS = tuple(
     rotation(np.array(v)) for v in ((0.8, 0.3, 0.1), (-0.4, 0.7, 0.9), (2.5, 0.6, -0.4), (0.2, -2.0, 1.0))
 )
 
 
 def carried_out(effects: Mapping[str, Mapping[str, float]], unit: Truth = UNIT, **more: Any) -> ReducedSteps:
-    """A campaign without noise, with two speeds, free positions, a warming unit and a channel beside it."""
+    """A campaign without noise, with two speeds, free positions, a warming unit and a channel next to it."""
     truth = replace(unit, effects={name: dict(sizes) for name, sizes in effects.items()})
-    how: dict[str, Any] = {"turns": TURNS, "free": LEANS, **more}
+    how: dict[str, Any] = {"turns": TURNS, "free": TILTS, **more}
     campaign = simulate_campaign(truth, 1, dwell_s=12.0, draw_stated=False, move_s=20.0, **how)
     steps = {
         name: tuple(replace(each, series=as_rates(each.series)) for each in getattr(campaign, name))

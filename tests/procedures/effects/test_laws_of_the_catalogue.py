@@ -41,7 +41,7 @@ def campaign() -> Excitation:
 
 
 def felt(seen: Excitation, way: Columns, triad: str) -> Felt:
-    """The same, with what a way has beside its coefficients."""
+    """The same, with what it has in addition to its coefficients."""
     u, out = (seen.f, seen.accel_output) if triad == "accelerometer" else (seen.omega, seen.gyro_output)
     rests = np.isin(np.array(KINDS)[seen.step], ("dwell", "rest"))
     tau, width, T = way.nonlinear.get(TAU, 1.0), way.nonlinear.get(PLAY, 1.0), seen.temperature - 25

@@ -44,8 +44,8 @@ def test_a_planted_scatter_is_draws_along_its_columns(name: str, size: float, st
         evidence.rows("mean", triad="gyroscope"),
         evidence.rows("turn"),
     ]
-    told = {"placement.scatter": 0, "procedure.closure": 2, "procedure.heading": 1}[name]
-    along, got = H[rows[told]], changed[told].ravel()
+    reported = {"placement.scatter": 0, "procedure.closure": 2, "procedure.heading": 1}[name]
+    along, got = H[rows[reported]], changed[reported].ravel()
     c, *_ = np.linalg.lstsq(along, got, rcond=None)
     assert np.linalg.norm(got - along @ c) < 0.05 * np.linalg.norm(got)
     assert len(c) == steps

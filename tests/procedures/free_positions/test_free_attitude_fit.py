@@ -107,15 +107,15 @@ def on_faces(seed: int, slab: float) -> tuple[TriadRests, Unit]:
     rng = np.random.default_rng(seed)
     true = unit(rng, 1000.0, 2e-3)
     up = np.array([face_normal(face) for face in FACES])
-    lean = slab * rng.standard_normal((6, 3)) * (up == 0)
-    u = up * np.sqrt(1 - np.sum(lean**2, axis=1))[:, None] + lean
+    tilt = slab * rng.standard_normal((6, 3)) * (up == 0)
+    u = up * np.sqrt(1 - np.sum(tilt**2, axis=1))[:, None] + tilt
     rate = true.output(u) + SIGMA * rng.standard_normal((6, 3))
     rests = at_rest(rate, SIGMA)
     return replace(rests, rests=tuple((0, RestRecord(f, f, NO_SERIES)) for f in FACES)), true
 
 
 @pytest.mark.parametrize("seed", range(2))
-def test_six_faces_without_heading_give_the_truth_as_far_as_a_slab_may_lean(seed: int) -> None:
+def test_six_faces_without_heading_give_the_truth_as_far_as_a_slab_may_be_tilted(seed: int) -> None:
     rests, true = on_faces(seed, 5e-3)
     joint = solve_with_rests([campaign()], None, rests)
     assert joint is not None
@@ -161,8 +161,8 @@ def test_accelerometers_that_say_nothing_determine_nothing(spoil: str) -> None:
 # A fit without redundancy
 
 
-@pytest.mark.parametrize(("attitudes", "is_said"), [(10, True), (12, True), (13, False), (24, False)])
-def test_a_fit_without_redundancy_is_said(attitudes: int, is_said: bool) -> None:
+@pytest.mark.parametrize(("attitudes", "is_reported"), [(10, True), (12, True), (13, False), (24, False)])
+def test_a_fit_without_redundancy_is_reported(attitudes: int, is_reported: bool) -> None:
     rng = np.random.default_rng(attitudes)
     scale, bias = np.array([0.99, 1.01, 1.02]), np.array([0.03, -0.02, 0.05])
     rests = []
@@ -173,4 +173,4 @@ def test_a_fit_without_redundancy_is_said(attitudes: int, is_said: bool) -> None
     found = solve([Campaign("M", "S", False, Site(0.8, 9.80665, 1e-3), (), (), rests=tuple(rests))])
     assert found.accelerometer is not None
     warned = [text for text in found.warnings if f"{attitudes} rests determine 9 parameters" in text]
-    assert bool(warned) == is_said
+    assert bool(warned) == is_reported

@@ -76,7 +76,7 @@ def test_the_sigmas_are_honest_over_many_units() -> None:
 def disturbed(seed: int, *, rest_g: float = 0.0, rest_deg_s: float = 0.0, move_rad: float = 0.0) -> Case:
     """A campaign with what is not noise: 1 sigma of each axis, drawn anew at each rest of 4 s and move of 2 s.
 
-    The gyroscopes' bias during a move is the mean of what it is at the rests beside it.
+    The gyroscopes' bias during a move is the mean of what it is at the rests next to it.
     """
     campaign, accel, gyro = campaign_of(seed, accel_noise=1e-4, gyro_noise=1e-2)
     (record,) = campaign.sequences
@@ -103,7 +103,7 @@ def rms_z(cases: list[Case]) -> float:
     )
 
 
-def test_a_seat_that_gives_leans_the_directions_and_is_in_their_sigma() -> None:
+def test_a_seat_that_gives_tilts_the_directions_and_is_in_their_sigma() -> None:
     cases = [disturbed(seed, rest_g=1e-3) for seed in range(5)]
     for campaign, _, _, fits in cases:
         assert fits.accelerometer is not None

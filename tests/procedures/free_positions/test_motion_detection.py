@@ -69,7 +69,7 @@ def test_whole_revolutions_are_those_above_the_rate_at_both_ends(degrees: float,
         (7.9, 6.76, 6.76), (0.0, 6.76, None), (150 * 361.0, 6.76, None),
     ],
 )  # fmt: skip
-def test_whole_turns_beside_a_part_of_one(gyro: float, beyond: float, angle: float | None) -> None:
+def test_whole_turns_with_a_part_of_one(gyro: float, beyond: float, angle: float | None) -> None:
     found = true_angle(gyro, beyond, 0.03, 2.0)
     assert (None if found is None else round(found, 6)) == angle
 

@@ -117,12 +117,12 @@ class Drive:
         t = np.arange(0.1, self.seconds, 1 / rate)
         path = self._integrated()
         true = np.abs(np.interp(t, path["t"], path["speed"]))
-        told = true / self.scale + rng.normal(0, WHEEL_STD, len(t)) * (true > 0.01)
+        measured = true / self.scale + rng.normal(0, WHEEL_STD, len(t)) * (true > 0.01)
         for begin, end, share in self.slips:
             during = (t > begin) & (t < end)
-            told[during] *= 1 + share * np.sin(np.pi * (t[during] - begin) / (end - begin))
-        told = np.rint(np.maximum(told, 0.0) / QUANTUM) * QUANTUM
-        return WheelSpeeds(t, np.where(true < UNFELT, 0.0, told))
+            measured[during] *= 1 + share * np.sin(np.pi * (t[during] - begin) / (end - begin))
+        measured = np.rint(np.maximum(measured, 0.0) / QUANTUM) * QUANTUM
+        return WheelSpeeds(t, np.where(true < UNFELT, 0.0, measured))
 
     def truth(self, spacing: float = 0.05) -> Trajectory:
         """Return where the IMU is, truly."""

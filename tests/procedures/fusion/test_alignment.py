@@ -113,12 +113,12 @@ def test_a_fog_at_rest_finds_north_by_the_earths_rate() -> None:
     assert np.arccos(E[2, 2]) < 4 * found.tilt_std
 
 
-def test_a_bench_that_is_knocked_or_a_gyro_that_is_too_poor_is_refused() -> None:
+def test_a_bench_that_is_disturbed_or_a_gyro_that_is_too_poor_is_refused() -> None:
     rng = np.random.default_rng(6)
     imu, _, noise = fog(rng, 60.0, np.zeros(3))
     imu.f_b[300:310] += 0.5
-    assert isinstance(knocked := align_at_rest(imu, noise, GRAVITY, EARTH), Waiting)
-    assert "still" in knocked.why
+    assert isinstance(disturbed := align_at_rest(imu, noise, GRAVITY, EARTH), Waiting)
+    assert "still" in disturbed.why
     imu, _, noise = fog(rng, 60.0, np.zeros(3))
     assert isinstance(poor := align_at_rest(imu, replace(noise, gyro_bias=1e-3), GRAVITY, EARTH), Waiting)
     assert "better gyros" in poor.why

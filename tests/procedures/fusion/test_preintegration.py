@@ -33,13 +33,13 @@ def climbing(seconds: float = 60.0, seed: int = 0) -> GnssFixes:
     return GnssFixes(t, p, v, np.full(len(t), np.nan), STD * of_each, 0.1 * of_each)
 
 
-def said(fixes: GnssFixes) -> GnssMeasurements:
+def reported(fixes: GnssFixes) -> GnssMeasurements:
     t = np.arange(-1.0, fixes.t[-1] + 1.0, 0.05)
     return measurements(fixes, ImuSeries(t, np.zeros((len(t), 3)), np.zeros((len(t), 3))))
 
 
 def test_heights_say_how_fast_it_climbs_as_well_as_they_are_known() -> None:
-    found = said(climbing())
+    found = reported(climbing())
     early = found.t < CLIMB_SPAN_S / 2
     assert np.all(np.isinf(found.v_std[early, 2]))
     late = found.t >= CLIMB_SPAN_S

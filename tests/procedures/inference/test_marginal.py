@@ -35,7 +35,7 @@ def test_of_noise_known_to_few_degrees_of_freedom_it_is_students_t() -> None:
 
 
 @pytest.mark.parametrize("noise_dof", [np.inf, 4.0])
-def test_an_option_beside_a_member_gains_the_mean_over_its_amplitudes(noise_dof: float) -> None:
+def test_an_option_with_a_member_gains_the_mean_over_its_amplitudes(noise_dof: float) -> None:
     y, A, B = random(3)
     one = board(y, [[A], [B]], AMPLITUDES, float(np.log(0.1)), noise_dof)
     found = ranked(one, (Member(0, 0.7),))

@@ -8,7 +8,7 @@ from procedures.planning.campaign_design import CampaignDesign, of_positions
 from procedures.planning.design_sigmas import DesignSigmas, WantedSigmas, wanted
 from procedures.planning.step_information import StepInformation, UnitNoise
 from procedures.positions import ATTITUDES
-from tests.procedures.twelve_positions.carried_cube import ARW, HEADING, LATITUDE, SEAT, WANDER_DEG_S
+from tests.procedures.twelve_positions.carried_cube import ARW, DRIFT_DEG_S, HEADING, LATITUDE, SEAT
 
 ARCSEC = np.pi / 180 / 3600
 OFF_DIAGONAL = [4, 5, 6, 8, 9, 10]  # of E, in k, E, D
@@ -24,7 +24,7 @@ def bench(noise: UnitNoise, closure_deg: float = 0.01) -> DesignSigmas:
     return DesignSigmas(StepInformation(Campaign("M", "S", True, site, (), (), care, Fixture()), noise))
 
 
-def unit(accel_white: float = 1e-5 * np.sqrt(0.02), instability: float = WANDER_DEG_S) -> UnitNoise:
+def unit(accel_white: float = 1e-5 * np.sqrt(0.02), instability: float = DRIFT_DEG_S) -> UnitNoise:
     """A unit of 1000 count/(g s) and 36000 count/deg; accelerometers of 10 ug a sample of 20 ms."""
     return UnitNoise(np.full(3, accel_white), np.full(3, ARW), np.full(3, 1e3), np.full(3, 36e3), instability)
 

@@ -75,13 +75,13 @@ def test_turns_and_longer_dwells_make_no_sigma_larger() -> None:
     assert np.all(with_turns <= long * (1 + 1e-6))
 
 
-def told(design) -> dict[str, IdentifiableEffect]:
+def reported(design) -> dict[str, IdentifiableEffect]:
     return {one.name: one for one in identifiable_effects(bench(unit()), design)}
 
 
-def test_twelve_placings_and_turns_tell_what_is_known_that_they_do() -> None:
+def test_twelve_placements_and_turns_determine_what_is_known_that_they_do() -> None:
     """K2 is one with the parallelism of an uncertified cube, K3 with the scale factor (effects.md)."""
-    usual = told(usual_design(moves=False))
+    usual = reported(usual_design(moves=False))
     assert not usual["accelerometer.quadratic"].is_identified
     assert not usual["accelerometer.cubic"].is_identified
     assert usual["accelerometer.bias_drift"].is_identified
@@ -90,17 +90,17 @@ def test_twelve_placings_and_turns_tell_what_is_known_that_they_do() -> None:
     assert "gyroscope.bias_temperature" not in usual  # nobody plans temperatures
 
 
-def test_turns_one_way_alone_do_not_tell_an_asymmetry_and_no_turn_tells_nothing_of_scale() -> None:
+def test_turns_one_way_alone_do_not_determine_an_asymmetry_and_no_turn_determines_nothing_of_scale() -> None:
     usual = usual_design(moves=False)
     one_way = replace(
         usual, placements=tuple(at for at in usual.placements if at.turn is None or at.turn % 2 == 0)
     )
-    assert not told(one_way)["gyroscope.scale_asymmetry"].is_identified
-    assert not told(replace(order(list(POSITIONS)), moves=False))["gyroscope.scale_asymmetry"].is_identified
+    assert not reported(one_way)["gyroscope.scale_asymmetry"].is_identified
+    assert not reported(replace(order(list(POSITIONS)), moves=False))["gyroscope.scale_asymmetry"].is_identified
 
 
-def test_moves_tell_an_asymmetry_and_the_second_order_that_placings_alone_do_not() -> None:
-    halves = told(order(HALVES))
+def test_moves_determine_an_asymmetry_and_the_second_order_that_placements_alone_do_not() -> None:
+    halves = reported(order(HALVES))
     assert halves["gyroscope.scale_asymmetry"].is_identified
     quadratic = halves["accelerometer.quadratic"]
     assert quadratic.is_identified

@@ -90,10 +90,10 @@ def test_the_best_of_all_orders_is_found_with_its_score(ends: str, moves: bool) 
     head, tail = ENDS[ends]
     asked = ASKED if moves or tail else accelerometer_bias(2e-7)  # without a rotation scale factors are open
     search = OrderSearch(ENGINE, asked, SECONDS, AMONG, tail, moves, head)
-    found, said = search.best(3, beginnings=25)
+    found, reported = search.best(3, beginnings=25)
     every = designs(3, head, tail, moves)
     least = min(score(each, asked) for each in every)
     assert found.placements in [each.placements for each in every]
     assert found.moves == moves
     assert score(found, asked) == pytest.approx(least, rel=1e-5)
-    assert said == pytest.approx(score(found, asked), rel=1e-6)
+    assert reported == pytest.approx(score(found, asked), rel=1e-6)

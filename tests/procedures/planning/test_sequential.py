@@ -50,7 +50,7 @@ def test_what_was_done_stays_and_its_score_is_that_of_the_whole() -> None:
     assert score == pytest.approx(float(asked.score(ENGINE.of(found))), rel=1e-4)
 
 
-def test_what_cannot_be_reached_is_said() -> None:
+def test_what_cannot_be_reached_is_reported() -> None:
     done = [Placement(position, 50.0) for position in (1, 3, 6, 8)]
     found = next_placement(ENGINE, gyroscopes(bias=1e-4), done)
     assert not found.is_reachable

@@ -35,12 +35,12 @@ def test_a_steady_unit_raises_no_more_alarms_than_the_limit_says(turn_on: float)
     charts = [control_chart(unit(rng, 10, turn_on), limit) for _ in range(units)]
     z = np.array([chart.z for chart in charts if chart is not None])
     ewma = np.array([chart.ewma / chart.ewma_std for chart in charts if chart is not None])
-    said = 2 * norm.sf(limit)
+    reported = 2 * norm.sf(limit)
     for found in (z, ewma):
-        sigma = np.sqrt(said / z.size) * (2 if found is ewma else 1)  # neighbours of an average are alike
-        assert np.mean(np.abs(found) > limit) < said + 4 * sigma
+        sigma = np.sqrt(reported / z.size) * (2 if found is ewma else 1)  # neighbours of an average are alike
+        assert np.mean(np.abs(found) > limit) < reported + 4 * sigma
     if turn_on == 50.0:
-        assert np.mean(np.abs(z) > limit) == pytest.approx(said, abs=4 * np.sqrt(said / z.size))
+        assert np.mean(np.abs(z) > limit) == pytest.approx(reported, abs=4 * np.sqrt(reported / z.size))
 
 
 def test_a_jump_is_an_alarm_at_once() -> None:

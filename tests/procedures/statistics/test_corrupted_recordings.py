@@ -168,7 +168,7 @@ CORRUPTED: dict[str, tuple[str, Callable[[Rng], FloatArray], float]] = {
 
 
 @pytest.mark.parametrize("kind", CORRUPTED)
-def test_a_corrupted_recording_is_named_and_its_random_walk_within_what_is_said(kind: str) -> None:
+def test_a_corrupted_recording_is_named_and_its_random_walk_within_what_is_stated(kind: str) -> None:
     name, make, walk = CORRUPTED[kind]
     missed = list[object]()
     for seed in range(3):

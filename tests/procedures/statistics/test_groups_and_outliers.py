@@ -39,7 +39,7 @@ def test_a_planted_shift_comes_back_within_its_own_sigma() -> None:
     assert np.mean([one.p_value < 1e-3 for one in found]) > 0.95
 
 
-def test_units_on_one_cube_only_tell_nothing() -> None:
+def test_units_on_one_cube_only_determine_nothing() -> None:
     inside = np.array([True, True, False, False])
     assert group_shift(["a", "b", "c", "d"], inside, np.zeros(4), np.ones(4)) is None
     assert group_shift(["a", "a", "b", "b"], np.tile([True, False], 2), np.zeros(4), np.ones(4)) is None

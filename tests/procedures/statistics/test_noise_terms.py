@@ -65,7 +65,7 @@ def test_white_noise_has_no_other_term() -> None:
         assert [name for name in TERMS if terms[name].value is not None] == ["random_walk"]
 
 
-def test_a_ramp_is_told_by_its_coefficient() -> None:
+def test_a_ramp_is_determined_by_its_coefficient() -> None:
     rate = np.random.default_rng(1).normal(size=50_000) + 2e-2 * np.arange(50_000) * 0.02
     term = noise_terms(overlapping_deviation(rate, 0.02))["rate_ramp"]
     assert term.low < 2e-2 < term.high

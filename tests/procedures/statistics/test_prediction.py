@@ -49,7 +49,7 @@ def test_a_long_trend_is_followed_and_narrow() -> None:
     assert year_on.high_95 - year_on.low_95 < 20.0  # of the 36 that the trend makes in that year
 
 
-def test_the_interval_touches_the_limit_on_the_day_that_is_said() -> None:
+def test_the_interval_touches_the_limit_on_the_day_that_is_stated() -> None:
     day = np.linspace(0, 1500, 12)
     series = CalibrationSeries(day, 0.02 * day + np.random.default_rng(2).standard_normal(12), np.ones(12))
     found = forecast(series, low=-50.0, high=50.0)
@@ -72,7 +72,7 @@ def test_two_calibrations_are_too_few_and_equal_times_are_not() -> None:
     assert np.isfinite([found.at(0.0).low_95, found.at(400.0).high_95]).all()
 
 
-# The filter beside generalised least squares of all calibrations at once
+# The filter against generalised least squares of all calibrations at once
 
 
 TURN_ON, WALK, TREND = np.array([2.0, 0.1, 5.0]), np.array([0.1, 0.3, 1e-3]), np.array([0.01, 0.05, 1e-3])

@@ -20,8 +20,8 @@ def test_the_density_integrates_to_the_variance_and_is_flat_for_white_noise() ->
 def test_the_density_is_that_of_the_library(n: int, segment: int) -> None:
     rate = np.random.default_rng(n).standard_normal(n) + np.arange(n) / n
     expected = signal.welch(rate, 50.0, "hann", segment, detrend=without_straight_line)
-    for got, told in zip(welch(rate, 0.02, segment), expected, strict=True):
-        assert np.allclose(got, told, rtol=1e-12, atol=0.0)
+    for got, reported in zip(welch(rate, 0.02, segment), expected, strict=True):
+        assert np.allclose(got, reported, rtol=1e-12, atol=0.0)
 
 
 @pytest.mark.parametrize("colour", [0, 1])  # white, and a random walk over white
@@ -64,10 +64,10 @@ def test_they_are_what_every_sample_by_itself_gives(n: int) -> None:
     assert sine_sum(values, TURNS) == pytest.approx(complex(values @ np.conj(wave)), abs=1e-9)
 
 
-def test_parts_sums_tell_a_frequency_near_by() -> None:
+def test_parts_sums_determine_a_frequency_near_by() -> None:
     n, values = 10_007, np.random.default_rng(1).normal(size=10_007)
     middles, sums = slowed(values, TURNS, 1000)
     off = 1 / n
-    told = complex(sums @ np.exp(-2j * np.pi * off * middles))
+    reported = complex(sums @ np.exp(-2j * np.pi * off * middles))
     noise = np.sqrt(n)  # 1 sigma of what noise of 1 does to a sum
-    assert abs(told - sine_sum(values, TURNS + off)) < 4 * (2 / 1000) * noise
+    assert abs(reported - sine_sum(values, TURNS + off)) < 4 * (2 / 1000) * noise

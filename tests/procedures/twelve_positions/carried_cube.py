@@ -29,7 +29,7 @@ from tests.procedures.independent import COMPASS, NO_SERIES, dwells
 
 LATITUDE, ARW, DWELL_S = 0.55, 1e-4, 100.0  # rad, deg/sqrt(s), s
 EARTH = 7.292115e-5 * np.array([0.0, np.cos(LATITUDE), np.sin(LATITUDE)])
-WANDER_DEG_S, SEAT, HEADING = 0.01 / 3600, 5e-6, float(np.radians(0.05))
+DRIFT_DEG_S, SEAT, HEADING = 0.01 / 3600, 5e-6, float(np.radians(0.05))
 FACE, SLAB, ACCEL_STD_G = 3e-5, 3e-5, 1e-7
 FINE = 400  # steps a second
 TURNS = [
@@ -129,7 +129,7 @@ def campaign(
 
     def counted(angle: FloatArray) -> CountSeries:
         period = 1 / hz
-        bias = k * (D + WANDER_DEG_S * rng.standard_normal(3)) * period
+        bias = k * (D + DRIFT_DEG_S * rng.standard_normal(3)) * period
         output = np.degrees(angle) @ K.T + bias + k * ARW * np.sqrt(period) * rng.standard_normal(angle.shape)
         counts = np.diff(np.floor(np.vstack((np.zeros(3), output.cumsum(axis=0))) + rng.random(3)), axis=0)
         t = period * np.arange(1.0, len(counts) + 1)
@@ -157,7 +157,7 @@ def campaign(
         for i, ((_, begin, name), (end, _, to)) in enumerate(pairs)
     )
     white, stands = ARW / np.sqrt(DWELL_S), stands[: len(order)]
-    noise = np.hypot(white, WANDER_DEG_S) * rng.standard_normal((len(order), 3))
+    noise = np.hypot(white, DRIFT_DEG_S) * rng.standard_normal((len(order), 3))
     rates = np.array([K @ np.degrees(C.apply(EARTH)) for C in stands]) + k * (D + noise)
     forces = 1000 * np.array([C.apply([0, 0, 1.0]) for C in stands]) + 1000 * ACCEL_STD_G * rng.standard_normal(
         (len(order), 3)
@@ -165,7 +165,7 @@ def campaign(
     steps = tuple(DwellRecord(n, ATTITUDES.index(a) + 1, NO_SERIES) for n, a in zip(names, order, strict=False))
     procedure = ProcedureSigma(HEADING, closure or ProcedureSigma(HEADING).closure, seat=SEAT)
     site = Site(LATITUDE, 9.80665, 1e-9)
-    told = Campaign("M", "S", True, site, steps, tuple(turns), procedure, Fixture(), moves=moves)
+    specified = Campaign("M", "S", True, site, steps, tuple(turns), procedure, Fixture(), moves=moves)
     normals = np.eye(3)
     q = (faces[::2] - faces[1::2]) / 2
     for pair in range(3):
@@ -175,7 +175,7 @@ def campaign(
     skew = np.array([q[0, 0] + q[1, 0], q[0, 1] + q[2, 0], q[1, 1] + q[2, 1]])
     truth = np.concatenate((k, E_mean.ravel(), D * 3600))
     return Carried(
-        told, _seen(forces, 1000 * ACCEL_STD_G, steps), _seen(rates, 36000 * white, steps), truth, skew, slab
+        specified, _seen(forces, 1000 * ACCEL_STD_G, steps), _seen(rates, 36000 * white, steps), truth, skew, slab
     )
 
 

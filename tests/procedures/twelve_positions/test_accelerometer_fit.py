@@ -114,7 +114,7 @@ def test_the_joint_solve_s_sigmas_are_neither_too_small_nor_too_large() -> None:
     assert np.all(np.sqrt(np.mean(z**2, axis=0)) < 1.5)  # 40 values each: 4.4 sigma
 
 
-def test_the_paper_s_cube_is_solved_but_for_the_skew_that_its_items_do_not_foretell() -> None:
+def test_the_paper_s_cube_is_solved_but_for_the_skew_that_its_items_do_not_predict() -> None:
     """Table 2's items put q at -p/4 and -p/8; P1's cube has other skews, each worth half its product with p."""
     joint = solve_accelerometer([campaign()], dwells(paper_rates(), SIGMA))
     assert joint is not None

@@ -97,7 +97,7 @@ def test_a_certificate_holds_the_tilt_of_its_face() -> None:
     for pair in range(3):
         for sign, k in ((1, 0), (-1, 1)):
             found = bench.parallelism(x)[pair] / 2 + sign * bench.perpendicularity(x)[pair]
-            pull = 2 * (sigma / FACE_TILT_RANGE_RAD) ** 2  # of the wide prior beside it, relative
+            pull = 2 * (sigma / FACE_TILT_RANGE_RAD) ** 2  # of the wide prior next to it, relative
             assert found == pytest.approx((2 * pair + k + 1) * tilt, rel=4 * pull)
     assert prior_sigma(bench)[3:9] == pytest.approx(np.sqrt(2) * sigma, rel=1e-4)
     assert prior_sigma(bench)[9:15] == pytest.approx(sigma / np.sqrt(2), rel=1e-4)

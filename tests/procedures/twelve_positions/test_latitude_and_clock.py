@@ -55,9 +55,9 @@ def test_a_site_elsewhere_is_contradicted_and_the_right_one_measured(campaign: C
 
 def test_a_solution_warns_of_it_with_both_values(campaign: Campaign) -> None:
     assert not [text for text in solve([campaign]).warnings if "latitude" in text]
-    (said,) = [text for text in solve([stated_at(campaign, 0.0)]).warnings if "latitude" in text]
-    assert "0.00 deg" in said
-    assert f"{np.degrees(measured(stated_at(campaign, 0.0)).value):.1f}" in said
+    (reported,) = [text for text in solve([stated_at(campaign, 0.0)]).warnings if "latitude" in text]
+    assert "0.00 deg" in reported
+    assert f"{np.degrees(measured(stated_at(campaign, 0.0)).value):.1f}" in reported
 
 
 # Sensitivity to errors of the time base and of the latitude, by hand

@@ -30,10 +30,10 @@ OFF_DIAGONAL = [4, 5, 6, 8, 9, 10]  # of E, in k, E, D
 SEEDS = (1, 2, 3)
 
 
-def solved(of: Carried, told: Campaign | None = None) -> tuple[GyroscopeFit, TriadVector]:
-    told = told or of.campaign
-    accelerometer = solve_accelerometer([told], of.accelerometer)
-    found = solve_gyroscope([told], of.gyroscope, [], accelerometer)
+def solved(of: Carried, specified: Campaign | None = None) -> tuple[GyroscopeFit, TriadVector]:
+    specified = specified or of.campaign
+    accelerometer = solve_accelerometer([specified], of.accelerometer)
+    found = solve_gyroscope([specified], of.gyroscope, [], accelerometer)
     assert found is not None
     return found, triad_vector(found.joint, "gyroscope", accelerometer)
 
@@ -50,9 +50,9 @@ def test_twelve_positions_and_the_moves_between_them_give_the_gyroscopes_without
 ) -> None:
     error = np.array([vector.value - of.truth for of, _, vector in solutions])
     sigma = np.array([np.sqrt(np.diag(vector.covariance)) for _, _, vector in solutions])
-    told = np.hstack(((error / sigma)[:, :3], (error / sigma)[:, OFF_DIAGONAL], (error / sigma)[:, 12:]))
-    assert np.abs(told).max() < 4
-    assert np.sqrt(np.mean(told**2)) < 1.4
+    specified = np.hstack(((error / sigma)[:, :3], (error / sigma)[:, OFF_DIAGONAL], (error / sigma)[:, 12:]))
+    assert np.abs(specified).max() < 4
+    assert np.sqrt(np.mean(specified**2)) < 1.4
     assert np.all(sigma[:, :3] / 36000 < 7e-6)
     assert np.all(sigma[:, OFF_DIAGONAL] < 1.8 * ARCSEC)
     assert np.all(sigma[:, 12:] < 0.016)
@@ -78,7 +78,7 @@ def test_the_residual_is_as_large_as_it_should_be(
         assert np.abs(found.moves.error / found.moves.sigma[:, None]).max() < 4.5
 
 
-def test_a_placing_with_a_wrong_heading_is_said_to_contradict_its_moves() -> None:
+def test_a_placement_with_a_wrong_heading_is_reported_to_contradict_its_moves() -> None:
     made = campaign(4, POSITIONS)
     steps = list(made.campaign.dwells)
     steps[4] = replace(steps[4], position=6)  # the same face, turned by half a turn
@@ -127,17 +127,17 @@ def test_the_24_attitudes_are_all_there_are_and_the_twelve_keep_their_numbers() 
 ORDER = tuple("ENU ESD USE DSW SUW NDW NWU SWD UWS DES EUS EDN".split())
 
 
-def test_brisk_moves_are_left_out_and_said_and_the_others_solve() -> None:
-    slow, brisk = campaign(3, ORDER, seconds=25.0, hz=50.0), campaign(3, ORDER, seconds=4.0, hz=12.5)
-    moves = (*slow.campaign.moves[:-1], brisk.campaign.moves[-1])
+def test_fast_moves_are_left_out_and_reported_and_the_others_solve() -> None:
+    slow, fast = campaign(3, ORDER, seconds=25.0, hz=50.0), campaign(3, ORDER, seconds=4.0, hz=12.5)
+    moves = (*slow.campaign.moves[:-1], fast.campaign.moves[-1])
     made = replace(slow, campaign=replace(slow.campaign, moves=moves))
     accelerometer = solve_accelerometer([made.campaign], made.accelerometer)
     fit = solve_gyroscope([made.campaign], made.gyroscope, [], accelerometer)
     assert fit is not None
     assert fit.moves is not None
-    [said] = fit.moves.moves.left_out
-    assert said.startswith("move_10 not used: moved too fast, ")
-    assert said.endswith(" arcsec of coning")
+    [reported] = fit.moves.moves.left_out
+    assert reported.startswith("move_10 not used: moved too fast, ")
+    assert reported.endswith(" arcsec of coning")
     assert len(fit.moves.moves.records) == 10
     vector = triad_vector(fit.joint, "gyroscope", accelerometer)
     off = (vector.value - made.truth)[:3] / np.sqrt(np.diag(vector.covariance))[:3]
@@ -194,7 +194,7 @@ def derivative(samples: MoveSamples, change: FloatArray) -> FloatArray:
 def test_the_change_of_a_rotation_is_its_derivative(
     axis: tuple[float, float, float], hz: float, within: float
 ) -> None:
-    """Half a sample's turn beside it, 0.05 at 20 Hz, and what nothing shows would seem to be known."""
+    """Half a sample's turn next to it, 0.05 at 20 Hz, and what nothing shows would seem to be known."""
     samples = half_turn(np.array(axis), hz)
     found = integrate_moves(samples, K, B)
     assert Rotation.from_matrix(found.rotation[0] @ move_rotations(samples, K, B)[0].T).magnitude() < 1e-12

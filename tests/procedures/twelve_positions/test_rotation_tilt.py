@@ -16,8 +16,11 @@ from procedures.uncertainty import sources
 from procedures.uncertainty.row_variance import gyroscope_shares
 from procedures.units import RAD_PER_ARCSEC
 
-CRUMB = np.radians([0.08, -0.09, 0.0])  # rad, rotation of the cube about its x and y: 433 arcsec
-LEAN = [-CRUMB[1], CRUMB[0]]  # of the up vector along x and y: what is up turns the other way, as the cube sees it
+DEBRIS = np.radians([0.08, -0.09, 0.0])  # rad, rotation of the cube about its x and y: 433 arcsec
+TILT = [
+    -DEBRIS[1],
+    DEBRIS[0],
+]  # of the up vector along x and y: what is up turns the other way, as the cube sees it
 
 
 def truth(seed: int = 7) -> Truth:
@@ -57,28 +60,28 @@ def tilts(of: CampaignFits) -> dict[str, RotationTilt]:
     return {turn.record.name: tilt for turn, tilt in named if tilt is not None}
 
 
-def test_a_crumb_under_turns_is_measured_and_said_and_in_the_sigma() -> None:
+def test_debris_under_turns_is_measured_and_reported_and_in_the_sigma() -> None:
     true = truth()
     clean = simulate_campaign(true, 7, dwell_s=20.0, certificate_sigma=5e-6)
-    fits = fit([with_turns_of_z(clean, SimulatedImu(true, 8), CRUMB)])
+    fits = fit([with_turns_of_z(clean, SimulatedImu(true, 8), DEBRIS)])
     for name in ("turn_z_+", "turn_z_-"):
         tilt = tilts(fits)[name]
         assert tilt.is_off
-        assert np.all(np.abs(tilt.mean - LEAN) < 4 * tilt.std)
+        assert np.all(np.abs(tilt.mean - TILT) < 4 * tilt.std)
         assert np.all(tilt.std < 20 * RAD_PER_ARCSEC)
     assert np.abs(errors(fits, true)).max() < 4
-    said = [each for each in report(fits).warnings if "tilted by 4" in each]
-    assert [each.split(":")[0] for each in said] == ["turn_z_+", "turn_z_-"]
+    reported = [each for each in report(fits).warnings if "tilted by 4" in each]
+    assert [each.split(":")[0] for each in reported] == ["turn_z_+", "turn_z_-"]
     assert fits.gyroscope is not None
     shares = gyroscope_shares(fits.gyroscope, tilts=True)
     assert any(cell.source == sources.SEAT for cell in shares)
 
 
-def test_the_bias_step_of_another_turn_on_is_no_crumb_and_hides_none() -> None:
+def test_the_bias_step_of_another_turn_on_is_no_debris_and_hides_none() -> None:
     true = truth()
     clean = simulate_campaign(true, 7, dwell_s=20.0, certificate_sigma=5e-6)
     again = replace(true, accel_d_g=true.accel_d_g + np.array([2e-3, -1e-3, 1e-3]))  # 1 mg looks like 206 arcsec
-    for off in (None, CRUMB):
+    for off in (None, DEBRIS):
         imu = SimulatedImu(again, 8)
         imu.read(round(8 / true.sample_period_s))
         rest = DwellRecord("dwell_01_2", 1, block_series([imu.read(400)], true.sample_period_s), 2)

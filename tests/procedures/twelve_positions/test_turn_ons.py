@@ -59,7 +59,7 @@ def test_without_the_mark_the_global_test_refuses_what_the_mark_explains() -> No
 UNSETTLED = 1e-3 * STANDARD_GRAVITY  # m/s2, far above the noise of a dwell
 
 
-def test_an_accelerometers_bias_is_known_no_better_than_twelve_draws_tell_and_about_as_one_does() -> None:
+def test_an_accelerometers_bias_is_known_no_better_than_twelve_draws_determine_and_about_as_one_does() -> None:
     campaign = planted(3)
     stated = replace(campaign, sigma=replace(campaign.sigma, unsettled_accelerometer=UNSETTLED))
     plain, wide = (

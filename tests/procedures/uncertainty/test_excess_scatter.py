@@ -42,7 +42,7 @@ def test_what_temperature_explains_of_the_squares_is_not_counted_twice() -> None
     assert cell.dof == 18 / 4
 
 
-def test_what_wanders_within_dwells_adds_to_their_counting_noise() -> None:
+def test_what_drifts_within_dwells_adds_to_their_counting_noise() -> None:
     """Of 2 dwells whose noise is half of their sigma 3 squares add 3 / 4 of a variance each, of others none."""
     joint: Any = SimpleNamespace(
         seen=SimpleNamespace(dwells=[1, 2]), fit=SimpleNamespace(residual=np.zeros(8)),

@@ -52,7 +52,7 @@ def test_looks_at_noise_in_rates_are_two_thirds_of_the_blocks() -> None:
     assert noise_dof([], noise).tolist() == [1.0] * 3
 
 
-def test_a_scatter_found_beside_what_was_expected_is_known_by_its_share_squared() -> None:
+def test_a_scatter_found_with_what_was_expected_is_known_by_its_share_squared() -> None:
     assert scatter_dof(40.0, np.array([3.0, 1.0]), np.array([1.0, 1.0])) == pytest.approx(40 * 0.375**2)
     assert scatter_dof(40.0, np.array([1.0]), np.array([0.1])) == 1.0
 

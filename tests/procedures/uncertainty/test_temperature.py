@@ -45,7 +45,7 @@ def test_what_noise_does_once_in_a_hundred_times_is_no_effect() -> None:
         assert (temperature_effect(fit(residual), columns(WARM)) is not None) == counts
 
 
-def test_a_variance_is_never_less_than_nought_and_what_the_fit_absorbs_tells_nothing() -> None:
+def test_a_variance_is_never_less_than_zero_and_what_the_fit_absorbs_determines_nothing() -> None:
     found = temperature_effect(fit(0.6 * WARM), columns(WARM))
     assert found is not None
     across = np.zeros((15, ROWS))

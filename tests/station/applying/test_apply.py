@@ -1,4 +1,4 @@
-"""`station apply`: every form that is read, every form that is written, and what is said beside it."""
+"""`station apply`: every form that is read, every form that is written, and what is reported with it."""
 
 import json
 from collections.abc import Callable
@@ -59,9 +59,9 @@ def test_from_every_form_it_is_what_the_equations_say(
         assert np.array_equal(arrays["t_s"], T_S)
         assert np.array_equal(arrays["temp_c"], TEMP)
         assert form == "a.mcap" or np.array_equal(arrays["aux_volts"], VOLTS)
-    beside = json.loads((tmp_path / "o.npz.json").read_text())
-    assert beside["samples"] == N
-    assert beside["period_s"] == pytest.approx(PERIOD, rel=1e-12)
+    sidecar = json.loads((tmp_path / "o.npz.json").read_text())
+    assert sidecar["samples"] == N
+    assert sidecar["period_s"] == pytest.approx(PERIOD, rel=1e-12)
 
 
 def test_running_counts_become_increments(tmp_path: Path) -> None:
@@ -98,12 +98,12 @@ def test_frames_and_units(tmp_path: Path, by_hand: tuple[np.ndarray, ...]) -> No
 def test_the_sigma_is_that_of_the_calibrations_parameters(tmp_path: Path) -> None:
     known, source = calibration_file(tmp_path), write_npz(tmp_path / "a.npz")
     apply(source, "--calibration", known, "--out", tmp_path / "o.npz")
-    beside = json.loads((tmp_path / "o.npz.json").read_text())
-    assert beside["spans_s"] == [[T_S[0], T_S[2999]], [T_S[3000], T_S[-1]]]
+    sidecar = json.loads((tmp_path / "o.npz.json").read_text())
+    assert sidecar["spans_s"] == [[T_S[0], T_S[2999]], [T_S[3000], T_S[-1]]]
     of_a_second = slice(0, 3000, 50)
     drawn = drawn_std(document(), COUNTS[of_a_second] / PERIOD, T_S[of_a_second], TEMP[of_a_second], draws=200)
-    said = [*beside["specific_force_std_m_s2"][0], *beside["angular_rate_std_rad_s"][0]]
-    assert said == pytest.approx(drawn, rel=4 / np.sqrt(2 * 200))
+    reported = [*sidecar["specific_force_std_m_s2"][0], *sidecar["angular_rate_std_rad_s"][0]]
+    assert reported == pytest.approx(drawn, rel=4 / np.sqrt(2 * 200))
 
 
 def _csv(path: Path) -> np.ndarray:
@@ -218,7 +218,7 @@ def test_what_is_interrupted_leaves_nothing(tmp_path: Path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.npz", "calibration.json"]
 
 
-def test_warnings_of_every_block_are_said_with_counts(tmp_path: Path) -> None:
+def test_warnings_of_every_block_are_reported_with_counts(tmp_path: Path) -> None:
     n = 40_000  # more than two blocks
     temp = np.full(n, np.nan)
     temp[-100:] = 60.0  # nothing before
@@ -236,13 +236,13 @@ def test_warnings_of_every_block_are_said_with_counts(tmp_path: Path) -> None:
     assert "39900 samples" in missing
 
 
-def test_the_document_beside_it_says_of_what_and_by_what_it_is(tmp_path: Path) -> None:
+def test_the_document_next_to_it_says_of_what_and_by_what_it_is(tmp_path: Path) -> None:
     from fixtures_db.hash_chain import canonical, digest
 
     source = write_campaign(tmp_path / "c")
     apply(source, "--calibration", calibration_file(tmp_path), "--out", tmp_path / "o.npz", "--frame", "cube")
-    beside = json.loads((tmp_path / "o.npz.json").read_text())
+    sidecar = json.loads((tmp_path / "o.npz.json").read_text())
     stored = json.loads((tmp_path / "calibration.json").read_text())
-    assert beside["calibration"]["sha256"] == digest(canonical(stored))
-    assert (beside["frame"], beside["axes"], beside["mounting"]) == ("cube", "+y,-x,+z", "+y,-x,+z")
-    assert beside["software"].startswith("fog-station")
+    assert sidecar["calibration"]["sha256"] == digest(canonical(stored))
+    assert (sidecar["frame"], sidecar["axes"], sidecar["mounting"]) == ("cube", "+y,-x,+z", "+y,-x,+z")
+    assert sidecar["software"].startswith("fog-station")

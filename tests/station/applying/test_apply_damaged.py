@@ -34,8 +34,8 @@ def write(path: Path) -> Path:
 def test_damage_is_refused_in_one_line_and_nothing_is_written(name: str, tmp_path: Path) -> None:
     known, source, out = calibration_file(tmp_path), write(tmp_path / name), tmp_path / "out.csv"
     whole, draw = source.read_bytes(), np.random.default_rng(7)
-    telling = [*range(0, 8, 3), *range(len(whole) - 60, len(whole), 9)]  # magic, directory and footer
-    for i, at in enumerate([*telling, *draw.integers(0, len(whole), DAMAGES).tolist()]):
+    decisive = [*range(0, 8, 3), *range(len(whole) - 60, len(whole), 9)]  # magic, directory and footer
+    for i, at in enumerate([*decisive, *draw.integers(0, len(whole), DAMAGES).tolist()]):
         content = bytearray(whole[: at if i % 5 == 4 else None])
         if at < len(content):
             content[at] ^= 1 << int(draw.integers(8))

@@ -98,7 +98,7 @@ def test_what_is_right_is_applied(tmp_path: Path, hz: float, rest: slice | None)
 
 
 @pytest.mark.parametrize("first", [True, False])
-def test_free_fall_beside_a_rest_is_written(tmp_path: Path, first: bool) -> None:
+def test_free_fall_next_to_a_rest_is_written(tmp_path: Path, first: bool) -> None:
     f, omega = felt(20.0, 100.0)
     f[: 1500 if first else 0] = 0.0
     f[len(f) if first else 500 :] = 0.0

@@ -36,7 +36,7 @@ HUGE = effect("accelerometer.quadratic", x=-0.9, y=2.0, z=2.0)
 
 
 @pytest.mark.parametrize(
-    ("columns", "effects", "options", "said"),
+    ("columns", "effects", "options", "reported"),
     [
         (COLUMNS, (), ("--serial", "S2"), "S2"),
         (WITHOUT_T, (LAGS,), (), "gyroscope.temperature_lag (up to 75 deg/h)"),
@@ -51,12 +51,12 @@ HUGE = effect("accelerometer.quadratic", x=-0.9, y=2.0, z=2.0)
 )  # fmt: skip
 def test_bad_input_is_refused_and_nothing_is_written(
     tmp_path: Path, columns: dict[str, np.ndarray], effects: tuple[dict[str, object], ...],
-    options: tuple[str, ...], said: str,
+    options: tuple[str, ...], reported: str,
 ) -> None:  # fmt: skip
     known, source = calibration_file(tmp_path, *effects), write_csv(tmp_path / "a.csv", columns)
     with nothing_written(tmp_path):
         result = apply(source, "--calibration", known, "--out", tmp_path / "o.csv", *options)
-    assert said in str(refusal(result))
+    assert reported in str(refusal(result))
 
 
 def test_a_calibration_of_rates_refuses_counts(tmp_path: Path) -> None:
@@ -71,11 +71,11 @@ def test_a_calibration_of_rates_refuses_counts(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("names", "options", "said"),
+    ("names", "options", "reported"),
     [("{} [rad/s]", (), "0.01745"), ("{}_deg_s", (), "3.593e+05"), ("{}", ("--unit-gyro", "deg/h"), "3600")],
 )
 def test_rates_in_another_unit_than_the_calibrations_are_refused(
-    tmp_path: Path, names: str, options: tuple[str, ...], said: str
+    tmp_path: Path, names: str, options: tuple[str, ...], reported: str
 ) -> None:
     known = calibration_file(tmp_path, unit="output")
     columns = {names.format(n) if n in NAMES[:3] else n: c for n, c in COLUMNS.items()}
@@ -83,7 +83,7 @@ def test_rates_in_another_unit_than_the_calibrations_are_refused(
     result = apply(
         write_csv(tmp_path / "a.csv", columns), "--calibration", known, "--out", tmp_path / "o.npz", *stated
     )
-    assert said in str(refusal(result))
+    assert reported in str(refusal(result))
 
 
 @pytest.mark.parametrize(

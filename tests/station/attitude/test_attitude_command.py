@@ -39,15 +39,15 @@ def log(tmp_path: Path) -> Path:
     "aid", ["none", "airspeed", "airspeed-filter", "paper-airspeed", "paper-airspeed-rate", "paper-filter"]
 )
 def test_every_aid_writes_the_contract(log: Path, tmp_path: Path, aid: str) -> None:
-    out, said = tmp_path / "out.csv", tmp_path / "out.json"
-    assert run(["attitude", str(log), "--aid", aid, "--out", str(out), "--json", str(said)]) == 0
+    out, reported = tmp_path / "out.csv", tmp_path / "out.json"
+    assert run(["attitude", str(log), "--aid", aid, "--out", str(out), "--json", str(reported)]) == 0
     table = np.genfromtxt(out, delimiter=",", names=True)
     assert table.dtype.names == ("t_s", "roll_rad", "pitch_rad", "down_x", "down_y", "down_z")
     assert len(table) == 950
     down = np.stack([table["down_x"], table["down_y"], table["down_z"]], axis=1)
     assert np.abs(np.linalg.norm(down, axis=1) - 1).max() < 1e-6
     assert np.allclose(np.arctan2(table["down_y"], table["down_z"]), table["roll_rad"], atol=1e-6)
-    document = json.loads(said.read_text())
+    document = json.loads(reported.read_text())
     assert document["format"] == "attitude/1"
     assert document["aid"] == aid
     assert document["rows"] == 950
@@ -59,16 +59,16 @@ def test_every_aid_writes_the_contract(log: Path, tmp_path: Path, aid: str) -> N
 
 
 def test_without_an_aid_the_best_is_taken_and_both_directions_are_better(log: Path, tmp_path: Path) -> None:
-    said = tmp_path / "out.json"
-    assert run(["attitude", str(log), "--json", str(said)]) == 0
-    online = json.loads(said.read_text())
+    reported = tmp_path / "out.json"
+    assert run(["attitude", str(log), "--json", str(reported)]) == 0
+    online = json.loads(reported.read_text())
     assert (online["aid"], online["direction"]) == ("airspeed-filter", "forwards")
     out = tmp_path / "out.csv"
-    assert run(["attitude", str(log), "--direction", "both", "--out", str(out), "--json", str(said)]) == 0
+    assert run(["attitude", str(log), "--direction", "both", "--out", str(out), "--json", str(reported)]) == 0
     assert len(np.genfromtxt(out, delimiter=",", names=True)) == 950
-    assert json.loads(said.read_text())["sigma_deg"] < online["sigma_deg"]
-    assert run(["attitude", str(log), "--aid", "none", "--tau", "10", "--json", str(said)]) == 0
-    assert json.loads(said.read_text())["parameters"]["k1"] == pytest.approx(0.2)  # 2 / tau
+    assert json.loads(reported.read_text())["sigma_deg"] < online["sigma_deg"]
+    assert run(["attitude", str(log), "--aid", "none", "--tau", "10", "--json", str(reported)]) == 0
+    assert json.loads(reported.read_text())["parameters"]["k1"] == pytest.approx(0.2)  # 2 / tau
 
 
 @pytest.mark.parametrize("command", [["attitude", "--out"], ["attitude", "--json"], ["tune", "--json"]])
@@ -84,9 +84,9 @@ def test_the_log_is_never_written_over_by_whatever_path_it_is_named(log: Path, c
 def test_tune_shows_the_curve_and_writes_it(log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["tune", str(log), "--aid", "airspeed"]) == 0
     assert "--tau" in capsys.readouterr().out
-    said = tmp_path / "out.json"
-    assert run(["tune", str(log), "--gains", "--json", str(said)]) == 0
-    document = json.loads(said.read_text())
+    reported = tmp_path / "out.json"
+    assert run(["tune", str(log), "--gains", "--json", str(reported)]) == 0
+    document = json.loads(reported.read_text())
     assert document["format"] == "tuning/1"
     assert len(document["curve"]) == 63
     assert run(["tune", str(log), "--aid", "gnss"]) == 2
@@ -97,14 +97,14 @@ def test_diagnose_names_what_the_model_lacks(tmp_path: Path) -> None:
     assert log.airspeed is not None
     assert log.roll is not None
     assert log.pitch is not None
-    path, said = tmp_path / "drive.csv", tmp_path / "out.json"
+    path, reported = tmp_path / "drive.csv", tmp_path / "out.json"
     table = np.column_stack(
         [log.t, log.omega_b, log.f_b + np.array([0.05, 0, 0]), log.airspeed, log.roll, log.pitch]
     )
     header = "t_s,p_rad_s,q_rad_s,r_rad_s,fx_m_s2,fy_m_s2,fz_m_s2,airspeed_m_s,roll_rad,pitch_rad"
     np.savetxt(path, table, "%.9g", ",", header=header, comments="")
-    assert run(["attitude", str(path), "--diagnose", "--json", str(said)]) == 0
-    document = json.loads(said.read_text())
+    assert run(["attitude", str(path), "--diagnose", "--json", str(reported)]) == 0
+    document = json.loads(reported.read_text())
     found = document["diagnosis"]
     assert found["format"] == "diagnosis/2"
     assert found["verdict"] == "established"

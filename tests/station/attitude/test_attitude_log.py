@@ -30,7 +30,7 @@ def put(line: int, text: str) -> Callable[[list[str]], list[str]]:
 
 
 @pytest.mark.parametrize(
-    ("damage", "line", "said"),
+    ("damage", "line", "reported"),
     [
         (put(7, f"nan,{ROW}"), 7, "t_s"), (put(7, "0.05,0.001,NaN,-0.001,0.1,-0.2,-9.8"), 7, "q_rad_s"),
         (put(7, "0.05,0.001,,-0.001,0.1,-0.2,-9.8"), 7, "q_rad_s"), (put(7, f"0.04,{ROW}"), 7, "0.04"),
@@ -40,9 +40,9 @@ def put(line: int, text: str) -> Callable[[list[str]], list[str]]:
     ],
 )  # fmt: skip
 def test_a_bad_row_is_refused_with_its_line(
-    tmp_path: Path, damage: Callable[[list[str]], list[str]], line: int, said: str
+    tmp_path: Path, damage: Callable[[list[str]], list[str]], line: int, reported: str
 ) -> None:
-    with refused(DataRefused, None, said, line=line):
+    with refused(DataRefused, None, reported, line=line):
         read_log(write(tmp_path / "log.csv", damage(rows())))
 
 

@@ -53,7 +53,7 @@ def test_a_phones_log_becomes_roll_at_its_own_times(
     assert np.degrees(np.abs(track["roll_rad"] - roll)[500:].max()) < 1.0
 
 
-def test_a_told_unit_is_held_against_motion(tmp_path: Path) -> None:
+def test_a_specified_unit_is_held_against_motion(tmp_path: Path) -> None:
     phone_log(tmp_path / "log.csv", rate=180 / np.pi)
     assert read_any_log(tmp_path / "log.csv", ColumnOptions(unit_gyro="deg/s")).log is not None
     with refused(DataRefused, ErrorCode.UNIT, "--unit-gyro deg/s"):
@@ -64,7 +64,7 @@ def test_a_told_unit_is_held_against_motion(tmp_path: Path) -> None:
             read_any_log(tmp_path / "log.csv", ColumnOptions(unit_gyro=stated))
 
 
-def test_rates_of_a_unit_that_nothing_tells_are_asked_for(tmp_path: Path) -> None:
+def test_rates_of_a_unit_that_nothing_determines_are_asked_for(tmp_path: Path) -> None:
     phone_log(tmp_path / "log.csv", still=True)
     with refused(DataRefused, ErrorCode.UNIT, "--unit-gyro"):
         read_any_log(tmp_path / "log.csv", None)

@@ -33,15 +33,17 @@ class Parts:
     stream: CalibratedStream
     f: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
     omega: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
-    said: tuple[str, ...] = ()
+    reported: tuple[str, ...] = ()
 
     def take(
         self, rows: slice = slice(None), rates: FloatArray = RATES, t: FloatArray = T, temperature: Any = None,
         auxiliary: Any = None, magnetic: Any = None, *, is_last: bool = False,
     ) -> "Parts":  # fmt: skip
         part = [None if each is None else each[rows] for each in (temperature, magnetic)]
-        beside = {name: value[rows] for name, value in auxiliary.items()} if auxiliary else auxiliary
-        f, omega, _, self.said = self.stream.take(rates[rows], t[rows], part[0], beside, part[1], is_last=is_last)
+        inputs = {name: value[rows] for name, value in auxiliary.items()} if auxiliary else auxiliary
+        f, omega, _, self.reported = self.stream.take(
+            rates[rows], t[rows], part[0], inputs, part[1], is_last=is_last
+        )
         self.f, self.omega = np.vstack((self.f, f)), np.vstack((self.omega, omega))
         return self
 
@@ -62,7 +64,7 @@ def test_rates_and_counts_give_what_was_felt_in_the_axes_asked_for() -> None:
     of_counts = taken(calibration(), rates=RATES * PERIOD, period=PERIOD)
     assert of_counts.f == pytest.approx(felt[0], abs=1e-9)
     assert of_counts.omega == pytest.approx(felt[1], abs=1e-9)
-    assert of_counts.said == ()
+    assert of_counts.reported == ()
 
 
 def test_more_samples_than_a_block_are_applied_as_in_parts() -> None:
@@ -81,7 +83,7 @@ MAGNETIC = effect("gyroscope.magnetic", xx=30.0, yy=-20.0, zy=10.0)
 
 
 @pytest.mark.parametrize("step", [N, 7, 1])
-def test_a_field_that_is_not_told_is_that_of_the_sample_before(step: int) -> None:
+def test_a_field_that_is_not_given_is_that_of_the_sample_before(step: int) -> None:
     whole = np.random.default_rng(3).normal(0, 40, (N, 3))
     gaps, filled = whole.copy(), whole.copy()
     for row in (5, 6, 13, 14, 20):
@@ -104,17 +106,17 @@ def test_what_a_field_adds_is_taken_off() -> None:
 def test_an_effect_whose_cause_is_not_recorded_is_left_in_and_counted() -> None:
     parts = Parts(stream_of(calibration(MAGNETIC)))
     field = np.full((N, 3), 10.0)
-    assert not parts.take(slice(0, 25), magnetic=field).said
-    (said,) = parts.take(slice(25, 40)).said
-    assert all(value in said for value in ("gyroscope.magnetic", "15 of 40 samples", "1500 deg/h"))
-    (always,) = taken(calibration(MAGNETIC), step=8).said
+    assert not parts.take(slice(0, 25), magnetic=field).reported
+    (reported,) = parts.take(slice(25, 40)).reported
+    assert all(value in reported for value in ("gyroscope.magnetic", "15 of 40 samples", "1500 deg/h"))
+    (always,) = taken(calibration(MAGNETIC), step=8).reported
     assert "gyroscope.magnetic" in always
 
 
 def test_an_effect_of_a_triad_that_is_not_there_is_not_left_in() -> None:
     without = np.hstack((np.full((N, 3), np.nan), ACCEL))
     found = taken(calibration(MAGNETIC), rates=without)
-    assert found.said == ()
+    assert found.reported == ()
     assert np.isnan(found.omega).all()
     assert found.f == pytest.approx(F @ C.T * G, abs=1e-9)
 
@@ -125,21 +127,21 @@ def test_an_output_beyond_all_bounds_is_none_and_the_rest_goes_on() -> None:
     found = taken(calibration(), rates=rates)
     assert np.flatnonzero(np.isnan(found.f).any(axis=1)).tolist() == [3]
     assert np.flatnonzero(np.isnan(found.omega).any(axis=1)).tolist() == [5]
-    assert found.said == ()
+    assert found.reported == ()
 
 
 @pytest.mark.parametrize(
-    ("low", "high", "is_said"),
+    ("low", "high", "is_reported"),
     [(9.55, 40.45, False), (9.45, 30.0, True), (20.0, 40.55, True), (15.0, 35.0, False)],
 )
-def test_temperatures_are_outside_beyond_half_a_kelvin(low: float, high: float, *, is_said: bool) -> None:
+def test_temperatures_are_outside_beyond_half_a_kelvin(low: float, high: float, *, is_reported: bool) -> None:
     document = {**calibration(), "temperature_range_c": [10.0, 40.0]}
     temperature = np.full(N, 25.0)
     temperature[10], temperature[30] = low, high
-    said = taken(document, step=15, temperature=temperature).said
-    assert len(said) == is_said
-    assert all(f"{low:.1f} to {high:.1f} degC" in each and "1 of 40 samples" in each for each in said)
-    assert taken(calibration(), temperature=temperature).said == ()
+    reported = taken(document, step=15, temperature=temperature).reported
+    assert len(reported) == is_reported
+    assert all(f"{low:.1f} to {high:.1f} degC" in each and "1 of 40 samples" in each for each in reported)
+    assert taken(calibration(), temperature=temperature).reported == ()
 
 
 @pytest.mark.parametrize(
@@ -155,7 +157,7 @@ def test_times_rise_from_sample_to_sample_and_from_part_to_part(second: list[flo
 
 
 @pytest.mark.parametrize(
-    ("given", "said"),
+    ("given", "reported"),
     [
         ({"rates": RATES[:, :5]}, "(40, 5)"),
         ({"t": T[:, None]}, "(40, 1)"),
@@ -164,6 +166,6 @@ def test_times_rise_from_sample_to_sample_and_from_part_to_part(second: list[flo
         ({"auxiliary": {"aux_p": np.zeros(40)[:-1]}}, "(39,)"),
     ],
 )
-def test_arrays_that_do_not_go_together_are_refused(given: dict[str, Any], said: str) -> None:
-    with refused(DataRefused, None, said):
+def test_arrays_that_do_not_go_together_are_refused(given: dict[str, Any], reported: str) -> None:
+    with refused(DataRefused, None, reported):
         Parts(stream_of(calibration())).take(**given)

@@ -114,7 +114,7 @@ def test_a_polynomial_and_a_lag_of_temperature_are_taken_off() -> None:
     assert [each.partition(":")[0] for each in timeless.not_applied] == ["gyroscope.temperature_lag"]
 
 
-def test_what_follows_vibration_and_a_play_of_no_width_are_left_in_and_said() -> None:
+def test_what_follows_vibration_and_backlash_of_no_width_are_not_corrected_and_reported() -> None:
     known = calibration(
         effect("accelerometer.temperature_hysteresis", "with a play", x=5e-5, play_k=0.0),
         effect("accelerometer.vibration_rectification", x=1e-3),
@@ -138,7 +138,7 @@ def branch_of(T: FloatArray, width: float) -> FloatArray:
     return found
 
 
-def test_a_hysteresis_with_a_play_is_taken_off_piece_by_piece() -> None:
+def test_a_hysteresis_with_backlash_is_corrected_piece_by_piece() -> None:
     temperature = np.concatenate((np.linspace(20, 24, 8), np.linspace(23.5, 21, 6), np.linspace(21.4, 22.2, 4)))
     n, h = len(temperature), np.array([5e-5, -3e-5, 0.0])
     branch = branch_of(temperature, 1.2)
@@ -158,7 +158,7 @@ def test_a_hysteresis_with_a_play_is_taken_off_piece_by_piece() -> None:
     assert np.array_equal(np.concatenate(parts), whole.f)
 
 
-def test_what_cannot_be_taken_off_is_said_and_left_in() -> None:
+def test_what_cannot_be_corrected_is_reported() -> None:
     known = calibration(
         effect("accelerometer.bias_temperature", x=1e-5),
         effect("accelerometer.bias_drift", x=1e-5),

@@ -16,15 +16,15 @@ STILL = AttitudeLog(np.arange(1, 401) / 100, np.zeros((400, 3)), np.tile([0.0, 0
 
 def calibration(**accelerometer: list[float]) -> dict[str, Any]:
     off = [[None, 2e-5, 1e-5], [3e-5, None, 1e-5], [1e-5, 1e-5, None]]
-    nought = {"bias": [0.0] * 3, "scale_factor": [0.0] * 3} | accelerometer
+    zero = {"bias": [0.0] * 3, "scale_factor": [0.0] * 3} | accelerometer
     return {
         "gyroscope": {
             "scale_factor": {"value": [-2e4, 1e4, 1e4], "std": [4.0, 1.0, 1.0]},  # 200 ppm at most
             "misalignment": {"std": off}, "bias": {"std": [0.1, 3.0, 0.2]},
         },
         "accelerometer": {
-            "scale_factor": {"value": [1000.0, -1000.0, 500.0], "std": nought["scale_factor"]},
-            "misalignment": {"std": [[None, 0, 0], [0, None, 0], [0, 0, None]]}, "bias": {"std": nought["bias"]},
+            "scale_factor": {"value": [1000.0, -1000.0, 500.0], "std": zero["scale_factor"]},
+            "misalignment": {"std": [[None, 0, 0], [0, None, 0], [0, 0, None]]}, "bias": {"std": zero["bias"]},
         },
     }  # fmt: skip
 
@@ -43,7 +43,7 @@ def test_an_accelerometers_error_across_gravity_is_of_bias_scale_factor_and_misa
     assert force_bias_std(turned) == pytest.approx(g * 1e-5 * np.sqrt(17 / 6))
 
 
-def test_without_a_calibration_a_gyros_bias_has_the_earths_rate_beside_it() -> None:
+def test_without_a_calibration_a_gyros_bias_has_the_earths_rate_with_it() -> None:
     found = filter_settings(None, "airspeed", STILL, 9.79, np.radians(30.0), knows_heading=True)
     assert found.gyro_bias_std == pytest.approx(np.hypot(AIDED_SETTINGS.gyro_bias_std, EARTH), rel=1e-12)
     assert (found.gravity, found.nominal_s, found.gyro_noise) == pytest.approx((9.79, 0.01, 1e-7))

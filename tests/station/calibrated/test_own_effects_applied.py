@@ -67,7 +67,7 @@ def test_a_parameter_without_a_value_is_refused() -> None:
 
 
 @pytest.mark.parametrize("term", ["smooth(T, tau)", "T * exp(-t / tau)", "lag(T * sign(u), tau)"])
-def test_what_one_sample_does_not_tell_is_left_in_and_said(term: str) -> None:
+def test_what_one_sample_does_not_determine_is_not_corrected_and_reported(term: str) -> None:
     around = Surroundings(temperature=np.full(3, 30.0), t=np.arange(3.0))
     found = calibrated_inputs(calibration(term), np.zeros((3, 3)), None, around)
     assert [each.partition(":")[0] for each in found.not_applied] == ["accelerometer.behind"]

@@ -15,8 +15,8 @@ STATION = f"{INTERRUPTIBLE}; from station.cli import main; main()"
 
 def quietly(*arguments: object) -> tuple[int, str]:
     """Run a command in this process; return its exit code and what it says on stderr."""
-    with redirect_stdout(StringIO()), redirect_stderr(StringIO()) as said:
-        return cli.run([str(one) for one in arguments]), said.getvalue()
+    with redirect_stdout(StringIO()), redirect_stderr(StringIO()) as reported:
+        return cli.run([str(one) for one in arguments]), reported.getvalue()
 
 
 class Program:

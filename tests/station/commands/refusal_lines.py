@@ -150,7 +150,8 @@ LINES: dict[str, list[Step]] = {
     ],
     "monitor": [
         NO_RECORDING, "monitor replay:s.csv --plain", "monitor replay:s.csv?format=counts --plain",
-        "monitor /dev/ttyNONE --law pigeon", "monitor /dev/ttyNONE --axes x,y,z", "monitor /dev/ttyNONE --plain",
+        "monitor /dev/ttyNONE --filter pigeon", "monitor /dev/ttyNONE --axes x,y,z",
+        "monitor /dev/ttyNONE --plain",
         "monitor /dev/ttyNONE --alarm roll", "monitor /dev/ttyNONE --lever-arm 1;2 --locate",
     ],
     "attitude": [

@@ -110,21 +110,21 @@ def test_a_stamped_anchor_says_since_when_it_witnesses(db, verify, tmp_path) -> 
 
     kept, pem = tmp_path / "day.toml", root().pem(tmp_path, "root")
     with time_service(tmp_path / "ts") as service:
-        code, said = verify("--write-anchor", str(kept), "--stamp", service)
+        code, reported = verify("--write-anchor", str(kept), "--stamp", service)
     assert code == 0
     assert verify("--anchor", str(kept))[0] == 0
     with db.write() as session:
         accept_calibration(session, solution(), facts("SIM-7"))
-    code, said = verify("--anchor", str(kept), "--trust", str(pem))
-    assert (code, "1 change since" in said) == (0, True), said
+    code, reported = verify("--anchor", str(kept), "--trust", str(pem))
+    assert (code, "1 change since" in reported) == (0, True), reported
     stamp = kept.with_name("day.toml.tsr")
     verify("--write-anchor", str(tmp_path / "b"))
     (tmp_path / "b.tsr").write_bytes(stamp.read_bytes())  # the stamp of another
     assert verify("--anchor", str(tmp_path / "b"))[0] == 1
     assert verify("--write-anchor", str(kept))[0] == 0
     assert not stamp.exists()
-    code, said = verify("--write-anchor", str(kept), "--stamp", "http://127.0.0.1:9/")
-    assert (code, kept.exists()) == (4, True), said
+    code, reported = verify("--write-anchor", str(kept), "--stamp", "http://127.0.0.1:9/")
+    assert (code, kept.exists()) == (4, True), reported
 
 
 def test_an_anchor_without_a_journal_is_read(db, verify, tmp_path) -> None:

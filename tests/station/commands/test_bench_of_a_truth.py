@@ -26,16 +26,16 @@ def _example(tmp_path: Path, text: str = TRUTH) -> int:
     return cli.run(["fixtures", "example", "--truth", str(tmp_path / "unit.toml"), "--db", str(tmp_path / "s.db")])
 
 
-def test_the_bench_of_a_truth_is_added_once_and_its_options_are_said(
+def test_the_bench_of_a_truth_is_added_once_and_its_options_are_reported(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert _example(tmp_path) == 0
-    said = capsys.readouterr().out
+    reported = capsys.readouterr().out
     truth = load_truth(TRUTH)
     names = "--cube SIM-CUBE-U-21 --slab SIM-SLAB-U-21"
-    assert f"{names} --latitude 48.1 --height 519 --gravity {truth.local_gravity:.9g}" in said
+    assert f"{names} --latitude 48.1 --height 519 --gravity {truth.local_gravity:.9g}" in reported
     assert _example(tmp_path) == 0
-    assert capsys.readouterr().out == said
+    assert capsys.readouterr().out == reported
     with open_db(tmp_path / "s.db") as database, database.read() as session:
         faces = cube(session, "SIM-CUBE-U-21").faces
         site = fixture_row(session, SiteRow, "SIM-SITE-U-21")

@@ -39,9 +39,9 @@ def test_a_recording_over_can_keeps_its_dbc_and_replays(
     device: SimulatedDevice, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cli.run(["record", device.url, "--seconds", "20", "--out", str(tmp_path / "r")]) == 0
-    said = capsys.readouterr().out
-    assert "samples of fog-counts" in said
-    assert "0 frames lost" in said
+    reported = capsys.readouterr().out
+    assert "samples of fog-counts" in reported
+    assert "0 frames lost" in reported
     path = tmp_path / "r" / "recording.mcap"
     assert check_raw_bytes(path, wire(device)) >= 200
     session = next((tmp_path / "r").glob("session_*.mcap"))
@@ -55,15 +55,15 @@ def test_a_device_that_is_not_in_step_with_its_declared_rate_is_warned_of(
     device: SimulatedDevice, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cli.run(["devices", "--url", device.url, "--seconds", f"{longer(0.5):g}"]) == 0
-    said = capsys.readouterr().out
-    assert "fog-counts" in said
-    assert "warning" in said  # it goes 200 times as fast as it says
+    reported = capsys.readouterr().out
+    assert "fog-counts" in reported
+    assert "warning" in reported  # it goes 200 times as fast as it says
     with SimulatedDevice(Truth.example(5), 5) as other:
         assert cli.run(["devices", "--url", other.url, "--seconds", f"{longer(1.0):g}"]) == 0
     assert "warning" not in capsys.readouterr().out
 
 
-def test_what_comes_instead_of_samples_is_told(device: SimulatedDevice, tmp_path: Path) -> None:
+def test_what_comes_instead_of_samples_is_reported(device: SimulatedDevice, tmp_path: Path) -> None:
     """Another device's frames by our DBC, and two devices at once."""
     (tmp_path / "other.dbc").write_text(Path(OWN_DBC).read_text().replace("BO_ 4", "BO_ 5"))
     port = open_port(device.url)

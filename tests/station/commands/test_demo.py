@@ -22,12 +22,12 @@ def test_the_demo_ends_with_a_comparison_and_the_paths_of_its_results(tmp_path: 
     out = tmp_path / "demo"
     short = ("--dwell-s", "3", "--turns", "1", "--speed", f"{paced(100.0):g}")
     with Program("demo", "--out", str(out), *short) as program:
-        code, said, error = program.end()
+        code, reported, error = program.end()
     assert (code, error) == (0, "")
-    assert "samples equal" in said
-    assert "error/u" in said
-    assert "error found that the model lacked: gyroscope.magnetic" in said
-    assert "PASS: SIM-FOG3 SIM-1 is within all 24 limits" in said
+    assert "samples equal" in reported
+    assert "error/u" in reported
+    assert "error found that the model lacked: gyroscope.magnetic" in reported
+    assert "PASS: SIM-FOG3 SIM-1 is within all 24 limits" in reported
     document = json.loads((out / "calibration.json").read_text())
     assert (document["status"], document["operator"]) == ("calibrated", "station demo")
     if COMMIT.search(document["software"]):
@@ -35,7 +35,7 @@ def test_the_demo_ends_with_a_comparison_and_the_paths_of_its_results(tmp_path: 
         for text in ("DEMO: no laboratory", "simulated device: no hardware was measured", "nothing is traceable"):
             assert text in certificate
     for name in ("report.html", "campaign"):
-        assert str(out / name) in said
+        assert str(out / name) in reported
     for name in ("report.html", "solution.json", "campaign"):
         assert (out / name).exists()
     assert len(verify_folder(out / "campaign")) == 19 + 18  # moves lead from step to step
@@ -64,9 +64,9 @@ def test_the_bench_of_a_simulated_unit_is_added_once_and_limits_of_the_user_s_ow
         set_limits(session, "SIM-FOG3", [own])
     for _ in range(2):
         assert cli.run(["fixtures", "example", "7", *db]) == 0
-        said = capsys.readouterr().out
-        assert "--cube SIM-CUBE-7 --slab SIM-SLAB-7 --latitude 31.17" in said
-        assert f"--gravity {Truth.example(7).local_gravity:.9g} --gravity-std 1e-05" in said
+        reported = capsys.readouterr().out
+        assert "--cube SIM-CUBE-7 --slab SIM-SLAB-7 --latitude 31.17" in reported
+        assert f"--gravity {Truth.example(7).local_gravity:.9g} --gravity-std 1e-05" in reported
     assert cli.run(["fixtures", "show", "cube", "SIM-CUBE-7", *db]) == 0
     assert "simulated: nobody measured it" in capsys.readouterr().out
     assert cli.run(["verify", *db]) == 0

@@ -17,8 +17,8 @@ SMALL = CameraTruth(width=160, height=120, fx=100.0, fy=100.0, cx=79.5, cy=59.5)
 
 def run(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str]:
     code = cli.run(["devices", *words])
-    said = capsys.readouterr()
-    return code, said.out, said.err
+    reported = capsys.readouterr()
+    return code, reported.out, reported.err
 
 
 def test_a_camera_says_images_size_bytes_and_rate(capsys: pytest.CaptureFixture[str]) -> None:

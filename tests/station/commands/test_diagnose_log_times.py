@@ -1,4 +1,4 @@
-"""A log whose time base is wrong beside UTC: found in one line."""
+"""A log whose time base is wrong against UTC: found in one line."""
 
 import json
 from datetime import UTC, datetime
@@ -22,12 +22,12 @@ def moments(utc: FloatArray) -> list[str]:
 def test_a_log_s_slow_clock_is_found_by_the_utc_of_its_rows(name: str, tmp_path: Path) -> None:
     rng = np.random.default_rng(1)
     utc = 1.7e9 + TRUE + 2e-3 * rng.standard_normal(N)
-    said = {"utc": moments(utc), "gps": [f"{u:.6f}" for u in utc]}[name]
+    reported = {"utc": moments(utc), "gps": [f"{u:.6f}" for u in utc]}[name]
     log, out = tmp_path / "log.csv", tmp_path / "out.json"
-    rows = zip(TRUE * (1 - SLOW_PPM * 1e-6), said, 0.01 * rng.standard_normal(N), strict=True)
+    rows = zip(TRUE * (1 - SLOW_PPM * 1e-6), reported, 0.01 * rng.standard_normal(N), strict=True)
     log.write_text(f"t,{name},gz\n" + "\n".join(f"{t:.6f},{u},{g:.6f}" for t, u, g in rows))
-    told = ["--utc", "gps"] if name == "gps" else []
-    assert cli.run(["diagnose", str(log), "--unit-gyro", "deg/s", *told, "--json", str(out)]) == 0
+    stated = ["--utc", "gps"] if name == "gps" else []
+    assert cli.run(["diagnose", str(log), "--unit-gyro", "deg/s", *stated, "--json", str(out)]) == 0
     (finding,) = json.loads(out.read_text())["findings"]
     assert (finding["effect"], finding["confidence"]) == ("clock.rate", "established")
     found = finding["coefficients"]["value"]

@@ -67,7 +67,7 @@ def test_a_soak_s_temperature_coefficient_is_found_without_a_calibration(
     assert "accelerometers in m/s2" in capsys.readouterr().err
 
 
-def test_noise_and_drift_of_every_channel_are_told_in_the_unit_told(log: Path, tmp_path: Path) -> None:
+def test_noise_and_drift_of_every_channel_are_reported_in_the_unit_specified(log: Path, tmp_path: Path) -> None:
     document = diagnosed(tmp_path, str(log), "--accel", "acc_x,acc_y,acc_z", "--unit-accel", "m/s2")
     channels = document["channels"]
     assert [each["channel"] for each in channels] == [f"accelerometer {axis}" for axis in "xyz"]

@@ -64,9 +64,9 @@ def test_a_table_is_known_by_itself_and_calibrates(
 def test_six_rows_say_what_they_do_not_show(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = table(tmp_path / "six.csv", SIX, more="n", std="std_a{}")
     assert cli.run(["diagnose", str(file), "--as", "means"]) == 0
-    said = capsys.readouterr().out
-    assert said.count("accelerometer.misalignment") == 3
-    assert "held out" not in said
+    reported = capsys.readouterr().out
+    assert reported.count("accelerometer.misalignment") == 3
+    assert "held out" not in reported
 
 
 @pytest.mark.parametrize(("column", "cell"), [("n", "0"), ("std_ay", ""), ("std_ay", "-0.1")])

@@ -55,13 +55,13 @@ def sequence() -> tuple[FloatArray, FloatArray]:
     return table + at_rest(len(table) / RATE) - [0, 0, 0, 0, 0, 1.0], np.stack([scale, bias])
 
 
-def test_a_short_rest_is_not_enough_and_what_would_be_is_said(
+def test_a_short_rest_is_not_enough_and_what_would_be_is_reported(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cli.run(["diagnose", written(tmp_path, at_rest(200 / RATE)), *OPTIONS]) == 0
-    said = capsys.readouterr().out
-    assert said.startswith("NOT ENOUGH DATA TO CALIBRATE.")
-    assert "384 samples or 200 s" in said
+    reported = capsys.readouterr().out
+    assert reported.startswith("NOT ENOUGH DATA TO CALIBRATE.")
+    assert "384 samples or 200 s" in reported
 
 
 def test_where_every_channel_is_dead_that_is_the_reason(
@@ -83,19 +83,19 @@ def test_the_calibration_of_rests_and_moves_is_that_of_the_truth(tmp_path: Path)
 
 
 @pytest.mark.parametrize(
-    ("backwards", "said"),
+    ("backwards", "reported"),
     [
         ("z", "gyroscope z counts backwards: its scale factor is negative to that of the others"),
         ("xy", "gyroscopes x and y count backwards, or accelerometer z does"),
         ("", ""),
     ],
 )
-def test_a_gyroscope_that_counts_backwards_is_a_warning(backwards: str, said: str, tmp_path: Path) -> None:
+def test_a_gyroscope_that_counts_backwards_is_a_warning(backwards: str, reported: str, tmp_path: Path) -> None:
     table, out = sequence()[0], tmp_path / "out.json"
     table[:, ["xyz".index(axis) for axis in backwards]] *= -1
     assert cli.run(["diagnose", written(tmp_path, table), *OPTIONS, "--json", str(out)]) == 0
     document = json.loads(out.read_text())
     found = [text for text in document["solution"]["warnings"] if "backwards" in text]
-    assert [text.startswith(said) for text in found] == [True] * bool(said)
+    assert [text.startswith(reported) for text in found] == [True] * bool(reported)
     own = np.diag(document["solution"]["gyroscope"]["misalignment"]["value"])
     assert np.all(np.sign(own) == [-1 if axis in backwards else 1 for axis in "xyz"])

@@ -1,4 +1,4 @@
-"""``station diagnose`` of turns that determine no calibration: one turn, a half turn, an encoder beside it."""
+"""``station diagnose`` of turns that determine no calibration: one turn, a half turn, an encoder next to it."""
 
 import json
 import re
@@ -67,7 +67,7 @@ def test_one_turn_alone_has_a_scale_factor_and_says_what_it_does_not_show(tmp_pa
         (720.0, 1.03, "turn:+z:2"),
     ],
 )
-def test_a_rotation_whose_true_angle_is_told_has_a_scale_factor(
+def test_a_rotation_whose_true_angle_is_specified_has_a_scale_factor(
     turned_deg: float, scale: float, kind: str, tmp_path: Path
 ) -> None:
     (turn,) = diagnosed(saved(tmp_path, turned_deg, scale), "--as", kind)["turns"]
@@ -77,15 +77,15 @@ def test_a_rotation_whose_true_angle_is_told_has_a_scale_factor(
 
 
 @pytest.mark.parametrize(("turned_deg", "scale"), [(360.0, 1.0188), (180.0, 1.0)])
-def test_an_angle_that_nobody_told_is_asked_for_and_not_rounded(
+def test_an_angle_that_nobody_specified_is_asked_for_and_not_rounded(
     turned_deg: float, scale: float, tmp_path: Path
 ) -> None:
     log = saved(tmp_path, turned_deg, scale)
     with refused(DataRefused, ErrorCode.TURN_ANGLE, "turn:+z:") as asked:
         campaign_of_logs([log], LogOptions(kinds=("turn:+z",)))
-    said = re.search(r"[0-9.]+(?= deg)", str(asked.value))
-    assert said is not None
-    assert float(said[0]) == pytest.approx(turned_deg * scale, abs=0.1)
+    reported = re.search(r"[0-9.]+(?= deg)", str(asked.value))
+    assert reported is not None
+    assert float(reported[0]) == pytest.approx(turned_deg * scale, abs=0.1)
     with refused(DataRefused, ErrorCode.TURN_ANGLE):
         campaign_of_logs([log], LogOptions(ColumnOptions(unit_gyro="raw"), kinds=("turn:+z",)))
 
@@ -137,28 +137,28 @@ def test_a_reference_that_counts_the_other_way_is_turned_round(ends: tuple[float
         (7206.76, 1.02, (10.0, 16.76), 1, ()),  # 20 turns of a gyroscope that nobody calibrated
         (1083.3, 1.0, (3.3, 0.0), 1, ()),  # 1076.7 deg, or 1083.3 by a reference that counts the other way
         (366.76, 1.0, (0.0, 200.0 + 366.76), -1, ()),  # the other way, and another angle
-        (366.76, 1.0, (0.0, 366.76), -1, ("rate:z",)),  # against what was told
+        (366.76, 1.0, (0.0, 366.76), -1, ("rate:z",)),  # against what was specified
     ],
 )
 def test_a_reference_and_a_gyroscope_that_agree_on_no_single_angle_are_asked_about(
     turned_deg: float, scale: float, ends: tuple[float, float], sign: int, kinds: tuple[str, ...], tmp_path: Path
 ) -> None:
     log = with_reference(saved(tmp_path, turned_deg, scale), ends, sign)
-    told = LogOptions(ColumnOptions(reference="enc_deg"), kinds=kinds)
+    stated = LogOptions(ColumnOptions(reference="enc_deg"), kinds=kinds)
     with refused(DataRefused, ErrorCode.TURN_ANGLE):
-        campaign_of_logs([log], told)
+        campaign_of_logs([log], stated)
 
 
-def test_an_encoder_beside_a_turn_of_any_angle_gives_the_scale_factor(
+def test_an_encoder_with_a_turn_of_any_angle_gives_the_scale_factor(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     found = diagnosed(saved(tmp_path, 777.0, scale=1.03, late_s=0.05), "--reference", "enc_deg")
     scale = found["solution"]["rate_tables"]["gyroscope"]["scale_factor"]["z"]
     assert abs(scale["value"] - 1.03) < 4 * scale["std"]
     assert found["verdict"] == "consistent"
-    said = capsys.readouterr().err
-    assert "ms late" in said
-    assert "1.03 times" in said
+    reported = capsys.readouterr().err
+    assert "ms late" in reported
+    assert "1.03 times" in reported
 
 
 def steady(folder: Path, unit: float, bias: float, t: np.ndarray) -> Path:
@@ -180,18 +180,18 @@ STEADY = ("--reference", "enc_deg", "--unit-gyro", "deg/s", "--as", "rate:z")
 
 
 @pytest.mark.parametrize(
-    ("unit", "bias", "said"), [(1.0, 0.003, ""), (np.pi / 180, 0.0, "0.01745 times"), (1.0, 1.0, "1.1 times")]
+    ("unit", "bias", "reported"), [(1.0, 0.003, ""), (np.pi / 180, 0.0, "0.01745 times"), (1.0, 1.0, "1.1 times")]
 )
 def test_a_motor_that_keeps_one_rate_is_held_against_the_whole_angle_and_is_no_rate_table(
-    unit: float, bias: float, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    unit: float, bias: float, reported: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     log = steady(tmp_path, unit, bias, PERIOD * np.arange(6000))
     assert cli.run(["diagnose", str(log), *STEADY]) == 5
-    told = capsys.readouterr().err
-    assert (said in told) if said else (" times " not in told)
+    stated = capsys.readouterr().err
+    assert (reported in stated) if reported else (" times " not in stated)
 
 
-def test_a_log_that_turns_and_nobody_told_of_is_a_soak_only_where_it_rests(
+def test_a_log_with_turns_that_nobody_declared_is_a_soak_only_where_it_rests(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     rng, t = np.random.default_rng(5), np.arange(0.0, 400.0, 0.02)

@@ -60,14 +60,14 @@ class Station:
         return code, captured.out + captured.err
 
     def measure(self, folders: Path, *names: str, more: tuple[str, ...] = ()) -> str:
-        code, said = self("measure", "CUBE-7", *(str(folders / name) for name in names), *more)
-        assert code == 0, said
-        return said
+        code, reported = self("measure", "CUBE-7", *(str(folders / name) for name in names), *more)
+        assert code == 0, reported
+        return reported
 
 
 @pytest.fixture(scope="module")
 def measured(folders: Path) -> Path:
-    """A database that holds the cube as the three mountings show it; beside it the JSON."""
+    """A database that holds the cube as the three mountings show it; next to it the JSON."""
     db = folders / "measured.db"
     days = [str(folders / name) for name in AXES]
     given = ("--store", "--on", "2025-05-01", "--due", "2125-05-01", "--json", str(folders / "cube.json"))
@@ -91,9 +91,9 @@ def test_three_mountings_give_the_cube_within_its_sigma(measured: Path) -> None:
 
 
 def test_one_mounting_says_what_is_open_and_what_would_close_it(station: Station, folders: Path) -> None:
-    said = station.measure(folders, "day1")
-    assert "not observable: skew" in said
-    assert "by 90 deg about x or y" in said
+    reported = station.measure(folders, "day1")
+    assert "not observable: skew" in reported
+    assert "by 90 deg about x or y" in reported
     assert "SIM-3" not in station("show", "cube", "CUBE-7")[1]  # nothing was stored
 
 
@@ -101,8 +101,8 @@ def test_a_cube_that_bent_is_seen_and_one_that_did_not_is_not(station: Station, 
     station.measure(folders, "day1", more=("--store", "--on", "2025-05-01"))
     same = simulate_campaign(TRUTH, 77, dwell_s=5.0, turns=())
     write_campaign(station.db.parent / "same", replace(same, fixture=replace(same.fixture, id="CUBE-7")), 0.02)
-    said = station.measure(station.db.parent, "same", more=("--store", "--on", "2025-08-01"))
-    assert "has changed" not in said
+    reported = station.measure(station.db.parent, "same", more=("--store", "--on", "2025-08-01"))
+    assert "has changed" not in reported
     bent = station.measure(folders, "bent", more=("--store", "--on", "2025-09-01"))
     assert "has changed" in bent
     assert "parallelism.x.y" in bent
@@ -152,9 +152,9 @@ def test_a_campaign_written_with_the_measured_cube_reads_and_warns_of_its_own_un
 def test_what_does_not_belong_is_refused_in_one_line(station: Station, folders: Path) -> None:
     assert station("measure", "CUBE-8", str(folders / "day1"))[0] == 3
     station("add", "cube", "CUBE-8", "--side-mm", "400")
-    code, said = station("measure", "CUBE-8", str(folders / "day1"))
-    assert (code, "CUBE-7" in said) == (3, True)
-    code, said = station("measure", "CUBE-7", str(folders / "day1"), str(folders / "day1"))
+    code, reported = station("measure", "CUBE-8", str(folders / "day1"))
+    assert (code, "CUBE-7" in reported) == (3, True)
+    code, reported = station("measure", "CUBE-7", str(folders / "day1"), str(folders / "day1"))
     assert code == 3
     assert station("measure", "CUBE-7", str(folders / "day1"), "--due", "2027-01-01")[0] == 2
 
@@ -165,8 +165,8 @@ def test_what_the_dwells_do_not_determine_is_named_and_not_stored(
     whole = read_campaign(folders / "day1").campaign
     some = [dwell for dwell in whole.dwells if face_of(dwell.position) != "x_down"]
     write_campaign(tmp_path / "part", replace(whole, dwells=tuple(some)), 0.02)
-    said = station.measure(tmp_path, "part", more=("--store", "--on", "2025-05-01"))
-    assert "not observable: parallelism.x.y" in said
+    reported = station.measure(tmp_path, "part", more=("--store", "--on", "2025-05-01"))
+    assert "not observable: parallelism.x.y" in reported
     with open_db(station.db) as database, database.read() as session:
         (row,) = measurements(fixture_row(session, CubeRow, "CUBE-7"))
         found = measurement(row).cube
@@ -178,10 +178,10 @@ def test_the_same_campaigns_are_refused_and_those_that_overlap_are_no_drift(
     station: Station, folders: Path
 ) -> None:
     station.measure(folders, "day1", more=("--store", "--on", "2025-05-01"))
-    code, said = station("measure", "CUBE-7", str(folders / "day1"), "--store", "--on", "2025-06-01")
-    assert (code, "2025-05-01" in said) == (3, True)
+    code, reported = station("measure", "CUBE-7", str(folders / "day1"), "--store", "--on", "2025-06-01")
+    assert (code, "2025-05-01" in reported) == (3, True)
     assert "drift over" not in station.measure(folders, "day1")
-    said = station.measure(folders, "day1", "day2", more=("--store", "--on", "2025-06-01"))
-    assert "not independent" in said
-    assert "drift over" not in said
+    reported = station.measure(folders, "day1", "day2", more=("--store", "--on", "2025-06-01"))
+    assert "not independent" in reported
+    assert "drift over" not in reported
     assert "not independent" in station("show", "cube", "CUBE-7")[1]

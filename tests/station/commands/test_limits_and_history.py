@@ -54,7 +54,7 @@ def test_a_limit_is_taken_in_the_unit_of_the_screen(
 
 
 @pytest.mark.parametrize(
-    ("parameter", "lines", "said"),
+    ("parameter", "lines", "reported"),
     [
         ("gyroscope.scale_factor.x", ("high = 1", 'unit = "ppm"'), "count/deg"),
         ("gyroscope.bias.x", ("high = 1", "nominal = 3", 'unit = "deg/h"'), "nominal"),
@@ -63,9 +63,9 @@ def test_a_limit_is_taken_in_the_unit_of_the_screen(
     ],
 )
 def test_a_unit_that_does_not_fit_is_refused_with_those_that_do(
-    parameter: str, lines: tuple[str, ...], said: str
+    parameter: str, lines: tuple[str, ...], reported: str
 ) -> None:
-    with refused(DataRefused, None, said):
+    with refused(DataRefused, None, reported):
         limits_in(of_unit(parameter, *lines), Path("limits.toml"))
 
 

@@ -44,10 +44,10 @@ def calibrate(device: SimulatedDevice, folder: Path) -> tuple[str, ...]:
 
 def test_a_campaign_over_a_pty_becomes_a_stored_calibration(device: SimulatedDevice, tmp_path: Path) -> None:
     with Program(*calibrate(device, tmp_path)) as program:
-        code, said, error = program.end()
+        code, reported, error = program.end()
     assert (code, error) == (0, "")
-    assert len(re.findall("^accepted: ", said, re.MULTILINE)) == 19
-    assert "NO LIMITS" in said
+    assert len(re.findall("^accepted: ", reported, re.MULTILINE)) == 19
+    assert "NO LIMITS" in reported
     loaded = read_campaign(tmp_path / "c")
     assert (loaded.tables.imu.serial, loaded.tables.imu.sample_period_s) == ("SIM-5", 0.05)
     assert (len(loaded.campaign.dwells), len(loaded.campaign.turns)) == (13, 6)  # position 1 once more
@@ -137,13 +137,13 @@ def test_a_silent_port_is_exit_4(tmp_path: Path, capsys: pytest.CaptureFixture[s
 def test_the_wrong_format_is_exit_4_and_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with SimulatedDevice(Truth.example(5), 5, "rawimusx", paced(SPEED)) as device:
         url = device.url.replace("rawimusx", "counts")
-        said = device_fault(arguments_for(url, tmp_path), capsys, tmp_path)
-    assert "rawimusx" in said
+        reported = device_fault(arguments_for(url, tmp_path), capsys, tmp_path)
+    assert "rawimusx" in reported
 
 
-def test_a_device_that_does_not_say_its_serial_number_must_be_told(
+def test_the_serial_number_of_a_device_that_does_not_send_it_must_be_specified(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with SimulatedDevice(Truth.example(5), 5, "rawimusx", paced(SPEED)) as device:
-        said = device_fault(arguments_for(device.url, tmp_path), capsys, tmp_path)
-    assert "--serial" in said
+        reported = device_fault(arguments_for(device.url, tmp_path), capsys, tmp_path)
+    assert "--serial" in reported

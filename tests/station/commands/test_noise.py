@@ -25,7 +25,7 @@ def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return file
 
 
-def test_a_log_s_random_walk_and_line_are_told_and_a_constant_channel_is_left_out(
+def test_a_log_s_random_walk_and_line_are_reported_and_a_constant_channel_is_left_out(
     log: Path, tmp_path: Path
 ) -> None:
     out, page, png = tmp_path / "out.json", tmp_path / "out.html", tmp_path / "out.png"

@@ -158,8 +158,8 @@ def test_what_a_campaign_lacks_is_named_and_left_out(recorded: Recorded, tmp_pat
     found, without = recorded.solve("--effects", str(fan)), recorded.solve()
     assert "effects" not in found
     assert found["gyroscope"] == without["gyroscope"]
-    (said,) = [text for text in found["warnings"] if "aux_fan" in text]
-    assert said.startswith("gyroscope.fan_warm")
+    (reported,) = [text for text in found["warnings"] if "aux_fan" in text]
+    assert reported.startswith("gyroscope.fan_warm")
 
 
 @pytest.mark.parametrize("term", ["T / 0 * T_rate", "exp(1000) * T * T_rate"])
@@ -177,8 +177,8 @@ def test_two_that_are_one_in_this_design_are_not_both_fitted(recorded: Recorded,
     twin.write_text(WARMING.replace("warming_while_warm", "twin").replace("T * T_rate", "2 * T_rate * T"))
     found = recorded.solve("--effects", str(recorded.effect), "--effects", str(twin))
     assert [effect["name"] for effect in found["effects"]] == ["gyroscope.warming_while_warm"]
-    (said,) = [text for text in found["warnings"] if "twin" in text]
-    assert "gyroscope.warming_while_warm" in said
+    (reported,) = [text for text in found["warnings"] if "twin" in text]
+    assert "gyroscope.warming_while_warm" in reported
 
 
 def test_try_says_whether_a_campaign_shows_it(

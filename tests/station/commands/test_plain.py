@@ -62,10 +62,10 @@ def at_a_terminal(*arguments: str) -> Iterator[tuple[int, "subprocess.Popen[byte
 
 
 def read_until(end: int, text: str) -> str:
-    said = ""
-    while text not in " ".join(said.split()):  # a line ends at the terminal's last column
-        said += os.read(end, 4096).decode()
-    return said
+    reported = ""
+    while text not in " ".join(reported.split()):  # a line ends at the terminal's last column
+        reported += os.read(end, 4096).decode()
+    return reported
 
 
 def test_a_person_is_asked_again_and_may_type_another_address(tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import read_campaign_toml
 from station.files.campaign_folder.plan_file import read_plan
 from station.guide.campaign.campaign_tables import planned_bench
-from station.guide.last_setup import setup_file
+from station.guide.options import setup_file
 from tests.refusals import refused
 from tests.station.campaign_writing import write_campaign
 
@@ -100,9 +100,9 @@ def test_what_is_out_of_reach_is_named_and_is_exit_1(
 ) -> None:
     asked = ["plan", "--sigma", "gyroscope.bias.x=0.0001deg/h", "--noise", str(recorded), "--latitude", LATITUDE]
     assert cli.run([*asked, "--minutes", "12", "--no-turns"]) == 1
-    said = capsys.readouterr().out
-    assert "gyroscope bias x 0.000100 deg/h" in said
-    assert float(said.split(" min")[0]) <= 12
+    reported = capsys.readouterr().out
+    assert "gyroscope bias x 0.000100 deg/h" in reported
+    assert float(reported.split(" min")[0]) <= 12
 
 
 def test_without_a_site_nothing_is_planned(
@@ -124,7 +124,7 @@ def test_without_a_site_nothing_is_planned(
         assert found == pytest.approx(np.radians(stated.latitude_deg))
 
 
-def test_a_campaign_that_was_begun_is_told_what_comes_next(
+def test_a_campaign_that_was_begun_is_shown_what_comes_next(
     recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     begun, truth = tmp_path / "begun", Truth.example(SEED)

@@ -44,12 +44,12 @@ def test_a_plan_of_free_positions_and_a_soak_becomes_a_folder_that_solves(
     truth = replace(Truth.example(5), sample_period_s=0.05)
     with SimulatedDevice(truth, 5, speed=paced(SPEED)) as device:
         with Program(*calibrate(device, tmp_path, (*dwells, *FREE, Soak(1, 40.0, 9)))) as program:
-            code, said, error = program.end()
+            code, reported, error = program.end()
     assert (code, error) == (0, "")
-    assert re.findall("^accepted: (free position .|soak .)", said, re.MULTILINE) == [
+    assert re.findall("^accepted: (free position .|soak .)", reported, re.MULTILINE) == [
         "free position 1", "free position 2", "soak 1",
     ]  # fmt: skip
-    assert re.search(r"soak 1: 25 s accepted, [0-9.]+ degC \([0-9.]+ to [0-9.]+ so far\), \d+ s left", said)
+    assert re.search(r"soak 1: 25 s accepted, [0-9.]+ degC \([0-9.]+ to [0-9.]+ so far\), \d+ s left", reported)
     loaded = read_campaign(tmp_path / "c")
     assert len(loaded.campaign.rests) == 2
     [soak] = [step for step in loaded.steps if step.kind == "soak"]

@@ -46,25 +46,25 @@ def test_a_drive_is_made_a_folder_and_located_where_it_was(tmp_path: Path) -> No
     assert np.linalg.norm(off, axis=1).max() < 8 * 0.3  # the receiver's own error and the first fix's, up too
     v_off = log.fixes.v_n[:, :2] - TRACK.velocities(log.fixes.t)[:, :2]
     assert np.sqrt(np.mean(v_off**2)) == pytest.approx(0.05, rel=0.2)  # its noise: the times are right
-    # white: 1e-4 deg/sqrt(s) and 1e-5 g in 20 ms; the counting is beside it
+    # white: 1e-4 deg/sqrt(s) and 1e-5 g in 20 ms; the counting is next to it
     assert 0.7 < log.noise.gyro / np.radians(1e-4) < 1.5
     assert log.noise.accel < 8e-3
     _located(folder, tmp_path, first)
 
 
 def _located(folder: Path, tmp_path: Path, first: np.ndarray) -> None:
-    out, told = tmp_path / "t.tum", tmp_path / "j.json"
-    assert cli.run(["locate", str(folder), "--out", str(out), "--json", str(told)]) == 0
+    out, json_file = tmp_path / "t.tum", tmp_path / "j.json"
+    assert cli.run(["locate", str(folder), "--out", str(out), "--json", str(json_file)]) == 0
     poses = np.loadtxt(out)
     off = poses[:, 1:4] - TRACK.positions(poses[:, 0]) + first
     assert np.median(np.linalg.norm(off, axis=1)) < 2.0  # the receiver's own error wanders by 0.3 m and 0.5 m up
     v = TRACK.velocities(poses[:, 0])
     ahead = Rotation.from_quat(poses[:, 4:]).apply([1.0, 0, 0])
     yaw = np.degrees(np.arctan2(ahead[:, 1], ahead[:, 0]) - np.arctan2(v[:, 1], v[:, 0]))
-    said = json.loads(told.read_text())
+    reported = json.loads(json_file.read_text())
     assert np.median(np.abs((yaw + 180) % 360 - 180)) < 0.5
-    assert abs(said["time_offset_s"]) < 3 * 0.02
-    assert said["rejected_fixes"] == 0
+    assert abs(reported["time_offset_s"]) < 3 * 0.02
+    assert reported["rejected_fixes"] == 0
 
 
 def test_a_live_run_that_ctrl_c_ends_leaves_the_folder_that_its_recording_gives(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from tests.station.commands.program import Program
 SOME_SAMPLES = 3_000  # bytes of a recording: what describes it, and half a second
 
 
-def test_a_port_that_went_and_came_back_is_told_while_it_is_away(tmp_path: Path) -> None:
+def test_a_port_that_went_and_came_back_is_reported_while_it_is_away(tmp_path: Path) -> None:
     link, recording = tmp_path / "imu", tmp_path / "r" / RECORDING_FILE
     with SimulatedDevice(Truth.example(2), 2, link=link) as imu:
         url = f"serial://{link}?format=counts"
@@ -22,7 +22,7 @@ def test_a_port_that_went_and_came_back_is_told_while_it_is_away(tmp_path: Path)
             assert program.process.stderr is not None
             lines = [program.process.stderr.readline() for _ in range(2)]
             program.process.send_signal(signal.SIGINT)
-            _, said, _ = program.end()
+            _, reported, _ = program.end()
     assert str(link) in lines[0]
     assert "well again" in lines[1]
-    assert " 1 gap " in said
+    assert " 1 gap " in reported

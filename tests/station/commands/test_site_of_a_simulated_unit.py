@@ -38,9 +38,9 @@ def test_the_recipe_without_hardware_finds_the_truth_within_its_own_sigma(tmp_pa
     shorter = ("--dwell-s", "4", "--turns", "1", "--move-s", "5", "--no-warm-up")
     where = ("--out", str(tmp_path / "c"), "--db", str(tmp_path / "s.db"))
     with Program("simulate", "--example", "7", "--pty", str(tmp_path / "imu"), *faster) as served:
-        said = "".join(served.until("control "))
-        url, hands = re.findall(r"^(?:url|control) (\S+)$", said, re.MULTILINE)
-        assert re.search(rf"^site --latitude 31.17 --gravity {truth.local_gravity:.6f}$", said, re.MULTILINE)
+        reported = "".join(served.until("control "))
+        url, hands = re.findall(r"^(?:url|control) (\S+)$", reported, re.MULTILINE)
+        assert re.search(rf"^site --latitude 31.17 --gravity {truth.local_gravity:.6f}$", reported, re.MULTILINE)
         recipe = ("--device", url, "--latitude", "31.17", "--hands", hands, "--headless")
         with Program("calibrate", *recipe, *shorter, *where) as program:
             code, _, error = program.end()

@@ -54,7 +54,7 @@ def tampered(home: Path, to: Path, statement: str, *values: object) -> Path:
     return path
 
 
-def said(path: Path, capsys: pytest.CaptureFixture[str], *folder: str) -> tuple[int, str]:
+def reported(path: Path, capsys: pytest.CaptureFixture[str], *folder: str) -> tuple[int, str]:
     code = cli.run(["verify", *folder, "--db", str(path)])
     captured = capsys.readouterr()
     assert captured.err.count("\n") <= 1
@@ -62,10 +62,10 @@ def said(path: Path, capsys: pytest.CaptureFixture[str], *folder: str) -> tuple[
 
 
 def test_an_untouched_database_verifies(filled: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    code, text = said(filled / "station.db", capsys)
+    code, text = reported(filled / "station.db", capsys)
     assert code == 0
     assert "as stored" in text
-    code, text = said(filled / "station.db", capsys, str(filled / "c"))
+    code, text = reported(filled / "station.db", capsys, str(filled / "c"))
     assert code == 0
     assert "3 accepted steps as stored" in text
 
@@ -94,7 +94,7 @@ def test_a_byte_of_a_stored_document_is_found(
     content = bytearray(document.encode())
     content[int(share * len(content))] ^= bit
     change = "UPDATE calibrations SET document = CAST(? AS TEXT) WHERE id = ?"
-    code, text = said(tampered(filled, tmp_path, change, bytes(content), row), capsys)
+    code, text = reported(tampered(filled, tmp_path, change, bytes(content), row), capsys)
     assert code == 1
     assert f"calibration {row}: found" in text or f"calibrations {row}: found" in text
 
@@ -122,7 +122,7 @@ def test_a_changed_column_is_found(
     [(value,)] = connection.execute(f"SELECT {column} FROM {table} WHERE id = 2").fetchall()
     connection.close()
     new = value + 1e-9 if isinstance(value, float) else value + 1 if isinstance(value, int) else flipped(value)
-    code, text = said(tampered(filled, tmp_path, f"UPDATE {table} SET {column} = ? WHERE id = 2", new), capsys)
+    code, text = reported(tampered(filled, tmp_path, f"UPDATE {table} SET {column} = ? WHERE id = 2", new), capsys)
     assert code == 1
     assert row in text
 
@@ -144,15 +144,15 @@ def test_a_step_s_hash_in_the_database_and_in_the_folder_must_agree(
     lines = (folder / "SHA256SUMS").read_text().splitlines()
     lines[1] = f"{hashlib.sha256(content).hexdigest()}  dwell_02.mcap"
     (folder / "SHA256SUMS").write_text("\n".join(lines) + "\n")
-    code, text = said(tmp_path / "station.db", capsys, str(folder))
+    code, text = reported(tmp_path / "station.db", capsys, str(folder))
     assert code == 1
     assert "dwell_02.mcap: found sha256" in text
     assert "in the database" in text
-    code, text = said(filled / "station.db", capsys, str(folder))
+    code, text = reported(filled / "station.db", capsys, str(folder))
     assert (code, "does not know this campaign" in text) == (0, True)
 
 
 def test_a_check_makes_no_database(filled: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    code, text = said(tmp_path / "none.db", capsys, str(filled / "c"))
+    code, text = reported(tmp_path / "none.db", capsys, str(filled / "c"))
     assert (code, "none.db: found no such file" in text) == (3, True)
     assert list(tmp_path.iterdir()) == []

@@ -42,10 +42,10 @@ def transcript(steps: Iterable[Step], folder: Path, capsys: pytest.CaptureFixtur
         refusal = [line for line in error.splitlines() if not line.startswith("inferred: ")]
         assert len(refusal) == (code != 0), error
         assert "Traceback" not in error
-        said = (out + error).replace(f"{folder}/", "").replace(str(folder), ".")
+        reported = (out + error).replace(f"{folder}/", "").replace(str(folder), ".")
         for pattern, shown in MASKED:
-            said = re.sub(pattern, shown, said)
-        parts.append(f"$ station {shown_line(step)}\n{said.rstrip()}\n(exit code {code})\n")
+            reported = re.sub(pattern, shown, reported)
+        parts.append(f"$ station {shown_line(step)}\n{reported.rstrip()}\n(exit code {code})\n")
     return "\n".join(parts)
 
 

@@ -71,11 +71,11 @@ def test_float_loses_no_small_step_of_a_lag(tmp_path: Path) -> None:
 def test_the_header_says_what_it_is(tmp_path: Path) -> None:
     header, _ = exported(tmp_path, every_effect(DRIFT))
     digest = hashlib.sha256((tmp_path / "c.json").read_bytes()).hexdigest()
-    for said in (
+    for reported in (
         "Calibration of FOG-3 S7", f"SHA-256 of c.json: {digest}", "accepted 2026-03-04T12:00:00Z",
         "until 2027-03-04T00:00:00Z", "5.0 to 45.0 degC", "NOT CARRIED: accelerometer.bias_drift",
     ):  # fmt: skip
-        assert said in header
+        assert reported in header
     for one in EFFECTS:
         assert f" *   {one['name']}\n" in header
 
@@ -84,13 +84,13 @@ def test_the_residual_of_its_rounds_is_what_it_says(tmp_path: Path) -> None:
     bent = effect("gyroscope.sagnac_sine", x=4e-3, y=4e-3, z=4e-3)
     known = with_facts(calibration(bent))
     header, source = exported(tmp_path, known, is_float=True)
-    said = re.search(
+    reported = re.search(
         r"Rounds: (\S+) of the input's length is left after (\d+) rounds, up to 5 g and (\d+)", header
     )
-    assert said is not None
-    assert float(said[3]) == 200  # 0.8 rad / 4e-3
-    assert float(said[1]) < 3e-8
-    few = source.replace(f"round < {said[2]};", "round < 4;")
+    assert reported is not None
+    assert float(reported[3]) == 200  # 0.8 rad / 4e-3
+    assert float(reported[1]) < 3e-8
+    few = source.replace(f"round < {reported[2]};", "round < 4;")
     assert few != source
     (tmp_path / "fog_imu.c").write_text(few)
     ran = compiled(tmp_path, "fog_imu", is_float=True)
@@ -188,7 +188,7 @@ def test_words_of_a_file_end_no_comment(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("changed", "said"),
+    ("changed", "reported"),
     [
         ({"accelerometer": {"scale_factor": {"value": [0.0, 1, 1]}}}, "scale_factor"),
         ({"accelerometer": {"bias": {"value": [float("nan"), 1, 1]}}}, "accelerometer.bias"),
@@ -202,13 +202,13 @@ def test_words_of_a_file_end_no_comment(tmp_path: Path) -> None:
     ],
 )  # fmt: skip
 def test_what_is_no_calibration_is_refused_and_nothing_written(
-    changed: dict[str, Any], said: str, tmp_path: Path
+    changed: dict[str, Any], reported: str, tmp_path: Path
 ) -> None:
     document = every_effect()
     for key, value in changed.items():
         document[key] = {**document[key], **value} if isinstance(value, dict) else value
     (tmp_path / "c.json").write_text(json.dumps(document))
-    with refused(DataRefused, None, said):
+    with refused(DataRefused, None, reported):
         next(one for one in EXPORTS if one.name == "c").files(Request(tmp_path / "c.json"))
 
 

@@ -140,7 +140,7 @@ def test_the_true_input_is_recovered_to_a_count(export: Export, tmp_path: Path) 
 
 
 @every_export
-def test_what_is_not_carried_is_said_and_bounds_the_error(export: Export, tmp_path: Path) -> None:
+def test_what_is_not_carried_is_reported_and_bounds_the_error(export: Export, tmp_path: Path) -> None:
     truth = unit(misaligned=True)
     error, text = error_of(export, truth, tmp_path)
     if export.name == "kalibr":

@@ -1,4 +1,4 @@
-"""The exported MATLAB, run by a reader of its own beside the library, and by GNU Octave where there is one."""
+"""The exported MATLAB, run by a reader of its own against the library, and by GNU Octave where there is one."""
 
 import json
 import shutil

@@ -103,18 +103,18 @@ def test_a_cubic_of_the_offset_is_taken_off(stack: str, limits: tuple[float, flo
 
 
 @every_stack
-def test_beyond_the_third_order_the_error_is_what_is_said(stack: str, tmp_path: Path) -> None:
+def test_beyond_the_third_order_the_error_is_what_is_stated(stack: str, tmp_path: Path) -> None:
     fifth = effect("accelerometer.bias_temperature", **{"x.1": 1e-5, "x.5": 1e-10, "y.1": 0.0, "z.1": 0.0})
     text = exported(tmp_path, stack, document(fifth, GYRO))
-    said = re.search(r"accelerometer offset beyond the third order: up to (\S+) m/s2", text)
-    assert said is not None
+    reported = re.search(r"accelerometer offset beyond the third order: up to (\S+) m/s2", text)
+    assert reported is not None
     correct = STACKS[stack](text)
     errors = []
     for T in np.linspace(5.0, 45.0, 81):
         w = T - 25.0
         force, _ = correct(*raw(T, np.array([1e-5 * w + 1e-10 * w**5, 0, 0]), np.zeros(3)), float(T))
         errors.append(abs(force[0]))
-    assert max(errors) == pytest.approx(float(said[1]), rel=0.05)
+    assert max(errors) == pytest.approx(float(reported[1]), rel=0.05)
     assert max(errors) < 1e-10 * 20**5 * STANDARD_GRAVITY / 10  # a cubic takes most of it
 
 
@@ -125,9 +125,9 @@ def test_what_lags_is_taken_at_rest_in_temperature(stack: str, tmp_path: Path) -
     g = np.array([30.0, -20.0 + 10.0, 1.0]) / 3600
     force, _ = STACKS[stack](text)(*raw(35.0, np.array([1e-3, 0, 0]), g), 35.0)
     assert np.abs(force).max() < 1e-6 * STANDARD_GRAVITY
-    said = re.search(r"accelerometer offset lags behind the thermometer: up to (\S+) m/s2 at 1 K/min", text)
-    assert said is not None
-    assert float(said[1]) == pytest.approx(1e-4 * 10 * 1.01 * STANDARD_GRAVITY, rel=0.05)  # 600 s are 10 min
+    reported = re.search(r"accelerometer offset lags behind the thermometer: up to (\S+) m/s2 at 1 K/min", text)
+    assert reported is not None
+    assert float(reported[1]) == pytest.approx(1e-4 * 10 * 1.01 * STANDARD_GRAVITY, rel=0.05)  # 600 s are 10 min
 
 
 @every_stack

@@ -92,7 +92,7 @@ Synced = Callable[[], list[str]]
 
 @pytest.mark.parametrize("number", [20, pytest.param(400, marks=pytest.mark.proof)])
 @pytest.mark.parametrize("workload", LEAST_KINDS)
-def test_after_a_power_cut_nothing_that_was_said_is_lost(workload: str, number: int) -> None:
+def test_after_a_power_cut_nothing_that_was_reported_is_lost(workload: str, number: int) -> None:
     if shutil.which("strace") is None:
         pytest.skip("no strace here")
     trial = tried(workload, number, seed=1)

@@ -33,7 +33,7 @@ def test_a_triad_in_another_unit_is_refused(path: tuple[str, str], unit: Any, ex
 
 
 @pytest.mark.parametrize(
-    ("entry", "said"),
+    ("entry", "reported"),
     [
         (effect("accelerometer.quadratic", x=1.0) | {"unit": "ug/g^2"}, "'g/g^2'"),
         (effect("gyroscope.bias_temperature", x=1.0) | {"unit": "deg/s/K"}, "'deg/h/K'"),
@@ -45,8 +45,10 @@ def test_a_triad_in_another_unit_is_refused(path: tuple[str, str], unit: Any, ex
         (effect("gyroscope.bias_temperature", **{"x.7": 1.0}), "'x.7' of gyroscope.bias_temperature"),
     ],
 )
-def test_an_effect_in_another_unit_or_of_other_coefficients_is_refused(entry: dict[str, Any], said: str) -> None:
-    with refused(DataRefused, None, said):
+def test_an_effect_in_another_unit_or_of_other_coefficients_is_refused(
+    entry: dict[str, Any], reported: str
+) -> None:
+    with refused(DataRefused, None, reported):
         calibration_of(every_effect(entry))
 
 

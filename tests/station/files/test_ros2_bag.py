@@ -39,12 +39,14 @@ def test_a_triad_without_its_x_is_absent(column: int, force: float, rate: float,
     row = [*ROW]
     if column:
         row[column] = NAN
-    ((topic, at, said),) = read(written(tmp_path / "bag", [row]))
+    ((topic, at, reported),) = read(written(tmp_path / "bag", [row]))
     assert (topic, at) == ("/imu/data", 1_500_000_000)
-    assert said.linear_acceleration_covariance.tolist() == [force] + [0.0] * 8
-    assert said.angular_velocity_covariance.tolist() == [rate] + [0.0] * 8
-    assert said.orientation_covariance.tolist() == [-1.0] + [0.0] * 8
-    found = [getattr(each, axis) for each in (said.linear_acceleration, said.angular_velocity) for axis in "xyz"]
+    assert reported.linear_acceleration_covariance.tolist() == [force] + [0.0] * 8
+    assert reported.angular_velocity_covariance.tolist() == [rate] + [0.0] * 8
+    assert reported.orientation_covariance.tolist() == [-1.0] + [0.0] * 8
+    found = [
+        getattr(each, axis) for each in (reported.linear_acceleration, reported.angular_velocity) for axis in "xyz"
+    ]
     assert found == pytest.approx(row[1:], nan_ok=True)
 
 
@@ -59,12 +61,12 @@ def test_a_triad_without_its_x_is_absent(column: int, force: float, rate: float,
     ],
 )
 def test_a_time_is_in_whole_nanoseconds(t: float, seconds: int, nanoseconds: int, tmp_path: Path) -> None:
-    ((_, at, said),) = read(written(tmp_path / "bag", [[t, *ROW[1:]]]))
+    ((_, at, reported),) = read(written(tmp_path / "bag", [[t, *ROW[1:]]]))
     assert at == seconds * 10**9 + nanoseconds
-    assert (said.header.stamp.sec, said.header.stamp.nanosec) == (seconds, nanoseconds)
+    assert (reported.header.stamp.sec, reported.header.stamp.nanosec) == (seconds, nanoseconds)
 
 
-def test_a_time_of_a_nanosecond_before_nought_is_refused(tmp_path: Path) -> None:
+def test_a_time_of_a_nanosecond_before_zero_is_refused(tmp_path: Path) -> None:
     writer = Ros2Samples(tmp_path / "bag", SampleColumns(NAMES, 1, "housing", is_si=True))
     with refused(DataRefused, None, "-6e-10"):
         writer.write(list(np.array([[-0.6e-9, *ROW[1:]]]).T))

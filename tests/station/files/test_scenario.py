@@ -1,4 +1,4 @@
-"""A guided campaign beside the shipped scenario: its operator does what the guide asks for, untold."""
+"""A guided campaign next to the shipped scenario: its operator does what the guide asks for, without a command."""
 
 import re
 import signal
@@ -30,10 +30,10 @@ from tests.station.guide.rig import GuideRig
 
 SCENARIO = read_scenario(ROOT / "docs/scenarios/calibration.toml")
 STEPS = usual_steps(Setup(dwell_s=20.0, revolutions=1))
-ENOUGH = 4  # steps: the knock is in the fourth
+ENOUGH = 4  # steps: the shock is in the fourth
 
 
-def test_the_shipped_calibration_is_accepted_step_by_step_also_after_the_knock(tmp_path: Path) -> None:
+def test_the_shipped_calibration_is_accepted_step_by_step_also_after_the_shock(tmp_path: Path) -> None:
     rig, moves = GuideRig(tmp_path, STEPS[:ENOUGH], SCENARIO.truth, asks=False), deque(SCENARIO.moves)
 
     def operate(_: CalibrationView) -> None:
@@ -111,13 +111,13 @@ def test_a_bad_file_is_refused_with_its_line(text: str, line: int, value: str, t
     assert cli.run(["simulate", "--scenario", str(path)]) == 3
 
 
-def test_a_bench_is_served_and_tells_what_happens(tmp_path: Path) -> None:
+def test_a_bench_is_served_and_reports_what_happens(tmp_path: Path) -> None:
     text = 'speed = 50\n[imu]\ntransport = "tcp"\n[gnss]\n[[hands]]\ndo = "place 3 5"\nat_s = 2\n'
     (tmp_path / "s.toml").write_text(SMALLEST + text + '[[fault]]\nkind = "lost"\nat_s = 4\n')
     with Program("simulate", "--scenario", str(tmp_path / "s.toml")) as program:
-        said = "".join(program.until("control "))
-        (url,) = re.findall(r"^url (tcp:\S+)$", said, re.MULTILINE)
-        assert re.search(r"^gnss mavlink:udpout:127.0.0.1:\d+$", said, re.MULTILINE)
+        reported = "".join(program.until("control "))
+        (url,) = re.findall(r"^url (tcp:\S+)$", reported, re.MULTILINE)
+        assert re.search(r"^gnss mavlink:udpout:127.0.0.1:\d+$", reported, re.MULTILINE)
         with Program("record", url, "--seconds", "10", "--out", str(tmp_path / "r")) as other:
             assert other.end()[0] == 0
         program.process.send_signal(signal.SIGINT)
@@ -141,9 +141,9 @@ def test_imu_receiver_and_camera_go_along_one_track(tmp_path: Path, monkeypatch:
     with Program(
         "simulate", "--scenario", str(tmp_path / "s.toml"), "--speed", "4", "--camera-file", str(eye)
     ) as program:
-        said = "".join(program.until("control "))
-        (imu,) = re.findall(r"^url (tcp:\S+)$", said, re.MULTILINE)
-        (camera,) = re.findall(r"^camera (camera:http://127.0.0.1:\d+/stream)$", said, re.MULTILINE)
+        reported = "".join(program.until("control "))
+        (imu,) = re.findall(r"^url (tcp:\S+)$", reported, re.MULTILINE)
+        (camera,) = re.findall(r"^camera (camera:http://127.0.0.1:\d+/stream)$", reported, re.MULTILINE)
         assert read_description(eye).address.text == camera
         with closing(open_port(camera)) as seen, closing(open_port(imu)) as felt:
             wire, cameras, images, samples = Decoder(FORMATS["counts"]), CameraDecoder(), [], []

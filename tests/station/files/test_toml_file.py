@@ -26,7 +26,7 @@ def test_a_name_is_taken_as_it_is(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "said"),
+    ("name", "reported"),
     [
         ("", "1 to 64"), (" ", "1 to 64"), ("a ", "1 to 64"), ("x" * 65, "1 to 64"), ("../../x", "no path"),
         ("a/b", "no path"), ("C:\\x", "no path"), (".hidden", "no path"), ("a\x00b", "U+0000"), ("a\nb", "U+000A"),
@@ -34,8 +34,8 @@ def test_a_name_is_taken_as_it_is(name: str) -> None:
         ("a\ud800b", "U+D800"), ("x" * 1001, "at most 1000"),
     ],
 )  # fmt: skip
-def test_what_is_no_name_is_said(name: str, said: str) -> None:
-    with pytest.raises(ValueError, match=said.replace("+", r"\+")):
+def test_what_is_no_name_is_reported(name: str, reported: str) -> None:
+    with pytest.raises(ValueError, match=reported.replace("+", r"\+")):
         checked_name(name)
 
 

@@ -75,7 +75,7 @@ class GuideRig:
         )
         self.guide = Guide(self.context, warms_up=warms_up)
         self.seen: list[CalibrationView] = []
-        self.said: dict[int, str] = {}
+        self.reported: dict[int, str] = {}
 
     def resume(self) -> None:
         """Go on as after a kill: all that is known comes from the folder and the database."""
@@ -85,7 +85,7 @@ class GuideRig:
         recorder = FolderRecorder(self.recorder)
         self.context = StageContext(self.feed, checklist, self.facts, recorder, done, self._planner(done))
         self.guide = Guide(self.context, warms_up=False)
-        self.said.clear()
+        self.reported.clear()
 
     def _planner(self, done: AcceptedSteps = NO_ACCEPTED_STEPS) -> SequentialCampaign | None:
         tables = self.recorder.tables
@@ -104,7 +104,7 @@ class GuideRig:
 
     @property
     def texts(self) -> list[str]:
-        return [self.said[number] for number in sorted(self.said)]
+        return [self.reported[number] for number in sorted(self.reported)]
 
     def run(
         self, until: Callable[[CalibrationView], bool], watch: Watch = ignore, seconds: float = 2000.0
@@ -117,7 +117,7 @@ class GuideRig:
                 self.guide.take(block)
                 view = self.view
                 self.seen.append(view)
-                self.said |= {event.number: f"{event.sound}: {event.text}" for event in view.events}
+                self.reported |= {event.number: f"{event.sound}: {event.text}" for event in view.events}
                 watch(view)
                 if until(view):
                     return view

@@ -47,7 +47,7 @@ def test_it_turns_on_the_screen_while_hands_turn_it_and_counts_down_what_is_left
     assert guided.view.pose.text == "the position is correct"
 
 
-def test_before_anything_told_the_heading_it_is_said_to_be_unknown(rig: Make) -> None:
+def test_before_anything_determined_the_heading_it_is_reported_as_unknown(rig: Make) -> None:
     guided = rig(dwells(1), replace(Truth.example(1), latitude_deg=89.9))
     view = guided.rest(12)
     assert view.pose.heading_std_deg is None
@@ -55,7 +55,7 @@ def test_before_anything_told_the_heading_it_is_said_to_be_unknown(rig: Make) ->
     assert view.pose.text == "its heading is not known yet"
 
 
-def test_a_heading_that_stays_wrong_on_the_right_face_is_said_after_20_s_and_once(rig: Make) -> None:
+def test_a_heading_that_stays_wrong_on_the_right_face_is_reported_after_20_s_and_once(rig: Make) -> None:
     guided = rig(dwells(1, 2, seconds=60.0), asks=False)
     guided.run(guided.done(1))
     guided.hands("place 2 8 35 0 0")
@@ -98,12 +98,12 @@ def placed_7_turned(rig: Make, **how: bool) -> GuideRig:
 def test_a_position_that_stood_4_deg_off_is_named_at_once_and_done_again(rig: Make) -> None:
     guided = placed_7_turned(rig)
     view = guided.run(lambda v: v.question is not None)
-    told = re.match(
+    shown = re.match(
         r"Position 7 has a heading error of (\d\.\d) deg, clockwise from above, by the Earth rate",
         view.question.text,
     )
-    assert told
-    assert float(told[1]) == pytest.approx(4.0, abs=1.0)
+    assert shown
+    assert float(shown[1]) == pytest.approx(4.0, abs=1.0)
     assert view.done == 7
     guided.execute("answer", key="r")
     guided.run(lambda v: v.stage == "place" and "set position 7 along the marks" in v.hint)

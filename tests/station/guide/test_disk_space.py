@@ -85,7 +85,7 @@ def test_a_campaign_that_has_no_room_is_refused_with_both_figures(tmp_path: Path
         refuse_full(tmp_path, steps, 200)
 
 
-def test_what_cannot_be_closed_either_is_said_once(
+def test_what_cannot_be_closed_either_is_reported_once(
     db: Database, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def refuse(_: int) -> None:
@@ -107,15 +107,15 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(server, "LOOK_S", 0.01)
 
 
-def test_a_round_that_lasts_is_said_and_no_other() -> None:
+def test_a_round_that_lasts_is_reported_and_no_other() -> None:
     view, seen = CalibrationView(stage="dwell", line="position 3", hint="still"), list[CalibrationView]()
     with StallNotice(lambda: view, seen.append) as watch:
         with watch.round():
             until(lambda: bool(seen))
-        told = len(seen)
+        reported = len(seen)
         with watch.round():
             pass
-        assert len(seen) <= told + 1
+        assert len(seen) <= reported + 1
     assert seen[0].line == "position 3"
     assert "writing to the disk for " in seen[0].hint
     assert "accepted steps are safe" in seen[0].hint

@@ -49,7 +49,7 @@ def test_any_order_is_taken_and_the_wish_stays_the_first_open_step(rig: Make) ->
     assert not any(text.startswith("rejected") for text in guided.texts)
 
 
-def test_a_face_with_nothing_left_to_do_is_said_and_is_no_failure(rig: Make) -> None:
+def test_a_face_with_nothing_left_to_do_is_reported_and_is_no_failure(rig: Make) -> None:
     guided = rig(dwells(1, 3))
     guided.hands("place 9 8")
     view = guided.run(lambda v: bool(v.events))
@@ -74,7 +74,7 @@ def test_the_same_position_again_is_known_by_the_earth_rate(rig: Make) -> None:
 
 
 @pytest.mark.parametrize(("turn", "sense"), [(90, "clockwise"), (-90, "counter-clockwise")])
-def test_a_cube_turned_by_90_deg_is_told_the_way_to_the_position_that_is_wanted(
+def test_a_cube_turned_by_90_deg_is_shown_the_way_to_the_position_that_is_wanted(
     rig: Make, turn: int, sense: str
 ) -> None:
     guided = rig(dwells(3))
@@ -83,7 +83,7 @@ def test_a_cube_turned_by_90_deg_is_told_the_way_to_the_position_that_is_wanted(
     assert f"turn 90 deg more, {sense} from above, to position 3" in view.events[-1].text
 
 
-def test_where_the_earth_rate_does_not_tell_it_is_asked(rig: Make) -> None:
+def test_where_the_earth_rate_does_not_determine_it_is_asked(rig: Make) -> None:
     guided = rig(dwells(5, 6, seconds=20.0), replace(Truth.example(3), latitude_deg=89.5))
     guided.hands("place 6 8")
     view = guided.run(lambda v: v.question is not None)
@@ -111,10 +111,10 @@ def test_a_cube_that_is_in_neither_position_is_set_down_again(rig: Make) -> None
     guided.run(guided.done(1))
 
 
-def test_a_knock_costs_the_disturbed_seconds_only_and_the_bar_never_falls(rig: Make) -> None:
+def test_a_shock_costs_the_disturbed_seconds_only_and_the_bar_never_falls(rig: Make) -> None:
     guided = rig(dwells(1, seconds=30.0))
     guided.run(after(25.0))
-    guided.hands("knock 7 0.05")
+    guided.hands("shock 7 0.05")
     guided.run(guided.done(1))
     seconds = accepted_seconds(guided)
     assert np.min(np.diff(seconds)) >= 0
@@ -150,7 +150,7 @@ def test_a_slow_creep_is_seen_at_the_end(rig: Make) -> None:
     assert guided.view.done == 0
 
 
-def test_a_tilted_cube_is_told_its_angle_and_never_recorded(rig: Make) -> None:
+def test_the_angle_of_a_tilted_cube_is_shown_and_it_is_never_recorded(rig: Make) -> None:
     guided = rig(dwells(1, seconds=5.0))
     guided.hands("place 1 8 0 4 0")
     guided.rest(60)

@@ -112,12 +112,12 @@ def dump(database: Database) -> list[str]:
         ]
 
 
-def test_a_killed_engine_is_told_and_its_campaign_is_gone_on_with(device: SimulatedDevice, tmp_path: Path) -> None:
+def test_a_killed_engine_is_reported_and_its_campaign_continues(device: SimulatedDevice, tmp_path: Path) -> None:
     first = OperatorCommand(verb="begin", setup=setup_for(device, tmp_path))
     options = options_for(device, tmp_path, first).model_copy(update={"plan": short_plan(tmp_path, 2)})
     socket = tmp_path / "engine"
     process = subprocess.Popen(
-        [sys.executable, "-P", "-m", "station.guide", str(socket)], stdin=subprocess.PIPE, text=True
+        [sys.executable, "-P", "-m", "station.guide.server", str(socket)], stdin=subprocess.PIPE, text=True
     )
     assert process.stdin is not None
     process.stdin.write(options.model_dump_json() + "\n")

@@ -33,7 +33,7 @@ class Hindrance:
 
     setup: Setup
     error: type[Exception]
-    said: str = ""
+    reported: str = ""
 
 
 Made = Iterator[Hindrance]
@@ -45,8 +45,8 @@ def hindrance(make: Callable[[Path], Made]) -> Callable[[Path], Made]:
     return make
 
 
-def at(url: str, error: type[Exception], said: str = "", **more: object) -> Hindrance:
-    return Hindrance(Setup(url=url, latitude_deg=31.0, **more), error, said)
+def at(url: str, error: type[Exception], reported: str = "", **more: object) -> Hindrance:
+    return Hindrance(Setup(url=url, latitude_deg=31.0, **more), error, reported)
 
 
 @hindrance
@@ -153,5 +153,5 @@ def test_a_hindered_start_stays_at_a_form_and_ends_without_one_by_the_same_words
     assert isinstance(found.ended, found.hindrance.error)
     assert found.view.start.refused_code == exit_code(found.ended)
     assert not found.made_folder
-    assert found.hindrance.said in str(found.ended)
+    assert found.hindrance.reported in str(found.ended)
     assert found.view.start.refused

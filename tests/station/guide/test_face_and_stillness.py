@@ -27,7 +27,7 @@ def test_a_turned_mounting_is_taken_into_account() -> None:
     assert FaceAndStillnessGate(C_sb).seen_face(C_sb @ (1000 * face_normal("x_up")))[0] == "x_up"
 
 
-def test_two_opposite_faces_tell_the_biases_and_the_limit_widens() -> None:
+def test_two_opposite_faces_determine_the_biases_and_the_limit_widens() -> None:
     judge, bias = FaceAndStillnessGate(np.eye(3)), np.array([5.0, -30.0, 12.0])
     before = judge.limit_deg
     for up, down in opposite_faces():
@@ -66,9 +66,9 @@ def test_seconds_in_which_the_cube_was_still_lowered_are_dropped_by_those_that_f
 
 def test_a_dwell_that_began_before_the_cube_stood_begins_again_instead_of_waiting_for_ever() -> None:
     one = dwelling(60)
-    said = [one.take(block(i, rate), LOOK) for i, rate in enumerate([*[LOWERED] * 8, *[REST] * 30])]
-    assert POSITION_CHANGED in said
-    assert said.index(POSITION_CHANGED) == 8 + CHANGED_BLOCKS - 1
+    reported = [one.take(block(i, rate), LOOK) for i, rate in enumerate([*[LOWERED] * 8, *[REST] * 30])]
+    assert POSITION_CHANGED in reported
+    assert reported.index(POSITION_CHANGED) == 8 + CHANGED_BLOCKS - 1
 
 
 @pytest.mark.parametrize("disturbed", [1, 4])

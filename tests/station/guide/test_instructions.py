@@ -86,8 +86,8 @@ def test_each_step_of_a_whole_campaign_asks_for_each_thing_once(rig: Make) -> No
     placed = [words.split()[1] for words in hands.asked if words.startswith("place")]
     assert placed == ["3", "5", "9", "1", "5", "1"]
     assert len([words for words in hands.asked if words.startswith("turn")]) == 4
-    said = [line for line in lines if line.startswith("[")]
-    assert len(said) == len(set(said))  # numbered by step: none comes twice in one
+    reported = [line for line in lines if line.startswith("[")]
+    assert len(reported) == len(set(reported))  # numbered by step: none comes twice in one
 
 
 def test_a_guide_that_is_behind_the_device_sees_the_same_campaign(rig: Make) -> None:

@@ -42,19 +42,19 @@ def test_a_plan_names_them_by_their_axes(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("line", "said"),
+    ("line", "reported"),
     [
         ('axes = "SDD"', "axes where the cube's x, y, z point"),
         ('axes = "SDW"', "axes where the cube's x, y, z point"),
         ('axes = "SDE"\nposition = 3', "exactly one of position, axes, up and attitude"),
     ],
 )
-def test_what_is_no_rotation_or_says_two_things_is_refused(tmp_path: Path, line: str, said: str) -> None:
+def test_what_is_no_rotation_or_says_two_things_is_refused(tmp_path: Path, line: str, reported: str) -> None:
     path = tmp_path / "plan.toml"
     path.write_text(f'format = "plan/1"\n\n[[dwell]]\n{line}\nseconds = 20\n')
     with pytest.raises(DataRefused) as refused:
         read_plan(path)
-    assert said in str(refused.value)
+    assert reported in str(refused.value)
     assert "\n" not in str(refused.value)
 
 
@@ -79,7 +79,7 @@ def files(guided: GuideRig) -> list[str]:
     return [dwell.name for dwell in read_campaign(guided.folder).campaign.dwells]
 
 
-def test_the_usual_plan_ends_as_it_began_unless_it_is_told_not_to() -> None:
+def test_the_usual_plan_ends_as_it_began_unless_it_is_specified_otherwise() -> None:
     steps = usual_steps(Setup(dwell_s=60.0))
     assert (len(steps), steps[0], steps[-1]) == (19, Dwell(1, 60.0), Dwell(1, 60.0, 1))
     assert usual_steps(Setup(dwell_s=60.0, repeats=0)) == steps[:-1]

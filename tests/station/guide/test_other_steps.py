@@ -1,4 +1,4 @@
-"""Steps beside dwells and turns: free positions, soaks while temperature moves, and monitors."""
+"""Steps other than dwells and turns: free positions, soaks while temperature moves, and monitors."""
 
 import re
 from collections.abc import Callable
@@ -43,11 +43,11 @@ def up_of(rig: GuideRig, name: str) -> np.ndarray:
     return rig.context.gate.way_up(rig.context.free_attitudes[name])
 
 
-def test_leaning_cubes_are_recorded_each_where_it_is_asked_for(rig: Make) -> None:
+def test_tilted_cubes_are_recorded_each_where_it_is_asked_for(rig: Make) -> None:
     guided = rig(free(3))
     for count in (1, 2, 3):
         tilt = guided.rest(2).tilt
-        guided.hands("lean {} {} {} 8".format(*tilt))
+        guided.hands("tilt {} {} {} 8".format(*tilt))
         guided.run(guided.done(count))
         assert angle_deg(up_of(guided, f"free_{count:02d}"), up_vector(tilt)) < 15  # 3 deg an axis, and biases
     loaded = read_campaign(guided.folder)
@@ -58,7 +58,7 @@ def test_leaning_cubes_are_recorded_each_where_it_is_asked_for(rig: Make) -> Non
     assert not any(text.startswith("rejected") for text in guided.texts)
 
 
-def test_a_face_is_no_free_position_and_says_how_to_lean(rig: Make) -> None:
+def test_a_face_is_no_free_position_and_says_how_to_tilt(rig: Make) -> None:
     guided = rig(free(1))
     view = guided.rest(30)
     assert view.line.startswith("tilt the cube on an edge, X and Y half up, near 45 deg")
@@ -71,25 +71,25 @@ def test_a_face_is_no_free_position_and_says_how_to_lean(rig: Make) -> None:
     assert re.match("1[4-6] deg from the nearest face", guided.view.hint)  # the biases are not known
 
 
-def test_an_attitude_taken_already_is_said_and_not_taken_twice(rig: Make) -> None:
+def test_an_attitude_taken_already_is_reported_and_not_taken_twice(rig: Make) -> None:
     guided = rig(free(2))
-    guided.hands("lean 1 1 0 8")
+    guided.hands("tilt 1 1 0 8")
     guided.run(guided.done(1))
-    guided.hands("lean 1 1 0.1 8")
+    guided.hands("tilt 1 1 0.1 8")
     view = guided.rest(60)
     assert view.done == 1
     assert view.hint.endswith("deg from an attitude already recorded, at least 20: tilt it in another direction")
     assert view.line.startswith("tilt the cube on an edge, X and Z half up")
-    guided.hands("lean -1 -1 1 8")  # not the one asked for: any other will do
+    guided.hands("tilt -1 -1 1 8")  # not the one asked for: any other will do
     guided.run(guided.done(2))
 
 
 def heats(rig: GuideRig) -> Callable[[CalibrationView], None]:
-    told = list[bool]()
+    reported = list[bool]()
 
     def watch(view: CalibrationView) -> None:
-        if view.soak and not told:
-            told.append(True)
+        if view.soak and not reported:
+            reported.append(True)
             rig.hands("heat 20 10")
 
     return watch
@@ -105,7 +105,7 @@ def warming_biases() -> Truth:
 def test_a_soak_records_whatever_temperature_does(rig: Make, soak: Soak) -> None:
     guided = rig([soak], warming_biases())
     if not soak.face:
-        guided.hands("lean 0 1 1 8")
+        guided.hands("tilt 0 1 1 8")
     view = guided.run(lambda v: v.soak is not None and v.soak.left_s < 5, heats(guided))
     assert 18 < view.soak.high_c - view.soak.low_c < 20
     assert "so far), " in view.line
@@ -126,7 +126,7 @@ def test_a_dwell_under_the_same_heat_is_not_taken(rig: Make) -> None:
 
 def test_what_is_gone_on_with_knows_the_attitudes_taken_and_the_soaks(rig: Make) -> None:
     guided = rig([*free(1), Soak(1, 10.0, 1), *free(2)[1:]])
-    guided.hands("lean 1 1 0 8")
+    guided.hands("tilt 1 1 0 8")
     guided.run(guided.done(1))
     guided.hands("place 1 8")
     guided.run(guided.done(2))
@@ -199,13 +199,13 @@ def test_it_goes_on_after_a_monitor_and_knows_it_again_after_a_kill(rig: Make) -
 def test_what_the_guide_leaves_out_as_disturbed_is_in_no_result(rig: Make) -> None:
     guided = rig([Monitor(1, 30.0, 9)], TRUTH)
     guided.hands("place 9 5")
-    hands = ["knock 1 0.3"]
+    hands = ["shock 1 0.3"]
 
-    def knocks(view: CalibrationView) -> None:
+    def shocks(view: CalibrationView) -> None:
         if hands and (view.accepted_s or 0.0) >= 22:
             guided.hands(hands.pop())
 
-    guided.run(guided.done(1), knocks)
+    guided.run(guided.done(1), shocks)
     assert not hands
     [table] = read_campaign(guided.folder).tables.monitor
     assert max(table.scatter_deg) < 0.005  # 0.002 without a knock; 0.03 and more where it is read

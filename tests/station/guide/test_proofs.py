@@ -7,9 +7,9 @@ from tests.benchmarks import false_accept, kills
 
 @pytest.mark.proof
 def test_a_campaign_killed_again_and_again_is_the_same_campaign() -> None:
-    told = kills.run(kills=4, seed=2, steps=4)
-    assert told["kills"] >= 4
-    assert (told["faults"], told["other_solutions"]) == (0, 0)
+    reported = kills.run(kills=4, seed=2, steps=4)
+    assert reported["kills"] >= 4
+    assert (reported["faults"], reported["other_solutions"]) == (0, 0)
 
 
 def test_what_is_off_is_never_accepted_and_what_is_right_is() -> None:

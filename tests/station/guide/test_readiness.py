@@ -107,10 +107,10 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bench]:
                 add_fixture(session, CubeRow(id=kind, side_mm=400.0))
                 add_fixture(session, SlabRow(id=kind))
                 due = {"good": AHEAD, "old": PAST}.get(kind)
-                said = {"source": "CMM 12", "measured_utc": LONG_AGO, "due_date": due}
+                reported = {"source": "CMM 12", "measured_utc": LONG_AGO, "due_date": due}
                 if kind != "bare":
-                    certify_faces(session, kind, face, **said)
-                    add_level(session, level_row(kind, std=(5e-6, 5e-6), **said))
+                    certify_faces(session, kind, face, **reported)
+                    add_level(session, level_row(kind, std=(5e-6, 5e-6), **reported))
             for name, latitude, due in (("LAB-1", 48.0, AHEAD), ("LAB-2", 50.0, PAST)):
                 survey = survey_columns(9.8, 1e-6, "gravimeter", LONG_AGO.date(), due)
                 add_fixture(session, SiteRow(id=name, latitude_deg=latitude, **survey))
@@ -144,7 +144,7 @@ def test_the_answer_before_a_campaign_is_the_one_after_it(bench: Bench, monkeypa
     assert answers == {(True, True), (True, False), (False, True), (False, False)}
 
 
-def test_what_is_not_known_before_the_port_was_looked_at_is_said_to_be_so(bench: Bench) -> None:
+def test_what_is_not_known_before_the_port_was_looked_at_is_reported_as_such(bench: Bench) -> None:
     setup = Setup(url="x", cube="good", slab="good", operator="M. Huber", latitude_deg=31.17)
     facts = read_prior_knowledge(bench.database, bench.root, usual_steps(setup), None)
     for check in (None, PortCheck(url="y", is_good=True, model="SIM-FOG3"), PortCheck(url="x", is_good=False)):

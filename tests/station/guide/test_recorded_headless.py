@@ -107,5 +107,5 @@ def test_what_was_altered_in_the_database_is_neither_copied_nor_shown_as_if_it_w
     for command in (["list"], ["show", "gyroscope.dead_zone"]):
         capsys.readouterr()
         assert cli.run(["effects", *command, "--db", str(tmp_path / "s.db")]) == 1
-        (said,) = capsys.readouterr().err.strip().splitlines()
-        assert re.search(r"effect \d", said)
+        (reported,) = capsys.readouterr().err.strip().splitlines()
+        assert re.search(r"effect \d", reported)

@@ -34,7 +34,7 @@ def test_a_seat_that_comes_back_or_is_kept_is_taken(rig: Make, how: str) -> None
     guided.run(guided.done(4))
 
 
-def on_a_crumb(rig: Make, tilt_deg: float) -> GuideRig:
+def on_debris(rig: Make, tilt_deg: float) -> GuideRig:
     """Positions 1 to 3, then 4 tilted, up to where it is said."""
     truth = replace(Truth.example(2), accel_k=np.full(3, 1e5))
     guided = rig(dwells(1, 2, 3, 4, 5, 6, 7, 8, seconds=20.0), truth)
@@ -50,7 +50,7 @@ def on_a_crumb(rig: Make, tilt_deg: float) -> GuideRig:
 def test_a_kept_tilted_seat_condemns_no_good_seat_after_it_also_after_a_resume(
     rig: Make, is_resumed: bool
 ) -> None:
-    guided = on_a_crumb(rig, 0.3)
+    guided = on_debris(rig, 0.3)
     guided.execute("keep_seating")
     view = guided.run(lambda v: v.question is not None)
     assert "tilted by 0.30 deg" in view.question.text
@@ -60,16 +60,16 @@ def test_a_kept_tilted_seat_condemns_no_good_seat_after_it_also_after_a_resume(
     assert np.degrees(np.hypot(*kept)) == pytest.approx(0.3, abs=0.01)
     if is_resumed:
         guided.resume()
-    said = max((event.number for event in guided.view.events), default=0)
+    reported = max((event.number for event in guided.view.events), default=0)
     for count, position in enumerate((5, 6, 7, 8), start=5):
         guided.hands(f"place {position} 8")
         guided.run(guided.done(count))
-    assert not any(text.startswith("rejected") for number, text in guided.said.items() if number > said)
+    assert not any(text.startswith("rejected") for number, text in guided.reported.items() if number > reported)
     assert any("tilted by 0.3 deg" in warning for warning in read_campaign(guided.folder).warnings)
 
 
 def test_a_tilt_that_no_face_has_is_kept_only_with_a_yes(rig: Make) -> None:
-    guided = on_a_crumb(rig, 0.3)
+    guided = on_debris(rig, 0.3)
     guided.execute("keep_seating")
     guided.run(lambda v: v.question is not None)
     guided.execute("answer", key="n")
@@ -81,7 +81,7 @@ def test_a_tilt_that_no_face_has_is_kept_only_with_a_yes(rig: Make) -> None:
 
 
 def test_a_small_tilt_is_kept_without_a_question_and_holds_for_that_seat_alone(rig: Make) -> None:
-    guided = on_a_crumb(rig, 0.03)
+    guided = on_debris(rig, 0.03)
     guided.execute("keep_seating")
     assert guided.view.question is None
     guided.hands("place 4 8 0 0.2 0")
@@ -95,7 +95,7 @@ def test_a_small_tilt_is_kept_without_a_question_and_holds_for_that_seat_alone(r
 def test_what_comes_back_the_same_is_the_bench_only_where_a_bench_may_be_so(
     rig: Make, tilt_deg: float, marked: set[str]
 ) -> None:
-    guided = on_a_crumb(rig, tilt_deg)
+    guided = on_debris(rig, tilt_deg)
     guided.hands(f"place 4 8 0 {tilt_deg} 0")
     guided.run(guided.done(4))
     assert guided.context.badly_seated == marked
@@ -109,11 +109,11 @@ def tilt(position: int, deg: float) -> str:
     return f"0 {deg} 0" if position <= 4 else f"{deg} 0 0"
 
 
-def placed(guided: GuideRig, positions: tuple[int, ...], crumbs: dict[int, float]) -> None:
+def placed(guided: GuideRig, positions: tuple[int, ...], debris: dict[int, float]) -> None:
     """Place and accept positions, some of them on a crumb that tilts them by so much [deg]."""
     for position in positions:
         before = guided.view.step(f"dwell_{position:02d}").attempts
-        guided.hands(f"place {position} 8 {tilt(position, crumbs.get(position, 0.0))}")
+        guided.hands(f"place {position} 8 {tilt(position, debris.get(position, 0.0))}")
         guided.run(lambda v, p=position, n=before: v.step(f"dwell_{p:02d}").attempts > n)
 
 
@@ -137,7 +137,7 @@ def again(guided: GuideRig, position: int, tilt_deg: float = 0.0) -> None:
 
 
 @pytest.mark.parametrize("is_resumed", [False, True])
-def test_a_clean_seat_is_cleared_once_the_crumb_before_it_is_wiped_off(rig: Make, is_resumed: bool) -> None:
+def test_a_clean_seat_is_cleared_once_the_debris_before_it_is_wiped_off(rig: Make, is_resumed: bool) -> None:
     guided = guide(rig, 1, 2, 3, 4, 5, 6)
     placed(guided, (1, 2, 3, 4, 5), {5: 1.2})
     twice_off(guided, 6)

@@ -34,8 +34,8 @@ def ruled(monkeypatch: pytest.MonkeyPatch) -> None:
         so_far, sigmas = CampaignDesign(tuple(done)), np.full(30, np.inf)
         if len(done) >= 3 and not goes_on:
             return NextPlacement(None, 0.0, sigmas, so_far)
-        placing = Placement(ASKED[len(done)], 20.0)
-        return NextPlacement(placing, 65.0, sigmas, CampaignDesign((*done, placing)))
+        placement = Placement(ASKED[len(done)], 20.0)
+        return NextPlacement(placement, 65.0, sigmas, CampaignDesign((*done, placement)))
 
     def is_enough(_sigmas: object, _wanted: object, so_far: CampaignDesign) -> bool:
         return len(so_far.positions) == 3 and so_far.placements[-1].seconds >= 12

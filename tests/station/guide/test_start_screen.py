@@ -21,8 +21,7 @@ from station.errors import CannotWrite
 from station.files.campaign_setup import Setup
 from station.guide.campaign.port_check import check_port, check_receiver
 from station.guide.engine import CalibrationEngine
-from station.guide.last_setup import load_setup, save_setup, setup_file
-from station.guide.options import CalibrationOptions
+from station.guide.options import CalibrationOptions, load_setup, save_setup, setup_file
 from station.guide.start_screen import start_view
 from station.guide.view import CalibrationView, OperatorCommand
 from tests.patience import HANG_S, paced
@@ -52,7 +51,7 @@ def test_a_broken_set_up_is_the_default_one(config: Path, content: bytes) -> Non
     assert load_setup().operator == "x"
 
 
-def test_a_place_that_cannot_be_written_is_said(config: Path) -> None:
+def test_a_place_that_cannot_be_written_is_reported(config: Path) -> None:
     config.write_text("a file, not a folder")
     assert load_setup() == Setup()
     with pytest.raises(CannotWrite):
@@ -85,7 +84,7 @@ def replayed(folder: Path, faults: Iterable[Fault] = (), truth: Truth | None = N
     return f"replay:{path}"
 
 
-def test_a_good_port_is_said_to_be_good(tmp_path: Path) -> None:
+def test_a_good_port_is_reported_as_good(tmp_path: Path) -> None:
     check = check_port(replayed(tmp_path), 60.0)
     assert check.is_good, check.text
     assert (check.format, check.serial, check.bad_frames) == ("counts", "SIM-5", 0)
@@ -111,7 +110,7 @@ def test_a_bad_line_is_named_with_what_to_do(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("url", "said"),
+    ("url", "reported"),
     [
         ("serial:///dev/ttyNONE", "no such port"),
         ("nonsense", "no address"),
@@ -120,10 +119,10 @@ def test_a_bad_line_is_named_with_what_to_do(tmp_path: Path) -> None:
         ("replay:/no/such/file", "No such file"),
     ],
 )
-def test_what_cannot_be_looked_at_is_words_not_an_error(url: str, said: str) -> None:
+def test_what_cannot_be_looked_at_is_words_not_an_error(url: str, reported: str) -> None:
     check = check_port(url, 0.1)
     assert (check.is_good, check.url) == (False, url)
-    assert said in check.text
+    assert reported in check.text
 
 
 TRUTH = replace(Truth.example(5), latitude_deg=48.1, longitude_deg=11.5, height_m=520.0)
@@ -162,10 +161,10 @@ def test_the_campaign_waits_for_looks_and_says_the_site_that_it_took(tmp_path: P
             while not engine.view.gates:
                 assert time.monotonic() < until, (engine.view.stage, engine.view.start)
                 engine.round()
-            [said] = [event.text for event in engine.view.events if "GNSS" in event.text]
+            [reported] = [event.text for event in engine.view.events if "GNSS" in event.text]
         finally:
             engine.close()
     assert "for 20 positions of the receiver" in shown[0].hint
-    assert said.startswith("site from GNSS: 48.")
-    assert re.search(r" u \d+\.\d m", said)
-    assert said.endswith("longitude_deg 12.5 is stated, GNSS gives 11.5")
+    assert reported.startswith("site from GNSS: 48.")
+    assert re.search(r" u \d+\.\d m", reported)
+    assert reported.endswith("longitude_deg 12.5 is stated, GNSS gives 11.5")

@@ -16,7 +16,7 @@ FILED = re.compile(r"\b(dwell|turn|free|soak)_\w|\.mcap|\.csv")
 
 
 @pytest.mark.parametrize(
-    ("filed", "said"),
+    ("filed", "reported"),
     [
         ("dwell_03", "position 3"),
         ("dwell_12.mcap:301: a gap of 2 s", "position 12: a gap of 2 s"),
@@ -28,8 +28,8 @@ FILED = re.compile(r"\b(dwell|turn|free|soak)_\w|\.mcap|\.csv")
         ("a dwell, a turn and free positions", "a dwell, a turn and free positions"),
     ],
 )
-def test_files_and_names_of_steps_become_words(filed: str, said: str) -> None:
-    assert files_as_steps(filed) == said
+def test_files_and_names_of_steps_become_words(filed: str, reported: str) -> None:
+    assert files_as_steps(filed) == reported
 
 
 @pytest.mark.parametrize(
@@ -46,9 +46,9 @@ def test_a_step_is_meant_by_what_people_type(typed: str, step: str) -> None:
 
 def test_a_gap_that_the_guide_made_is_called_what_it_is_and_lost_samples_are_not() -> None:
     left_out = {"dwell_02.mcap": [4.02]}
-    knocked = gap_in_words("dwell_02.mcap:301: a gap of 4.02 s", left_out)
+    disturbed = gap_in_words("dwell_02.mcap:301: a gap of 4.02 s", left_out)
     assert (
-        files_as_steps(knocked)
+        files_as_steps(disturbed)
         == "position 2: 4.0 s discarded, because the cube was disturbed; the rest was accepted"
     )
     lost = gap_in_words("dwell_02.mcap:301: a gap of 0.06 s", left_out)

@@ -18,7 +18,7 @@ from tests.station.guide.rig import GuideRig, dwells
 Make = Callable[..., GuideRig]
 
 
-def test_a_silent_stream_is_said_once_and_the_dwell_begins_again(rig: Make) -> None:
+def test_a_silent_stream_is_reported_once_and_the_dwell_begins_again(rig: Make) -> None:
     guided = rig(dwells(1, seconds=20.0))
     guided.run(lambda v: v.accepted_s >= 10)
     for _ in range(3):

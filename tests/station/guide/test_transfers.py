@@ -198,15 +198,15 @@ def test_a_kill_while_a_step_is_done_again_leaves_its_old_moves_or_none(
 SLOW = replace(Truth.example(1), sample_period_s=0.1)  # 10 Hz, too few for a hand's tremor
 
 
-def test_a_brisk_flip_is_told_at_once_and_a_slow_one_is_not(rig: Make) -> None:
+def test_a_fast_flip_is_reported_at_once_and_a_slow_one_is_not(rig: Make) -> None:
     guided = rig(dwells(1, 4, 2, seconds=30.0), SLOW)
     guided.run(guided.done(1))
     guided.hands("carry 4 3 60")
     view = guided.run(lambda v: any("moved too fast" in e.text for e in v.events), seconds=60)
     assert view.done == 1  # before the dwell is over
-    [said] = [e.text for e in view.events if "moved too fast" in e.text]
-    assert "arcsec of coning; at least" in said
-    assert said.endswith("s for a flip")
+    [reported] = [e.text for e in view.events if "moved too fast" in e.text]
+    assert "arcsec of coning; at least" in reported
+    assert reported.endswith("s for a flip")
     guided.run(guided.done(2))
     assert "its transfer is not used" in guided.view.step("dwell_04").note
     guided.hands("carry 2 60 0")

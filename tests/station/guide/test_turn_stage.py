@@ -68,7 +68,9 @@ def test_the_counter_runs_with_the_turn_and_ends_at_the_revolutions_asked_for(ri
         ("place 2 8", "wrong direction, expected counter-clockwise seen from above"),
     ],
 )
-def test_a_turn_that_is_not_the_one_asked_for_is_told_why(rig: Make, command: str, reason: str) -> None:
+def test_a_turn_that_is_not_the_one_asked_for_is_rejected_with_its_reason(
+    rig: Make, command: str, reason: str
+) -> None:
     guided = rig([MINUS, PLUS])
     guided.run(ready)
     guided.hands("turn x - 3 2")
@@ -242,7 +244,7 @@ PAIR = [Dwell(1, 20.0), Dwell(2, 20.0)]
 OTHERS = [Dwell(position, 10.0) for position in (3, 5, 7)]
 
 
-def was_said(guided: GuideRig, what: str) -> bool:
+def was_reported(guided: GuideRig, what: str) -> bool:
     return any(what in text for text in guided.texts)
 
 
@@ -257,24 +259,24 @@ def turned(guided: GuideRig, command: str = "turn x + 1 2") -> None:
     guided.hands(command)
 
 
-def test_a_crumb_is_told_before_the_turn(rig: Make) -> None:
+def test_debris_is_reported_before_the_turn(rig: Make) -> None:
     guided = rig([*PAIR, ONCE], FINE)
     guided.run(guided.done(1))
     placed(guided, 2)
     guided.hands("place 1 8 0 0.12 0")
-    guided.run(lambda _: was_said(guided, "not seated: tilted by 4"))
+    guided.run(lambda _: was_reported(guided, "not seated: tilted by 4"))
     assert not guided.view.gates.is_seated
     guided.hands("place 1 8")
     turned(guided)
     guided.run(guided.done(3))
-    assert not was_said(guided, "turn again")
+    assert not was_reported(guided, "turn again")
 
 
 def test_a_cube_that_came_to_lie_on_something_as_it_was_turned_is_turned_again(rig: Make) -> None:
     guided = rig([ONCE], FINE)
     turned(guided)
     guided.hands("creep 3 0 0.05 0")
-    guided.run(lambda _: was_said(guided, "turn X+: the cube is tilted by 18") or guided.view.done > 0)
+    guided.run(lambda _: was_reported(guided, "turn X+: the cube is tilted by 18") or guided.view.done > 0)
     assert guided.view.done == 0
     guided.hands("place 1 8")
     turned(guided)
@@ -291,7 +293,7 @@ def test_a_turn_before_any_dwell_is_judged_by_the_first_on_its_face(rig: Make, *
     if is_resumed:
         guided.resume()
     placed(guided, 2, 1)  # one of the two alone may be the slab
-    guided.run(lambda _: was_said(guided, "turn X+: the cube was tilted by 4"))
+    guided.run(lambda _: was_reported(guided, "turn X+: the cube was tilted by 4"))
     assert guided.view.wanted == "turn_x_plus"
     guided.hands("place 1 8")
     turned(guided)
@@ -305,9 +307,9 @@ def test_a_turn_after_a_restart_is_judged_by_dwells_of_before_and_since(rig: Mak
     guided = rig([*PAIR, *OTHERS, ONCE, Dwell(3, 10.0, 1)], stepping, faults=[Fault("restart", 200.0, seconds=2)])
     guided.run(guided.done(1))
     placed(guided, 2, 3, 5, 7)
-    guided.run(lambda _: was_said(guided, "switched off and on"))
+    guided.run(lambda _: was_reported(guided, "switched off and on"))
     guided.hands("place 1 8 0 0.12 0")
     turned(guided)
     guided.run(guided.done(6))
     placed(guided, 3)
-    guided.run(lambda _: was_said(guided, "turn X+: the cube was tilted by 4"))
+    guided.run(lambda _: was_reported(guided, "turn X+: the cube was tilted by 4"))

@@ -103,7 +103,7 @@ def test_the_same_unit_looks_the_same_and_is_still_asked_for(rig: Make) -> None:
     guided.run(guided.done(2))
 
 
-def test_another_unit_is_told_apart_and_no_ends_it(rig: Make) -> None:
+def test_another_unit_is_distinguished_and_no_ends_it(rig: Make) -> None:
     guided = begun(rig)
     record = read_note(guided.folder, UnitRecord)
     assert record is not None

@@ -31,7 +31,7 @@ def document(bias: float = 1e-3) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(
-    ("limits", "word", "said"),
+    ("limits", "word", "reported"),
     [
         ([BIAS], "PASS", "accelerometer bias y, which uses 80 %"),
         ([Limit("accelerometer.bias.y", None, 2e-3, "g")], "PASS", "100 %"),
@@ -49,10 +49,10 @@ def document(bias: float = 1e-3) -> dict[str, Any]:
         ),
     ],
 )
-def test_the_verdict_and_its_reason(limits: list[Limit], word: VerdictWord, said: str) -> None:
+def test_the_verdict_and_its_reason(limits: list[Limit], word: VerdictWord, reported: str) -> None:
     outcome = judge(document(), limits)
     assert outcome.word == word
-    assert said in outcome.reason
+    assert reported in outcome.reason
     assert outcome.sentence.startswith(f"{word.replace('_', ' ') if limits else 'NO LIMITS'}: ")
     assert outcome.exit_code == (word == "FAIL")
 

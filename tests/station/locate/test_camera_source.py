@@ -44,14 +44,17 @@ def folder(tmp_path: Path) -> Path:
 
 
 def test_a_flight_is_located_by_its_camera(folder: Path, tmp_path: Path) -> None:
-    out, said_file = tmp_path / "t.tum", tmp_path / "j.json"
-    assert cli.run(["locate", str(folder), "--source", "vision", "--out", str(out), "--json", str(said_file)]) == 0
-    said = json.loads(said_file.read_text())
-    assert said["source"] == "vision"
-    assert said["initialised_at_s"] < 3.0  # well before an IMU alone knows its heading
-    assert said["error_m"]["online"]["mean"] < 0.1
-    assert said["alignment"]["std"]["yaw_deg"] < 4.0
-    assert abs(said["gyro_bias_rad_s"][2] - 0.07) < 0.01
+    out, reported_file = tmp_path / "t.tum", tmp_path / "j.json"
+    assert (
+        cli.run(["locate", str(folder), "--source", "vision", "--out", str(out), "--json", str(reported_file)])
+        == 0
+    )
+    reported = json.loads(reported_file.read_text())
+    assert reported["source"] == "vision"
+    assert reported["initialised_at_s"] < 3.0  # well before an IMU alone knows its heading
+    assert reported["error_m"]["online"]["mean"] < 0.1
+    assert reported["alignment"]["std"]["yaw_deg"] < 4.0
+    assert abs(reported["gyro_bias_rad_s"][2] - 0.07) < 0.01
     assert np.diff(np.loadtxt(out)[:, 0]).max() < 0.1101
 
 
@@ -91,9 +94,9 @@ def test_what_never_shows_how_far_it_moved_is_exit_5(folder: Path, capsys: pytes
     rows[:, 4:] = 0.0  # it stands, says GNSS too; the IMU that shakes contradicts both
     np.savetxt(folder / "gnss.csv", rows, "%.9f", ",", header=header, comments="")
     assert cli.run(["locate", str(folder), "--source", "vision"]) == 5
-    said = capsys.readouterr().err
-    assert "needed: move further" in said
-    assert "without the camera" in said
+    reported = capsys.readouterr().err
+    assert "needed: move further" in reported
+    assert "without the camera" in reported
 
 
 LATE_SECONDS = 10.0
@@ -121,20 +124,22 @@ def log(late_folder: Path) -> FusionLog:
     return read_fusion(late_folder)
 
 
-def said_of(log: FusionLog, **told: float | None) -> FusionLog:
+def reported_of(log: FusionLog, **specified: float | None) -> FusionLog:
     """Return a folder of which something else is told of the camera's clock."""
     assert log.table.tracks is not None
-    return replace(log, table=log.table.model_copy(update={"tracks": log.table.tracks.model_copy(update=told)}))
+    return replace(
+        log, table=log.table.model_copy(update={"tracks": log.table.tracks.model_copy(update=specified)})
+    )
 
 
 def test_a_flight_is_located_once_the_offset_is_found(late_folder: Path, tmp_path: Path) -> None:
     assert cli.run(["locate", str(late_folder), "--source", "vision", "--json", str(tmp_path / "j.json")]) == 0
-    said = json.loads((tmp_path / "j.json").read_text())
-    offset, std = said["camera_time_offset_s"], said["camera_time_offset_std_s"]
+    reported = json.loads((tmp_path / "j.json").read_text())
+    offset, std = reported["camera_time_offset_s"], reported["camera_time_offset_std_s"]
     assert abs(offset - LATE) < 4 * std < 0.021
-    assert said["initialised_at_s"] > 5.0
-    assert said["error_m"]["online"]["mean"] < 0.1
-    assert f"camera time offset    {offset * 1e3:.1f} +- {std * 1e3:.1f} ms" in location_text(said, 1)
+    assert reported["initialised_at_s"] > 5.0
+    assert reported["error_m"]["online"]["mean"] < 0.1
+    assert f"camera time offset    {offset * 1e3:.1f} +- {std * 1e3:.1f} ms" in location_text(reported, 1)
 
 
 def test_what_is_found_uses_nothing_later_than_it_is_known(log: FusionLog) -> None:
@@ -150,19 +155,19 @@ def test_what_is_found_uses_nothing_later_than_it_is_known(log: FusionLog) -> No
     assert (other.offset, other.std) == (whole.offset, whole.std)
 
 
-def test_an_offset_that_is_told_is_added(log: FusionLog) -> None:
-    told = on_imu_clock(said_of(log, time_offset_s=LATE, time_offset_std_s=None))
-    assert isinstance(told, ClockedTracks)
+def test_an_offset_that_is_specified_is_added(log: FusionLog) -> None:
+    specified = on_imu_clock(reported_of(log, time_offset_s=LATE, time_offset_std_s=None))
+    assert isinstance(specified, ClockedTracks)
     assert log.tracks is not None
-    assert np.allclose(told.tracks.t, log.tracks.t + LATE)
-    assert told.std == 0.0
-    assert told.since == -np.inf
+    assert np.allclose(specified.tracks.t, log.tracks.t + LATE)
+    assert specified.std == 0.0
+    assert specified.since == -np.inf
 
 
-def test_a_clock_that_nothing_was_said_of_is_suspected(tmp_path: Path) -> None:
+def test_a_clock_that_nothing_is_known_of_is_suspected(tmp_path: Path) -> None:
     silent = read_fusion(write_late(tmp_path / "log", 14.0))
     assert re.search(r"wrong by -(7|8)\d\.\d \+- [345]\.\d ms: state time_offset_s", suspected_offset(silent))
-    assert suspected_offset(said_of(silent, time_offset_s=0.0)) == ""  # told: as good as known
+    assert suspected_offset(reported_of(silent, time_offset_s=0.0)) == ""  # specified: as good as known
 
 
 def test_what_does_not_turn_enough_is_exit_5_and_says_so(

@@ -38,13 +38,13 @@ def test_a_flight_is_located_by_its_imu(layers: str, tmp_path: Path) -> None:
     folder, out = write_flight(tmp_path / "log", 16.0), tmp_path / "t.tum"
     arguments = ["--layers", layers, "--out", str(out), "--json", str(tmp_path / "j.json")]
     assert cli.run(["locate", str(folder), *arguments]) == 0
-    said = json.loads((tmp_path / "j.json").read_text())
-    assert said["source"] == "inertial"
-    assert said["layers"] == int(layers)
-    assert said["error_m"]["online"]["mean"] < 0.1
-    assert said["error_m"]["batch"]["mean"] < 0.06
-    assert said["alignment"]["std"]["yaw_deg"] < 4.0
-    assert abs(said["gyro_bias_rad_s"][2] - 0.07) < 0.005
+    reported = json.loads((tmp_path / "j.json").read_text())
+    assert reported["source"] == "inertial"
+    assert reported["layers"] == int(layers)
+    assert reported["error_m"]["online"]["mean"] < 0.1
+    assert reported["error_m"]["batch"]["mean"] < 0.06
+    assert reported["alignment"]["std"]["yaw_deg"] < 4.0
+    assert abs(reported["gyro_bias_rad_s"][2] - 0.07) < 0.005
     assert np.diff(np.loadtxt(out)[:, 0]).max() < 0.1001
 
 
@@ -56,11 +56,11 @@ def test_an_antenna_whose_place_and_delay_are_not_given_is_found(tmp_path: Path)
     text = (folder / "fusion.toml").read_text()
     (folder / "fusion.toml").write_text(text.replace("lever_arm_m = [0.0, 0.0, 0.0]", "time_offset_std_s = 0.2"))
     assert cli.run(["locate", str(folder), "--layers", layers, "--json", str(tmp_path / "j.json")]) == 0
-    said = json.loads((tmp_path / "j.json").read_text())
-    assert np.abs(np.array(said["lever_arm_m"]) - lever).max() < 0.3  # 3 sigma of so short a flight
-    assert abs(said["time_offset_s"] + 0.12) < 0.025
-    assert said["error_m"]["online"]["mean"] < 0.2
-    assert said["error_m"]["batch"]["mean"] < 0.15
+    reported = json.loads((tmp_path / "j.json").read_text())
+    assert np.abs(np.array(reported["lever_arm_m"]) - lever).max() < 0.3  # 3 sigma of so short a flight
+    assert abs(reported["time_offset_s"] + 0.12) < 0.025
+    assert reported["error_m"]["online"]["mean"] < 0.2
+    assert reported["error_m"]["batch"]["mean"] < 0.15
 
 
 @pytest.mark.proof
@@ -70,9 +70,9 @@ def test_speed_and_course_without_a_climb_are_enough(tmp_path: Path) -> None:
     rows = np.loadtxt(folder / "gnss.csv", delimiter=",", skiprows=1)
     write_rows(folder / "gnss.csv", ",", rows[:, :6], GNSS_HEADER.removesuffix(",vu_m_s"))
     assert cli.run(["locate", str(folder), "--layers", layers, "--json", str(tmp_path / "j.json")]) == 0
-    said = json.loads((tmp_path / "j.json").read_text())
-    assert said["error_m"]["online"]["mean"] < 0.12
-    assert said["layers"] == int(layers)
+    reported = json.loads((tmp_path / "j.json").read_text())
+    assert reported["error_m"]["online"]["mean"] < 0.12
+    assert reported["layers"] == int(layers)
 
 
 def test_a_car_with_every_other_fix_is_where_the_others_say(tmp_path: Path) -> None:
@@ -91,10 +91,10 @@ def test_a_folder_with_a_wheel_says_scale_slips_and_rests(tmp_path: Path) -> Non
     folder = write_drive(tmp_path / "drive", Drive(15.0, outage=None))
     assert cli.run(["locate", str(folder), "--layers", "1", "--json", str(tmp_path / "j.json")]) == 0
     document = json.loads((tmp_path / "j.json").read_text())
-    said = document["wheel"]
-    assert abs(said["scale"] - SCALE) < 3.5 * said["scale_std"]
-    assert said["scale_std"] < 2e-3
+    reported = document["wheel"]
+    assert abs(reported["scale"] - SCALE) < 3.5 * reported["scale_std"]
+    assert reported["scale_std"] < 2e-3
     begin, end, _ = SLIPS[0]
-    assert any(a < end and b > begin for a, b in said["slips_s"])
-    assert said["at_rest_s"] > 0
+    assert any(a < end and b > begin for a, b in reported["slips_s"])
+    assert reported["at_rest_s"] > 0
     assert "wheel scale factor    1.0" in location_text(document, fixes=1)

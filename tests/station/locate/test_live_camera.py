@@ -72,7 +72,7 @@ def test_what_stamps_are_late_by_is_found(stamps: bool) -> None:
     assert live.lateness == pytest.approx(LATE_S + 0.06, abs=0.11)
 
 
-def test_what_is_told_is_kept() -> None:
+def test_what_is_specified_is_kept() -> None:
     _, tracks = seen(rocking, offset=0.0)
     eye = Eye(tracks, stamps=False)
     live = LiveCamera(CAMERA, eye.follow, CameraTimeOffset(-LATE_S, 0.0))

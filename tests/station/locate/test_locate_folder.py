@@ -30,15 +30,15 @@ def test_a_recorded_odometry_is_located(tmp_path: Path, capsys: pytest.CaptureFi
     folder = write_folder(tmp_path / "log", seconds=30.0)
     assert run(folder, tmp_path, "--source", "odometry") == 0
     assert capsys.readouterr().out == ""
-    said = json.loads((tmp_path / "j.json").read_text())
-    assert said["format"] == "location/1"
-    assert said["error_m"]["online"]["mean"] < 0.15
-    assert said["error_m"]["batch"]["mean"] < said["error_m"]["online"]["mean"]
-    assert abs(said["alignment"]["yaw_deg"] + np.degrees(1.0)) < 3 * said["alignment"]["std"]["yaw_deg"]
-    assert said["rejected_fixes"] == 0
-    assert said["solve_ms"]["mean"] <= said["solve_ms"]["worst"]
+    reported = json.loads((tmp_path / "j.json").read_text())
+    assert reported["format"] == "location/1"
+    assert reported["error_m"]["online"]["mean"] < 0.15
+    assert reported["error_m"]["batch"]["mean"] < reported["error_m"]["online"]["mean"]
+    assert abs(reported["alignment"]["yaw_deg"] + np.degrees(1.0)) < 3 * reported["alignment"]["std"]["yaw_deg"]
+    assert reported["rejected_fixes"] == 0
+    assert reported["solve_ms"]["mean"] <= reported["solve_ms"]["worst"]
     online, smoothed = (np.loadtxt(tmp_path / name) for name in ("t.tum", "b.tum"))
-    assert online[0, 0] == pytest.approx(said["initialised_at_s"], abs=1e-6)
+    assert online[0, 0] == pytest.approx(reported["initialised_at_s"], abs=1e-6)
     assert np.diff(online[:, 0]).max() < 0.1001
     assert len(smoothed) == 300
     assert np.allclose(np.linalg.norm(online[:, 4:], axis=1), 1, atol=1e-6)
@@ -68,9 +68,9 @@ def test_what_never_moves_is_exit_5_and_says_why(tmp_path: Path, capsys: pytest.
     np.savetxt(folder / "gnss.csv", rows, "%.9f", ",", header="t_s,e_m,n_m,u_m,ve_m_s,vn_m_s,vu_m_s", comments="")
     assert run(folder, tmp_path, "--source", "odometry") == 5
     assert "it must move further" in capsys.readouterr().err
-    said = json.loads((tmp_path / "j.json").read_text())
-    assert "it must move further" in said["why_not"]
-    assert "initialised_at_s" not in said
+    reported = json.loads((tmp_path / "j.json").read_text())
+    assert "it must move further" in reported["why_not"]
+    assert "initialised_at_s" not in reported
     assert not (tmp_path / "t.tum").exists()
 
 
@@ -83,9 +83,9 @@ def test_outliers_are_counted_and_shown(tmp_path: Path, capsys: pytest.CaptureFi
     folder = write_folder(tmp_path / "log", seconds=30.0)
     _rows(folder, lambda rows: rows + (np.arange(300) % 10 == 9)[:, None] * OFF)
     assert cli.run(["locate", str(folder), "--source", "odometry"]) == 0
-    said = capsys.readouterr().out
-    assert "rejected fixes        30 of 300" in said
-    assert "stand off" not in said
+    reported = capsys.readouterr().out
+    assert "rejected fixes        30 of 300" in reported
+    assert "stand off" not in reported
 
 
 def test_a_source_that_is_not_in_the_folder_is_exit_3(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -80,19 +80,19 @@ class DriveRig:
     """`run` lets device time pass; ``lines`` are the views that a sink was told.
 
     With ``sees``, how late [s] images are read and between which times [s] there are none, a camera is there; its
-    delay is ``told`` or not. ``held_s`` [s] at a time is what images come later by: see `Sight`.
-    ``told_late_s`` [s] is by how much the receiver's reader lags; unless it ``tells_time`` the sender's clock is
+    delay is ``specified`` or not. ``held_s`` [s] at a time is what images come later by: see `Sight`.
+    ``lag_s`` [s] is by how much the receiver's reader lags; unless it ``gives_time`` the sender's clock is
     not told. Nothing ``locates`` where a file is recorded.
     """
 
     def __init__(
         self, truth: Truth, track: VehicleTrack, autopilot: AutopilotTruth, faults: Sequence[TimedFault] = (),
         lever_arm: tuple[float, ...] = (0.0, 0.0, 0.0), folder: Path | None = None, seed: int = 1,
-        sees: tuple[float, tuple[float, float]] | None = None, told: float | None = None,
+        sees: tuple[float, tuple[float, float]] | None = None, specified: float | None = None,
         held_s: Callable[[float], float] = lambda t: 0.0,
         filters: tuple[str, ...] = ("joint",), aid: str = "gnss",
-        told_late_s: Callable[[float], float] = lambda t: 0.0, format: str = "counts", pps: bool = False,
-        tells_time: bool = True, locates: bool = True,
+        lag_s: Callable[[float], float] = lambda t: 0.0, format: str = "counts", pps: bool = False,
+        gives_time: bool = True, locates: bool = True,
     ) -> None:  # fmt: skip
         self.source = Source(truth, format=format, seed=seed, pps=pps)
         self.source.device.drive(track)
@@ -105,15 +105,15 @@ class DriveRig:
         eye = (
             None
             if sight is None
-            else LiveCamera(CAMERA, sight.follow, None if told is None else CameraTimeOffset(told, 0.0))
+            else LiveCamera(CAMERA, sight.follow, None if specified is None else CameraTimeOffset(specified, 0.0))
         )
         where = None
         if locates and folder is None:
             where = locating(self.feed, applied, C, lever_arm, ExitStack(), live=False, camera=eye)
         self.writer = None if folder is None else FixWriter(folder / "gnss_1.mcap")
         heard = Autopilot(truth, autopilot, faults, track, seed)
-        says = GnssFix | TimeMark | AirData if tells_time else GnssFix | AirData
-        receiver = Receiver(self.source, heard, self.writer, told_late_s, says)
+        says = GnssFix | TimeMark | AirData if gives_time else GnssFix | AirData
+        receiver = Receiver(self.source, heard, self.writer, lag_s, says)
         recording = None if folder is None else MonitorRecording(folder, self.feed.wire)
         if recording is not None:
             recording.begin()
@@ -136,7 +136,7 @@ class DriveRig:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DrivenAlong:
-    """A drive that is over: all its views, the last one, and ``anew`` that of a unit begun anew.
+    """A drive that is over: all its views, the last one, and ``restarted`` that of a unit begun anew.
 
     The window has images of the camera up to ``seen_until`` [s] and waits for those of so many keyframes. Without
     one they are nan and -1.
@@ -144,7 +144,7 @@ class DrivenAlong:
 
     lines: list[MonitorView]
     view: MonitorView
-    anew: MonitorView
+    restarted: MonitorView
     seen_until: float
     awaited: int
 

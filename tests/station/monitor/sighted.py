@@ -30,7 +30,7 @@ def driven(track: VehicleTrack) -> Trajectory:
 
 
 class Sight:
-    """A camera beside the IMU, and what follows features through its images; there are none while ``dark``.
+    """A camera next to the IMU, and what follows features through its images; there are none while ``dark``.
 
     ``late_s`` is what nothing says, ``held_s`` of a time by how much later its image comes, which its age tells.
     """

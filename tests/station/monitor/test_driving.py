@@ -42,12 +42,12 @@ def located(drive: DrivenAlong) -> list[MonitorView]:
 
 
 def test_it_says_what_is_missing_until_it_moves(drive: DrivenAlong) -> None:
-    said = [
+    reported = [
         view.location.why for view in drive.lines if view.location is not None and not view.location.is_located
     ]
-    assert said[0] == "no fix yet"
-    assert any("its noise is measured" in why for why in said)
-    assert "move it" in said[-1]
+    assert reported[0] == "no fix yet"
+    assert any("its noise is measured" in why for why in reported)
+    assert "move it" in reported[-1]
     begun = located(drive)[0].location
     assert begun is not None
     assert 16.0 < begun.t < 30.0
@@ -90,14 +90,14 @@ def test_lines_carry_the_same(drive: DrivenAlong) -> None:
     assert '"state": "waiting"' in json_line(early)
 
 
-def test_a_unit_that_begins_anew_is_located_anew(drive: DrivenAlong) -> None:
-    assert drive.anew.location is not None
-    assert not drive.anew.location.is_located
-    assert any("no longer known" in event.text for event in drive.anew.events)
+def test_a_unit_that_restarts_is_located_again(drive: DrivenAlong) -> None:
+    assert drive.restarted.location is not None
+    assert not drive.restarted.location.is_located
+    assert any("no longer known" in event.text for event in drive.restarted.events)
 
 
 @pytest.mark.proof
-def test_a_receiver_that_tells_positions_alone_is_enough() -> None:
+def test_a_receiver_that_gives_positions_alone_is_enough() -> None:
     rig = driven_along(46.0, TRACK, replace(AUTOPILOT, states_velocity=False), TRUTH)
     assert not any("speed and course" in view.location.why for view in rig.lines if view.location)
     settled = [view.location for view in located(rig) if view.location and view.location.t > 38.0]

@@ -20,7 +20,7 @@ DARK = (28.0, 33.0)
 
 @pytest.fixture(scope="module")
 def drive() -> DrivenAlong:
-    return driven_along(38.0, TRACK, AUTOPILOT, TRUTH, sees=(0.04, DARK), told=-0.04)
+    return driven_along(38.0, TRACK, AUTOPILOT, TRUTH, sees=(0.04, DARK), specified=-0.04)
 
 
 def located(drive: DriveRig | DrivenAlong) -> list[tuple[MonitorView, Location]]:
@@ -47,28 +47,28 @@ def test_heading_and_place_are_the_truth_within_their_sigma(drive: DrivenAlong) 
 
 
 def test_it_goes_on_without_images_and_says_so(drive: DrivenAlong) -> None:
-    said = {
+    reported = {
         location.camera for view, location in located(drive) if view.reading and DARK[0] < view.reading.t < 33.0
     }
-    assert "no image for 4 s" in said
+    assert "no image for 4 s" in reported
     after = [location for view, location in located(drive) if view.reading and view.reading.t > 33.5]
     assert all(location.camera == "80 features, stamps 40 ms late" for location in after)
     times = [location.t for _, location in located(drive)]
     assert max(np.diff(times)) < 0.35
 
 
-def test_lines_and_streams_tell_of_the_camera(drive: DrivenAlong) -> None:
+def test_lines_and_streams_report_the_camera(drive: DrivenAlong) -> None:
     view, location = located(drive)[-1]
     assert reading_line(view).endswith(f"; camera: {location.camera}")
     assert f'"camera": "{location.camera}"' in json_line(view)
     assert [stream.name for stream in view.streams][-1] == "camera simulated"
 
 
-def test_what_is_wrong_with_the_camera_is_said_once_and_when_it_is_over() -> None:
-    rig = DriveRig(TRUTH, TRACK, AUTOPILOT, sees=(0.04, (0.0, 0.0)), told=-0.04)
+def test_what_is_wrong_with_the_camera_is_reported_once_and_when_it_is_over() -> None:
+    rig = DriveRig(TRUTH, TRACK, AUTOPILOT, sees=(0.04, (0.0, 0.0)), specified=-0.04)
     for trouble in ("", "eye: no bytes for 2.0 s", "eye: no bytes for 2.1 s", ""):
         assert rig.sight is not None
         rig.sight.trouble = trouble
         rig.run(0.3)
-    said = [event.text for event in rig.view.events if "eye" in event.text or "camera" in event.text]
-    assert said == ["eye: no bytes for 2.0 s", "camera simulated: well again"]
+    reported = [event.text for event in rig.view.events if "eye" in event.text or "camera" in event.text]
+    assert reported == ["eye: no bytes for 2.0 s", "camera simulated: well again"]

@@ -27,7 +27,7 @@ def too_long(t: float) -> float:
 
 
 LAGS: dict[str, Held] = {"2 to 4 s": two_to_four, "of no use": too_long}
-SEES = {"sees": (0.04, (0.0, 0.0)), "told": -0.04}
+SEES = {"sees": (0.04, (0.0, 0.0)), "specified": -0.04}
 
 
 @cache
@@ -95,13 +95,13 @@ def test_late_images_count_where_they_were_taken(lagging: tuple[str, DrivenAlong
         assert now - most - 0.5 < rig.seen_until < now - least
 
 
-def test_what_was_dropped_is_counted_and_said_once(lagging: tuple[str, DrivenAlong]) -> None:
+def test_what_was_dropped_is_counted_and_reported_once(lagging: tuple[str, DrivenAlong]) -> None:
     name, rig = lagging
     location = located(rig)[-1][1]
-    said = [event.text for event in rig.view.events if "dropped" in event.text]
+    reported = [event.text for event in rig.view.events if "dropped" in event.text]
     assert f'"images_dropped": {location.images_dropped}' in json_line(rig.view)
     assert f"{location.images_dropped} images dropped" in location.camera
-    assert len(said) == 1
+    assert len(reported) == 1
     if name == "of no use":
         assert location.images_dropped > 100
         assert location.camera.startswith("images are 6.")

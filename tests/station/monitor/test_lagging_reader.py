@@ -1,4 +1,4 @@
-"""A reader beside the IMU that tells late: nothing waits for it, and a replay counts it in the same tick."""
+"""A reader next to the IMU that reports late: nothing waits for it, and a replay counts it in the same tick."""
 
 import json
 from dataclasses import dataclass, replace
@@ -42,7 +42,7 @@ def test_a_replay_takes_what_came_late_in_the_tick_that_took_it_then(
     monkeypatch.setattr(auxiliary_inputs, "MAX_HOLD_S", -1.0)  # s: no tick waits
     folder = tmp_path / "r"
     folder.mkdir()
-    rig = DriveRig(TRUTH, bends(30.0, still=6.0), AUTOPILOT, folder=folder, told_late_s=lag)
+    rig = DriveRig(TRUTH, bends(30.0, still=6.0), AUTOPILOT, folder=folder, lag_s=lag)
     rig.run(24.0)
     rig.monitor.close()
     assert rig.writer is not None

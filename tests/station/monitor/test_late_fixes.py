@@ -38,14 +38,14 @@ def off_course(folder: Path) -> float:
 def test_what_a_late_receiver_says_counts_at_its_own_moment(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    told = off_course(tmp_path / "told")
+    noticed = off_course(tmp_path / "told")
 
     def at_once(*given: object) -> AidValues:
         return replace(aiding_of(*given), age=0.0)  # type: ignore[arg-type]
 
     monkeypatch.setattr(monitor, "aiding_of", at_once)
-    assert told < 1.0
-    assert off_course(tmp_path / "at once") > 3 * told
+    assert noticed < 1.0
+    assert off_course(tmp_path / "at once") > 3 * noticed
 
 
 @pytest.mark.parametrize(("latency", "expected"), [(0.25, 0.29), (None, USUAL_LATENCY + 0.04), (-1.0, 0.0)])
@@ -62,7 +62,7 @@ FASTER: Truth = replace(TRUTH, sample_period_s=0.008)
 
 def late(format: str, *, pps: bool) -> float:
     """Return how late [s] the places are, by how far they lie back along the way; nan where nothing is located."""
-    rig = DriveRig(FASTER, TRACK, AUTOPILOT, format=format, pps=pps, tells_time=False)
+    rig = DriveRig(FASTER, TRACK, AUTOPILOT, format=format, pps=pps, gives_time=False)
     rig.run(36.0)
     assert rig.feed.stamp is not None
     begun = rig.feed.stamp[1] - rig.source.device.imu.time

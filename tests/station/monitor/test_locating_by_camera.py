@@ -28,7 +28,7 @@ AUTOPILOT = AutopilotTruth(position_std_m=0.3, default_hz=5.0)
 CAMERA = CameraTruth(rate_hz=10.0)
 SMALL = CameraTruth(width=160, height=120, fx=100.0, fy=100.0, cx=79.5, cy=59.5, rate_hz=5.0)
 ON, OFF = 9.0, 17.0  # s, when the camera is switched on, and when all ends
-TOLD = f"time_offset_s = {-CAMERA.latency_s}\n"
+REPORTED = f"time_offset_s = {-CAMERA.latency_s}\n"
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +41,7 @@ def drive(tmp_path_factory: pytest.TempPathFactory) -> Path:
         journal.put(Chunk(round((t + CAMERA.latency_s) * 1e9), images.part(t)))
     journal.close()
     assert not failures
-    (file.parent / "camera.toml").write_text(camera_toml(CAMERA, "camera:http://127.0.0.1:1/stream") + TOLD)
+    (file.parent / "camera.toml").write_text(camera_toml(CAMERA, "camera:http://127.0.0.1:1/stream") + REPORTED)
     return file
 
 
@@ -55,16 +55,16 @@ def test_a_recorded_drive_is_located_by_its_images_the_same_each_time(
 ) -> None:
     replay = ["monitor", f"replay:{drive}", "--speed", "0", "--json", "--locate", *asked(tmp_path)]
     assert cli.run(replay) == 0
-    said = capsys.readouterr().out
+    reported = capsys.readouterr().out
     located = [
-        place for line in said.splitlines() if (place := json.loads(line)["location"])["state"] == "located"
+        place for line in reported.splitlines() if (place := json.loads(line)["location"])["state"] == "located"
     ]
     assert located[0]["t_s"] < 14.0  # by IMU alone it takes 6 s of motion more
     last = located[-1]
     assert "features, stamps 40 ms late" in last["camera"]
     assert stands_on(TRACK, last)
     assert cli.run(replay) == 0
-    assert capsys.readouterr().out == said
+    assert capsys.readouterr().out == reported
 
 
 @pytest.mark.proof
@@ -74,9 +74,9 @@ def test_a_recorded_drive_becomes_a_folder_with_tracks(
     folder = tmp_path / "f"
     record = ["record", f"replay:{drive}?format=counts", "--fusion", str(folder), *asked(tmp_path)]
     assert cli.run(record) == 0
-    said = capsys.readouterr().out
-    assert f"{round((OFF - ON) * CAMERA.rate_hz)} frames of the camera" in said
-    assert f"station locate {folder} --source vision" in said
+    reported = capsys.readouterr().out
+    assert f"{round((OFF - ON) * CAMERA.rate_hz)} frames of the camera" in reported
+    assert f"station locate {folder} --source vision" in reported
     out = tmp_path / "location.json"
     assert cli.run(["locate", str(folder), "--source", "vision", "--json", str(out)]) == 0
     found = json.loads(out.read_text())
@@ -85,12 +85,12 @@ def test_a_recorded_drive_becomes_a_folder_with_tracks(
     table = (folder / "fusion.toml").read_text()
     assert "time_offset_s = -0.04" in table
     description = drive.parent / "camera.toml"
-    told = description.read_text()
+    noticed = description.read_text()
     try:
-        description.write_text(told.replace(TOLD, ""))
+        description.write_text(noticed.replace(REPORTED, ""))
         assert cli.run([*record[:3], str(tmp_path / "untold"), *record[4:]]) == 0
     finally:
-        description.write_text(told)
+        description.write_text(noticed)
     assert "time_offset_std_s = 0.1" in (tmp_path / "untold" / "fusion.toml").read_text()
 
 

@@ -67,19 +67,19 @@ def test_a_recorded_drive_is_located_with_its_wheel_the_same_each_time(
 ) -> None:
     replay = ["monitor", f"replay:{drive}", "--speed", "0", "--json", "--locate", *asked(tmp_path)]
     assert cli.run(replay) == 0
-    said = capsys.readouterr().out
-    places = [json.loads(line)["location"] for line in said.splitlines()]
+    reported = capsys.readouterr().out
+    places = [json.loads(line)["location"] for line in reported.splitlines()]
     last = places[-1]
     assert stands_on(TRACK, last)
     scale, std = (float(each) for each in last["wheel"].removeprefix("scale ").split(" +- "))
     assert std < 0.01
     assert abs(scale - SCALE) < 3.5 * std + 5e-5
     assert cli.run(replay) == 0
-    assert capsys.readouterr().out == said
+    assert capsys.readouterr().out == reported
 
 
 @pytest.mark.proof
-def test_a_wheel_that_comes_too_late_to_be_used_is_said_to(
+def test_a_wheel_that_comes_too_late_to_be_used_is_reported(
     drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for file in drive.parent.iterdir():
@@ -129,7 +129,7 @@ def test_a_live_wheel_is_followed_and_recorded(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("table", "code", "said"),
+    ("table", "code", "reported"),
     [
         (wheel_toml(BUS, DBC).replace("SPEED", "SPEEDS"), 3, "no signal 'SPEEDS' in WHEELS"),
         (wheel_toml(BUS, DBC).replace("SPEED", "COUNTER"), 3, "COUNTER without a unit; expected a unit of speed"),
@@ -141,12 +141,12 @@ def test_a_live_wheel_is_followed_and_recorded(tmp_path: Path) -> None:
     ],
 )
 def test_a_wheel_that_is_wrong_or_not_there_is_refused_in_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], table: str, code: int, said: str
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], table: str, code: int, reported: str
 ) -> None:
     (tmp_path / "axle.toml").write_text(table)
     with SimulatedDevice(TRUTH, 5) as imu, SimulatedGnss(TRUTH, AUTOPILOT, imu=imu) as gnss:
         wanted = ["monitor", imu.url, "--json", "--gnss", gnss.url, "--folder", str(tmp_path / "r"), "--locate"]
         assert cli.run([*wanted, *asked(tmp_path), "--wheel", str(tmp_path / "axle.toml")]) == code
     error = capsys.readouterr().err
-    assert said in error
+    assert reported in error
     assert len(error.strip().splitlines()) == 1

@@ -40,16 +40,16 @@ def test_a_recorded_drive_is_located_the_same_each_time(
     file = record_drive(tmp_path / "r", TRUTH, TRACK, AUTOPILOT, 28.0)
     replay = ["monitor", f"replay:{file}", "--speed", "0", "--json", *asked(tmp_path)]
     assert cli.run(replay) == 0
-    said = capsys.readouterr().out
-    last = json.loads(said.splitlines()[-1])["location"]
+    reported = capsys.readouterr().out
+    last = json.loads(reported.splitlines()[-1])["location"]
     assert last["state"] == "located"
     assert stands_on(TRACK, last)
     assert cli.run(replay) == 0
-    assert capsys.readouterr().out == said
+    assert capsys.readouterr().out == reported
     (alone := tmp_path / "alone").mkdir()
     file.rename(alone / "recording.mcap")
     assert cli.run(["monitor", f"replay:{alone / 'recording.mcap'}", "--json", *asked(tmp_path)]) == 3
-    assert "no gnss_*.mcap beside it" in capsys.readouterr().err
+    assert "no gnss_*.mcap next to it" in capsys.readouterr().err
 
 
 def test_a_thread_finds_what_is_found_without_it_and_says_why_it_stops() -> None:

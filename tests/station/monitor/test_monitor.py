@@ -20,10 +20,9 @@ from station.calibrated.calibration_choice import find_calibration
 from station.calibrated.output_frame import body_axes
 from station.errors import DataRefused
 from station.files.mcap_files import read_step
-from station.monitor.alarms import Alarm
 from station.monitor.monitor import MonitorOptions
 from station.monitor.text_lines import json_line, reading_line
-from station.monitor.view import MonitorView
+from station.monitor.view import Alarm, MonitorView
 from station.stream.connected_unit import Unit
 from station.stream.recorder.sample_stream import check_raw_bytes
 from tests.paths import ROOT
@@ -93,7 +92,7 @@ def test_with_a_heading_the_whole_of_the_earths_rate_is_taken_off() -> None:
     assert wrong.calibrated.drift > 15.0
 
 
-def test_half_a_minute_of_rest_tells_north_and_what_was_learnt_no_longer_holds_the_earths_rate() -> None:
+def test_half_a_minute_of_rest_determines_north_and_what_was_learnt_no_longer_holds_the_earths_rate() -> None:
     rig = MonitorRig(
         QUIET, MonitorOptions(latitude=LATITUDE), position=10
     )  # SEU: x, which is forward, points south
@@ -129,7 +128,7 @@ def test_an_alarm_rings_once_and_ends_below_its_limit() -> None:
     rig = MonitorRig(FLAT, MonitorOptions(alarms=(Alarm("roll", 20.0),)))
     rig.run(20.0)
     assert rig.view.alarms == ()
-    rig.hands("lean 0 1 1")
+    rig.hands("tilt 0 1 1")
     rig.run(70.0)
     assert rig.view.alarms[0].startswith("roll")
     rig.hands("place 9 20")
@@ -168,7 +167,7 @@ def test_lost_frames_are_counted_and_the_attitude_goes_on() -> None:
     assert np.degrees(np.arccos(np.clip(down_of(view) @ true_down(9), -1, 1))) < 3 * view.reading.sigma
 
 
-def test_what_a_drift_holds_of_the_earth_stands_beside_it() -> None:
+def test_what_a_drift_holds_of_the_earth_stands_next_to_it() -> None:
     assert RESTING.at_rest is not None
     held = "drift includes the Earth's rate: no --latitude"
     view = replace(RESTING, at_rest=replace(RESTING.at_rest, earth=held))
@@ -177,11 +176,12 @@ def test_what_a_drift_holds_of_the_earth_stands_beside_it() -> None:
 
 
 @pytest.mark.parametrize(
-    ("unit", "said"), [(Unit(UNKNOWN, UNKNOWN, 0.02), "--model and --serial"), (Unit("FOG3", "7", 0.02), "FOG3 7")]
+    ("unit", "reported"),
+    [(Unit(UNKNOWN, UNKNOWN, 0.02), "--model and --serial"), (Unit("FOG3", "7", 0.02), "FOG3 7")],
 )
-def test_without_calibration_and_scale_it_says_what_to_do(unit: Unit, said: str, tmp_path: Path) -> None:
+def test_without_calibration_and_scale_it_says_what_to_do(unit: Unit, reported: str, tmp_path: Path) -> None:
     database = str(tmp_path / "s.db")
-    with open_db(database), refused(DataRefused, ErrorCode.CALIBRATION, said):
+    with open_db(database), refused(DataRefused, ErrorCode.CALIBRATION, reported):
         find_calibration(None, database, unit, FORMATS["counts"])
     with refused(DataRefused, None, "c.json"):
         find_calibration(tmp_path / "c.json", database, unit, FORMATS["counts"])
@@ -195,6 +195,6 @@ def test_a_calibration_of_another_model_is_refused() -> None:
         find_calibration(file, None, Unit("FOG3", "7", 0.02), FORMATS["counts"])
 
 
-def test_a_location_that_lags_behind_is_said_to() -> None:
+def test_a_location_that_lags_is_reported() -> None:
     assert reading_line(BEHIND).endswith("; 12 s behind")
     assert "behind" not in reading_line(LOCATED)

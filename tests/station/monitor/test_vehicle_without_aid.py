@@ -43,13 +43,13 @@ def ratio(rows: np.ndarray) -> float:
 
 
 @pytest.mark.parametrize("kind", ["motorway_car"])
-def test_from_when_it_is_told_sigma_is_what_the_error_is(kind: str) -> None:
+def test_from_when_it_is_reported_sigma_is_what_the_error_is(kind: str) -> None:
     log = vehicle_log(kind, 31, MEMS, 200.0)
     found, rows = followed(log)
     assert found.is_vehicle
-    told = rows[:, 2] > 0
-    assert told[len(told) // 3 :].all()
-    now, before = (ratio(each[told]) for each in (rows, followed(log, watched=False)[1]))
+    noticed = rows[:, 2] > 0
+    assert noticed[len(noticed) // 3 :].all()
+    now, before = (ratio(each[noticed]) for each in (rows, followed(log, watched=False)[1]))
     assert 0.3 < now < 2.6
     assert before > 2 * now
 

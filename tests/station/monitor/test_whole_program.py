@@ -63,7 +63,7 @@ def test_json_lines_agree_with_the_truth_and_the_replay_ends_in_the_same(
         assert again[: len(live)] == live
 
 
-def test_attitude_is_told_by_mavlink(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_attitude_is_sent_by_mavlink(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     calibration = str(write_calibration(tmp_path, FLAT))
     heard = mavutil.mavlink_connection("udpin:127.0.0.1:0", source_system=9)
     port = heard.port.getsockname()[1]
@@ -71,11 +71,11 @@ def test_attitude_is_told_by_mavlink(tmp_path: Path, capsys: pytest.CaptureFixtu
         out = ["--mavlink-out", f"udpout:127.0.0.1:{port}", "--folder", str(tmp_path / "r"), "--seconds", "12"]
         assert cli.run(["monitor", served.url, "--calibration", calibration, "--json", *out]) == 0
     lines = {round(line["t_s"] * 1e3): line for line in lines_of(capsys.readouterr().out)}
-    told = [heard.recv_match(type="ATTITUDE")]
-    while told[-1] is not None:
-        told.append(heard.recv_match(type="ATTITUDE"))
+    received = [heard.recv_match(type="ATTITUDE")]
+    while received[-1] is not None:
+        received.append(heard.recv_match(type="ATTITUDE"))
     heard.close()
-    attitude = told[-2]
+    attitude = received[-2]
     assert attitude.get_srcSystem() == 200
     last = lines[attitude.time_boot_ms]  # the newest may not have found room while nobody listened
     assert np.degrees(attitude.roll) == pytest.approx(last["roll_deg"], abs=1e-4)
@@ -129,11 +129,11 @@ def test_lines_of_text_take_keys_and_say_alarms(tmp_path: Path) -> None:
             program.press("q")
             code, _, error = program.end()
     assert (code, error) == (0, "")
-    told = (tmp_path / "r" / "events.csv").read_text()
-    assert all(f",{event}," in told for event in ("begin", "alarm", "mark", "zero"))
+    received = (tmp_path / "r" / "events.csv").read_text()
+    assert all(f",{event}," in received for event in ("begin", "alarm", "mark", "zero"))
 
 
-def test_a_pulled_plug_is_said_and_gone_on_after(tmp_path: Path) -> None:
+def test_a_pulled_plug_is_reported_and_gone_on_after(tmp_path: Path) -> None:
     calibration = str(write_calibration(tmp_path, FLAT))
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
@@ -153,7 +153,7 @@ def test_a_pulled_plug_is_said_and_gone_on_after(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "code", "said"),
+    ("arguments", "code", "reported"),
     [
         (["--alarm", "wind=3"], 2, "expected NAME=LIMIT"),
         (["--axes", "x,y,-z"], 2, "left-handed"),
@@ -166,8 +166,8 @@ def test_a_pulled_plug_is_said_and_gone_on_after(tmp_path: Path) -> None:
         (["--mavlink-out", "tcp:127.0.0.1:1", "--calibration", "C"], 2, "udpout:HOST:PORT"),
     ],
 )
-def test_what_is_wrong_is_said_in_a_line_and_leaves_nothing_behind(
-    arguments: list[str], code: int, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+def test_what_is_wrong_is_reported_in_a_line_and_leaves_nothing_behind(
+    arguments: list[str], code: int, reported: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     calibration = str(write_calibration(tmp_path, FLAT))
     given = [calibration if word == "C" else word for word in arguments]
@@ -176,7 +176,7 @@ def test_what_is_wrong_is_said_in_a_line_and_leaves_nothing_behind(
         url = served.url if code == 3 or "C" in arguments else "serial:///dev/ttyNONE"  # usage is looked at first
         assert cli.run(["monitor", url, *where, *given]) == code
     error = capsys.readouterr().err
-    assert said in error
+    assert reported in error
     assert error.count("\n") == 1
     assert not (tmp_path / "r").exists()
 

@@ -33,7 +33,7 @@ from station.results.campaign_results import make_results, store
 from station.results.certificate.model_statement import diagnosis_in_words
 from tests.empty_database import empty_db
 from tests.fixtures_db.factory import level_row
-from tests.procedures.diagnosis.planted import wandering
+from tests.procedures.diagnosis.planted import drifting
 from tests.refusals import refused
 from tests.station.campaign_writing import write_campaign
 from tests.station.guide.recorded import everything
@@ -111,14 +111,14 @@ def test_an_unexplained_residual_is_in_the_uncertainty_and_a_pass_says_so(db: Da
     folder, truth = recorded(tmp_path / "c", db), Truth.example(7)
     plain = read_campaign(folder).campaign
     shutil.rmtree(folder)
-    write_campaign(folder, wandering(plain, 3, 0.3), truth.sample_period_s)
+    write_campaign(folder, drifting(plain, 3, 0.3), truth.sample_period_s)
     with db.write() as session:
         set_limits(session, "SIM-FOG3", [Limit("accelerometer.bias", -0.05, 0.05, "g", 2.0)])
     results = make_results(folder, db)
     assert results.diagnosis["verdict"] == "unexplained"
-    said = verdict_view(results, db).sentence
-    assert said.startswith("PASS: ")
-    assert "the diagnosis cannot explain all residuals: the uncertainty treats them as scatter" in said
+    reported = verdict_view(results, db).sentence
+    assert reported.startswith("PASS: ")
+    assert "the diagnosis cannot explain all residuals: the uncertainty treats them as scatter" in reported
     assert "as scatter" in results.report_file.read_text()
     document = json.loads(db_document(db, store(results, db)))
     bias = next(one for one in document["uncertainty"]["parameters"] if one["name"] == "accelerometer.bias.x")
@@ -139,15 +139,15 @@ def test_an_expired_certificate_makes_it_measured_and_says_which(
     db: Database, tmp_path: Path, expired: str
 ) -> None:
     past, ahead = date(2020, 1, 1), date(2100, 1, 1)
-    said = {"source": "CMM 12", "measured_utc": datetime(2019, 1, 1, tzinfo=UTC)}
+    reported = {"source": "CMM 12", "measured_utc": datetime(2019, 1, 1, tzinfo=UTC)}
     face = FaceCertificate(np.zeros(2), np.eye(2) * 25e-12)
     with db.write() as session:
         add_fixture(session, CubeRow(id="CUBE-7", side_mm=400.0))
         due = past if expired == "cube" else ahead
-        certify_faces(session, "CUBE-7", dict.fromkeys(FACES, face), **said, due_date=due)
+        certify_faces(session, "CUBE-7", dict.fromkeys(FACES, face), **reported, due_date=due)
         add_fixture(session, SlabRow(id="SLAB-1"))
         due = past if expired == "slab" else ahead
-        add_level(session, level_row("SLAB-1", std=(1e-5, 1e-5), **said, due_date=due))
+        add_level(session, level_row("SLAB-1", std=(1e-5, 1e-5), **reported, due_date=due))
     results = make_results(recorded(tmp_path / "c", db, cube_id="CUBE-7", slab_id="SLAB-1"), db)
     names = {"cube": "CUBE-7", "slab": "SLAB-1"}
     reason = f"the certificate of {expired} {names[expired]} expired on 2020-01-01" if expired else ""

@@ -79,7 +79,7 @@ QUADRATIC = "accelerometer.quadratic"
 
 
 @pytest.mark.parametrize(
-    ("document", "is_certified", "said"),
+    ("document", "is_certified", "reported"),
     [
         (DOCUMENT, False, "0.063 deg"), *((DOCUMENT | {"verdict": known}, False, "") for known in
         ("explained", "established", "likely", "nothing")), (DOCUMENT | {"error": [SMALL]}, False, ""),
@@ -102,13 +102,13 @@ QUADRATIC = "accelerometer.quadratic"
     ],
 )  # fmt: skip
 def test_what_no_bench_does_is_a_contradiction_and_a_known_cause_or_a_small_one_none(
-    document: dict[str, Any], is_certified: bool, said: str
+    document: dict[str, Any], is_certified: bool, reported: str
 ) -> None:
     found = contradiction_of(document, is_certified=is_certified)
-    assert (said in found) if said else found == ""
+    assert (reported in found) if reported else found == ""
 
 
-def test_seven_dwells_with_one_on_a_crumb_of_a_degree_are_not_to_be_relied_on(tmp_path: Path) -> None:
+def test_seven_dwells_with_one_tilted_a_degree_by_debris_are_not_to_be_relied_on(tmp_path: Path) -> None:
     """No twelve positions: the model takes the crumb for tilts of slab and faces, and fits."""
     truth = replace(Truth.example(7), effects={"placement.dwell": {"x": -0.02, "z": 0.015, "position": 5.0}})
     with open_db(tmp_path / "station.db") as db:
@@ -120,7 +120,7 @@ def test_seven_dwells_with_one_on_a_crumb_of_a_degree_are_not_to_be_relied_on(tm
         assert "do not use this result: the dwells" in results.report_file.read_text()
 
 
-def test_a_crumb_under_a_face_that_stood_once_contradicts_the_certificate(tmp_path: Path) -> None:
+def test_debris_under_a_face_that_stood_once_contradicts_the_certificate(tmp_path: Path) -> None:
     """22 arcsec of it: by what the model makes of them a misalignment is ten of its sigmas off."""
     truth = replace(Truth.example(7), effects={"placement.dwell": {"x": 22 * RAD_PER_ARCSEC, "position": 7.0}})
     positions = (1, 3, 4, 5, 7, 9, 10, 11, 12)

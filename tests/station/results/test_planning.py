@@ -35,15 +35,15 @@ BIAS = "gyroscope.bias.x"
     ],
 )
 def test_a_limit_asks_for_what_its_guard_band_leaves(limit: Limit, values: dict[str, float], sigma: float) -> None:
-    found, said = wanted_by([limit], values)
+    found, reported = wanted_by([limit], values)
     assert found.sigma[NAMES.index(limit.parameter)] == pytest.approx(sigma)
-    assert said == []
+    assert reported == []
 
 
-def test_a_value_outside_its_limits_is_said_and_asks_for_nothing() -> None:
-    found, said = wanted_by([Limit(BIAS, -0.8, 0.8, "deg/h", 2.0)], {BIAS: 0.9})
+def test_a_value_outside_its_limits_is_reported_and_asks_for_nothing() -> None:
+    found, reported = wanted_by([Limit(BIAS, -0.8, 0.8, "deg/h", 2.0)], {BIAS: 0.9})
     assert np.all(np.isinf(found.sigma))
-    assert said == ["gyroscope.bias.x was 0.9 deg/h at last, outside its limits: no plan helps"]
+    assert reported == ["gyroscope.bias.x was 0.9 deg/h at last, outside its limits: no plan helps"]
 
 
 def test_sigmas_are_asked_for_in_the_units_of_the_screens() -> None:
@@ -55,7 +55,7 @@ def test_sigmas_are_asked_for_in_the_units_of_the_screens() -> None:
     assert np.isfinite(list(found.values())).sum() == 5
 
 
-def recorded(database: Database, folder: Path, placing: float, turn: float) -> None:
+def recorded(database: Database, folder: Path, placement: float, turn: float) -> None:
     folder.mkdir()
     steps = (*dwell_steps(100.0), *turn_steps())
     write_plan(folder / "plan.toml", steps)
@@ -66,7 +66,7 @@ def recorded(database: Database, folder: Path, placing: float, turn: float) -> N
             manifest_sha256="0" * 64,
         )  # fmt: skip
         for i, step in enumerate(steps):
-            now += timedelta(seconds=100.0 + placing if i < 12 else turn)
+            now += timedelta(seconds=100.0 + placement if i < 12 else turn)
             row.steps.append(StepRow(name=step.name, file=f"{step.name}.csv", sha256="0" * 64, accepted_utc=now))
         session.add(row)
 
@@ -77,10 +77,10 @@ def test_the_hands_times_are_those_of_this_stations_campaigns(tmp_path: Path) ->
         recorded(database, tmp_path / "quick", 2.0, 3.0)  # simulated: no hands were there
         assert hand_times(database)[0] == HandTimes()
         recorded(database, tmp_path / "campaign", 30.0, 50.0)
-        found, said = hand_times(database)
+        found, reported = hand_times(database)
     assert (found.placing, found.turn) == (pytest.approx(30.0), pytest.approx(50.0))
     assert found.move < found.placing
-    assert said.startswith("30 s per placement, the median of 11")
+    assert reported.startswith("30 s per placement, the median of 11")
 
 
 def test_a_unit_whose_campaigns_are_gone_has_no_known_noise(tmp_path: Path) -> None:
@@ -90,7 +90,7 @@ def test_a_unit_whose_campaigns_are_gone_has_no_known_noise(tmp_path: Path) -> N
             known_noise(database, "FOG-3", "1", [])
 
 
-def test_noise_is_by_axis_in_deg_per_root_hour_and_the_wander_in_deg_per_hour() -> None:
+def test_noise_is_by_axis_in_deg_per_root_hour_and_the_bias_instability_in_deg_per_hour() -> None:
     noise = UnitNoise(np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 3.0]), np.ones(3), np.ones(3), 2e-6)
     found = noise_table(noise)
     assert found["accelerometer_g_sqrt_s"] == {"x": 1.0, "y": 2.0, "z": 3.0}

@@ -102,7 +102,7 @@ def test_what_is_not_estimated_is_left_out() -> None:
     assert got["residual"] == {"chi2": 0.0, "dof": 0}
 
 
-def test_what_is_not_finite_is_left_out_and_said() -> None:
+def test_what_is_not_finite_is_left_out_and_reported() -> None:
     wild = Estimate(np.array([1.0, np.nan]), np.array([np.inf, 1.0]), "rad")
     got = document(replace(SOLUTION, slab_tilt=wild, covariance=np.full((2, 2), np.inf)))
     assert not {"slab", "covariance"} & set(got)

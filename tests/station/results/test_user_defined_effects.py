@@ -63,9 +63,9 @@ def test_what_confirms(
     assert origin is not None
     assert origin.data == ["1" * 12, "2" * 12]
     again = read_effect(_adopted(tmp_path, files, verdict, _entry(found, value), is_found=False))
-    said = capsys.readouterr().out.splitlines()[-1]
-    assert said.startswith("proposed: " if why else "confirmed by FOG-3 S1")
-    assert why in said
+    reported = capsys.readouterr().out.splitlines()[-1]
+    assert reported.startswith("proposed: " if why else "confirmed by FOG-3 S1")
+    assert why in reported
     assert again.is_only_proposed is bool(why)
     assert again.origin is not None
     assert again.origin.data == origin.data
@@ -101,7 +101,7 @@ def diagnosis(
     )  # fmt: skip
 
 
-def said_of(found: Any, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+def reported_of(found: Any, monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Return the lines that are said where campaigns are diagnosed so."""
     monkeypatch.setattr(user_defined_effects, "diagnose", lambda *_: found)
     return user_defined_effects.tried_text(FILE, []).splitlines()
@@ -118,10 +118,10 @@ def said_of(found: Any, monkeypatch: pytest.MonkeyPatch) -> list[str]:
         (diagnosis(), ("absorb",)),
     ],
 )
-def test_what_became_of_it_is_said_with_its_values(
+def test_what_became_of_it_is_reported_with_its_values(
     found: Any, values: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    lines = said_of(found, monkeypatch)
+    lines = reported_of(found, monkeypatch)
     assert lines[0].startswith(f"{NAME}: ")
     assert all(value in lines[0] for value in values)
     assert lines[-1] == "verdict: partly"
@@ -131,7 +131,7 @@ def test_its_coefficients_stand_in_their_own_units_with_what_else_it_could_be(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     found = diagnosis(finding(NAME, "slab.tilt", "clock.rate"), finding("clock.rate"), finding("clock.rate"))
-    assert said_of(found, monkeypatch)[1:] == [
+    assert reported_of(found, monkeypatch)[1:] == [
         "  x          0.0000200 +- 0.0000010 g",
         "  tau_s      40.0 +- 2.0 s",
         "  tau_s 40 is at the end of its range",

@@ -60,8 +60,8 @@ def test_the_worst_is_named_where_one_fails_though_another_was_not_measured() ->
     other = limit("accelerometer.bias.x", -1.0, 1.0, unit="g")
     found = judge(document(), [limit(X, -0.5, 0.5), limit(Y, -0.01, 0.01), limit(Z, -1.0, 1.0), other])
     assert (found.word, found.exit_code) == ("FAIL", 1)
-    said = "FOG3 S1 exceeds 2 of 4 limits of its model: gyroscope bias x, gyroscope bias y. Largest excess:"
-    assert found.reason == f"{said} gyroscope bias y, -0.200 deg/h; limit +-0.01 deg/h"
+    reported = "FOG3 S1 exceeds 2 of 4 limits of its model: gyroscope bias x, gyroscope bias y. Largest excess:"
+    assert found.reason == f"{reported} gyroscope bias y, -0.200 deg/h; limit +-0.01 deg/h"
 
 
 def test_what_has_no_value_or_no_limit_is_not_measured() -> None:

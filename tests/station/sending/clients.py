@@ -38,9 +38,9 @@ def connected(port: int, **options: Any) -> Iterator[ClientConnection]:
 def advertised(client: ClientConnection) -> dict[str, Any]:
     """Return the first channel that a server tells of."""
     while True:
-        told = json.loads(client.recv(timeout=HANG_S))
-        if told["op"] == "advertise":
-            channel: dict[str, Any] = told["channels"][0]
+        received = json.loads(client.recv(timeout=HANG_S))
+        if received["op"] == "advertise":
+            channel: dict[str, Any] = received["channels"][0]
             return channel
 
 

@@ -12,8 +12,8 @@ from fixtures_db.stored_calibrations import accept_calibration
 from procedures.calibration.solution_values import Estimate, Solution, TriadCalibration
 from procedures.campaign.campaign import UNKNOWN
 from procedures.errors import ErrorCode
+from station.calibrated.calibration_choice import chosen_calibration, refuse_unfit
 from station.errors import DataRefused
-from station.sending.chosen_calibration import chosen_calibration, refuse_unfit
 from station.stream.connected_unit import Unit
 from tests.fixtures_db.factory import facts, solution
 from tests.refusals import refused
@@ -58,7 +58,7 @@ def test_a_device_that_does_not_say_who_it_is_needs_a_name(database: str) -> Non
 
 
 @pytest.mark.parametrize(
-    ("asked", "unit", "said"),
+    ("asked", "unit", "reported"),
     [
         ("S2", S1, ("FOG-3 S2", "FOG-3 S1")),
         ("S1", Unit("FOG-4", "S1", 0.01), ("FOG-3 S1", "FOG-4 S1")),
@@ -66,8 +66,8 @@ def test_a_device_that_does_not_say_who_it_is_needs_a_name(database: str) -> Non
         ("", Unit("FOG-3", "S9", 0.01), ("FOG-3 S9",)),
     ],
 )
-def test_another_units_is_refused(asked: str, unit: Unit, said: tuple[str, ...], database: str) -> None:
-    with refused(DataRefused, ErrorCode.CALIBRATION, *said):
+def test_another_units_is_refused(asked: str, unit: Unit, reported: tuple[str, ...], database: str) -> None:
+    with refused(DataRefused, ErrorCode.CALIBRATION, *reported):
         chosen_calibration(asked, database, unit, COUNTS)
 
 

@@ -52,9 +52,9 @@ def test_values_are_the_librarys_with_effects_too() -> None:
     counts = np.hstack((sent.gyro, sent.accel))[rows]
     library = library_of(document)
     assert set(library.effects) == {entry["name"] for entry in EFFECTS}
-    told = library.apply(counts, found.t, sent.temperature[rows], period=UNIT.sample_period_s)
-    assert np.abs(found.f - told.specific_force).max() <= 1e-12 * np.abs(found.f).max()
-    assert np.abs(found.omega - told.angular_rate).max() <= 1e-12 * np.abs(found.omega).max()
+    received = library.apply(counts, found.t, sent.temperature[rows], period=UNIT.sample_period_s)
+    assert np.abs(found.f - received.specific_force).max() <= 1e-12 * np.abs(found.f).max()
+    assert np.abs(found.omega - received.angular_rate).max() <= 1e-12 * np.abs(found.omega).max()
     assert not found.flags[1:].any()
 
 
@@ -77,7 +77,7 @@ def test_lost_frames_are_a_gap_with_their_number() -> None:
 
 
 @pytest.mark.parametrize("kind", ["unplug", "counter_restart", "restart"])
-def test_a_new_beginning_is_said(kind: str) -> None:
+def test_a_new_beginning_is_reported(kind: str) -> None:
     found = LiveRig([Fault(kind, at_s=2.0, seconds=0.5)]).run(4.0)
     first, row = marked(found, Quality.BEGUN_ANEW)
     assert first == 0
@@ -93,7 +93,9 @@ def test_a_new_beginning_is_said(kind: str) -> None:
         ({"effects": [{"name": "nobody.knows", "coefficients": {}, "unit": "g"}]}, Quality.EFFECT_LEFT_IN),
     ],
 )
-def test_what_is_against_the_calibration_is_said_of_every_sample(changes: dict[str, Any], flag: Quality) -> None:
+def test_what_is_against_the_calibration_is_reported_of_every_sample(
+    changes: dict[str, Any], flag: Quality
+) -> None:
     found = LiveRig(calibration={**calibration_of(UNIT), **changes}).run(2.0)
     assert set((found.flags & ~np.uint32(FREE)).tolist()) == {int(flag)}
 
@@ -110,7 +112,7 @@ def test_a_count_at_the_end_of_the_format_is_saturated() -> None:
     assert marked(found, Quality.SATURATED) == full
 
 
-def test_a_device_without_clock_and_name_is_said_to_be_so() -> None:
+def test_a_device_without_clock_and_name_is_reported_as_such() -> None:
     found = LiveRig(format="ch70").run(10.0)
     assert {"time_by_host", "unit_unknown"} <= set(names(int(found.flags[-1])))
     assert np.diff(found.t[-100:]) == pytest.approx(UNIT.sample_period_s, rel=0.2)
@@ -147,7 +149,7 @@ def read_ns(t: float, late: float = 0.0) -> int:
     return round((EPOCH + t + LINK + late) * 1e9)
 
 
-def test_nothing_tells_utc_and_moments_follow_the_reads_that_came_least_late() -> None:
+def test_nothing_gives_utc_and_moments_follow_the_reads_that_came_least_late() -> None:
     times = SampleTimes(None)
     rng = np.random.default_rng(1)
     for first in np.arange(0.0, 3.0, 0.01):
@@ -158,14 +160,14 @@ def test_nothing_tells_utc_and_moments_follow_the_reads_that_came_least_late() -
     assert not times.is_by_messages
 
 
-def test_a_receiver_tells_utc_by_its_messages() -> None:
+def test_a_receiver_gives_utc_by_its_messages() -> None:
     times = SampleTimes(lambda host_ns: host_ns / 1e9 - 100.0)
     _, utc = times.of(np.array([1.0, 1.5]), read_ns(1.5), None)
     assert utc == pytest.approx(EPOCH + np.array([1.0, 1.5]) + LINK - 100.0, abs=1e-6)
     assert times.is_by_messages
 
 
-def test_a_pulse_tells_utc_however_late_reads_are_and_its_end_is_seen() -> None:
+def test_a_pulse_gives_utc_however_late_reads_are_and_its_end_is_seen() -> None:
     times = SampleTimes(lambda host_ns: host_ns / 1e9)
     rng = np.random.default_rng(2)
     for first in np.arange(0.25, 8.0, 0.1):

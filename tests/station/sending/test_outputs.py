@@ -60,19 +60,19 @@ def test_mavlink_has_forward_right_down_si_units_and_says_what_it_knows() -> Non
     samples = made(2)
     (output,) = open_outputs([f"mavlink:udpout:127.0.0.1:{heard.port.getsockname()[1]}"], ABOUT)
     output.send(samples)
-    told = [heard.recv_match(type="HIGHRES_IMU", blocking=True, timeout=HANG_S) for _ in range(2)]
+    received = [heard.recv_match(type="HIGHRES_IMU", blocking=True, timeout=HANG_S) for _ in range(2)]
     output.close()
     heard.close()
-    for i, message in enumerate(told):
+    for i, message in enumerate(received):
         assert message.time_usec == round(samples.t[i] * 1e6)
         f, omega = samples.f[i] * (1, -1, -1), samples.omega[i] * (1, -1, -1)
         assert [message.xacc, message.yacc, message.zacc] == np.float32(f).tolist()
         assert [message.xgyro, message.ygyro, message.zgyro] == np.float32(omega).tolist()
         assert (message.xmag, message.abs_pressure, message.id) == (0, 0, 0)
     # of the message's definition: X ACC 1, Y 2, Z 4, gyros 8, 16, 32, temperature 4096
-    assert [message.fields_updated for message in told] == [0x103F, 0x003F]
-    assert [message.temperature for message in told] == [21.5, 0.0]
-    assert (told[0].get_srcSystem(), told[0].get_srcComponent()) == (200, 200)
+    assert [message.fields_updated for message in received] == [0x103F, 0x003F]
+    assert [message.temperature for message in received] == [21.5, 0.0]
+    assert (received[0].get_srcSystem(), received[0].get_srcComponent()) == (200, 200)
 
 
 def test_a_line_of_json_leaves_out_what_is_not_known() -> None:
@@ -126,7 +126,7 @@ def test_a_reader_that_has_left_ends_the_output() -> None:
 
 
 @pytest.mark.parametrize(
-    ("address", "error", "said"),
+    ("address", "error", "reported"),
     [
         ("tcp:1.2.3.4:5", BadAddress, "foxglove"),
         ("udp:5005", BadAddress, "udp:HOST:PORT"),
@@ -139,10 +139,10 @@ def test_a_reader_that_has_left_ends_the_output() -> None:
         ("foxglove:localhost", BadAddress, "foxglove:HOST:PORT"),
     ],
 )
-def test_an_address_that_cannot_be_used_is_one_line(address: str, error: type[Exception], said: str) -> None:
+def test_an_address_that_cannot_be_used_is_one_line(address: str, error: type[Exception], reported: str) -> None:
     if address.startswith("foxglove"):
         pytest.importorskip("foxglove")
-    with refused(error, None, said) as caught:
+    with refused(error, None, reported) as caught:
         open_outputs([address], ABOUT)
     assert "\n" not in str(caught.value)
 

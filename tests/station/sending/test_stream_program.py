@@ -60,7 +60,7 @@ def test_lines_hold_what_the_library_makes_of_the_bytes_that_came(
     with Program(
         "stream", device.url, "--calibration", calibration, "--seconds", "20", "--folder", str(folder)
     ) as program:
-        code, out, said = program.end()
+        code, out, reported = program.end()
     lines = lines_of(out)
     assert code == 0
     assert (n := len(lines)) >= 1000
@@ -71,13 +71,13 @@ def test_lines_hold_what_the_library_makes_of_the_bytes_that_came(
     rows = np.searchsorted(block.device_time, [line["t_s"] for line in lines])
     counts = np.hstack((block.gyro, block.accel))[rows]
     t, period = block.device_time[rows], UNIT.sample_period_s
-    told = load(calibration).apply(counts, t, block.temperature[rows], period=period)
-    expected = np.hstack((told.specific_force, told.angular_rate))
+    received = load(calibration).apply(counts, t, block.temperature[rows], period=period)
+    expected = np.hstack((received.specific_force, received.angular_rate))
     found = np.array([[line[name] for name in COLUMNS] for line in lines])
     assert [line["t_s"] for line in lines] == t.tolist()
     assert np.abs(found - expected).max() <= 1e-12 * np.abs(expected).max()
-    assert "SIM-FOG3 SIM-5, 50 samples/s, calibration calibration.json" in said
-    assert said.splitlines()[-1] == f"{n} samples, 0 lost, 0 gaps; stdout: 0 samples dropped"
+    assert "SIM-FOG3 SIM-5, 50 samples/s, calibration calibration.json" in reported
+    assert reported.splitlines()[-1] == f"{n} samples, 0 lost, 0 gaps; stdout: 0 samples dropped"
     again = ["stream", f"replay:{journal}", "--speed", "0", "--calibration", calibration]
     with Program(*again) as program:
         replayed = {line["t_s"]: line for line in lines_of(program.end()[1])}
@@ -112,25 +112,27 @@ def test_a_port_that_comes_back_is_gone_on_with(
     link = tmp_path / "imu"  # a reader of /dev/pts/N itself would open what other test got that number
     with SimulatedDevice(UNIT, 5, speed=paced(SPEED), faults=unplugged, link=link) as served:
         assert cli.run(["stream", served.url, "--calibration", calibration, "--seconds", "40"]) == 0
-    out, said = capfd.readouterr()
+    out, reported = capfd.readouterr()
     lines = lines_of(out)
-    anew = [line["sequence"] for line in lines if "begun_anew" in line["flags"]]
-    assert len(anew) == 2
-    assert lines[anew[1]]["flags"] == ["gap_before", "begun_anew"]
+    restarted = [line["sequence"] for line in lines if "begun_anew" in line["flags"]]
+    assert len(restarted) == 2
+    assert lines[restarted[1]]["flags"] == ["gap_before", "begun_anew"]
     assert len(lines) >= 2000  # what came in the same read as the last of them is handed on too
     assert [line["sequence"] for line in lines] == list(range(len(lines)))
-    assert "well again" in said or "own time goes at" in said  # as it says from then on where the machine is slow
-    assert " 1 gap;" in said.splitlines()[-1]
+    assert (
+        "well again" in reported or "own time goes at" in reported
+    )  # as it says from then on where the machine is slow
+    assert " 1 gap;" in reported.splitlines()[-1]
 
 
 def test_ctrl_c_ends_it_with_its_summary(device: SimulatedDevice, calibration: str) -> None:
     with Program("stream", device.url, "--calibration", calibration) as program:
         program.until('"sequence": 20')
         program.process.send_signal(signal.SIGINT)
-        code, _, said = program.end()
+        code, _, reported = program.end()
     assert code == 130
-    assert said.splitlines()[-1] == "cancelled"
-    assert " 0 samples dropped" in said.splitlines()[-2]
+    assert reported.splitlines()[-1] == "cancelled"
+    assert " 0 samples dropped" in reported.splitlines()[-2]
 
 
 def test_a_reader_that_leaves_ends_it(device: SimulatedDevice, calibration: str) -> None:
@@ -140,13 +142,13 @@ def test_a_reader_that_leaves_ends_it(device: SimulatedDevice, calibration: str)
     program.stdout.readline()
     program.stdout.close()
     assert program.stderr is not None
-    said = program.stderr.read()
+    reported = program.stderr.read()
     assert program.wait() == 0
-    assert "stdout: its reader has left" in said
+    assert "stdout: its reader has left" in reported
     program.stderr.close()
 
 
-def test_the_monitor_hands_on_beside_its_lines(
+def test_the_monitor_streams_in_addition_to_its_lines(
     device: SimulatedDevice, calibration: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with listener() as bound:
@@ -176,7 +178,7 @@ def _received(bound: socket.socket) -> bytes:
 
 
 @pytest.mark.parametrize(
-    ("options", "code", "said"),
+    ("options", "code", "reported"),
     [
         (["--to", "file:x"], 2, "expected one of foxglove"),
         (["--calibration", "GOOD", "--to", "udp:1"], 2, "expected udp:HOST:PORT"),
@@ -193,7 +195,7 @@ def _received(bound: socket.socket) -> bytes:
     ],
 )
 def test_what_cannot_be_is_one_line(
-    options: list[str], code: int, said: str, device: SimulatedDevice, calibration: str, tmp_path: Path,
+    options: list[str], code: int, reported: str, device: SimulatedDevice, calibration: str, tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
 ) -> None:  # fmt: skip
     (tmp_path / "other").mkdir()
@@ -203,7 +205,7 @@ def test_what_cannot_be_is_one_line(
     to = [] if "--to" in options else ["--to", "udp:127.0.0.1:9"]
     assert cli.run(["stream", device.url, "--db", str(tmp_path / "s.db"), *to, *options]) == code
     error = capsys.readouterr().err
-    assert said in error
+    assert reported in error
     assert error.count("\n") == 1
 
 

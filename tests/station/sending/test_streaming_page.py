@@ -33,10 +33,10 @@ def test_the_layout_is_the_one_that_is_sent() -> None:
     assert MAGIC.decode() in PAGE
 
 
-def test_every_flag_is_told() -> None:
+def test_every_flag_is_reported() -> None:
     rows = re.findall(r"^\| (\d+) \| `(\w+)` \|", PAGE, re.MULTILINE)
-    told = {name: 1 << int(bit) for bit, name in rows if name in {str(flag.name).lower() for flag in Quality}}
-    assert told == {str(flag.name).lower(): int(flag) for flag in Quality}
+    received = {name: 1 << int(bit) for bit, name in rows if name in {str(flag.name).lower() for flag in Quality}}
+    assert received == {str(flag.name).lower(): int(flag) for flag in Quality}
 
 
 @pytest.mark.parametrize("language", ["py", "c"])
@@ -53,12 +53,12 @@ def test_the_reader_reads(language: str, tmp_path: Path) -> None:
     assert reader.stdout is not None
     os.set_blocking(reader.stdout.fileno(), False)
     (output,) = open_outputs([f"udp:127.0.0.1:{port}"], ABOUT)
-    samples, said = made(3), b""
+    samples, reported = made(3), b""
     try:
-        while not (lines := _from_the_first_on(said)):  # it may begin to listen between two of the three
+        while not (lines := _from_the_first_on(reported)):  # it may begin to listen between two of the three
             output.send(samples)
             select.select([reader.stdout], [], [], 0.2)
-            said += reader.stdout.read() or b""
+            reported += reader.stdout.read() or b""
     finally:
         reader.kill()
         reader.wait()
@@ -70,8 +70,8 @@ def test_the_reader_reads(language: str, tmp_path: Path) -> None:
         assert [float(value) for value in six] == [*samples.f[i].tolist(), *samples.omega[i].tolist()]
 
 
-def _from_the_first_on(said: bytes) -> list[str]:
+def _from_the_first_on(reported: bytes) -> list[str]:
     """Return three whole lines from that of the first sample on, none where they have not all come."""
-    lines = said.decode().split("\n")[:-1]
+    lines = reported.decode().split("\n")[:-1]
     first = next((i for i, line in enumerate(lines) if line.startswith("0 ")), len(lines))
     return lines[first : first + 3] if len(lines) >= first + 3 else []

@@ -13,11 +13,11 @@ LINK = LinkView(name="ttyUSB0", rate_hz=100.0, bad_frames=0, lost=0, gaps=0, tem
 
 
 def pose(position: int, turned: float = 0.0, tipped: float = 0.0, std: float | None = 1.8,
-         **told: object) -> PoseView:  # fmt: skip
+         **specified: object) -> PoseView:  # fmt: skip
     """Return a cube ``turned`` counter-clockwise of a position, then tipped over to the south [deg]."""
     C = rotation(np.radians([tipped, 0.0, 0.0])) @ vertical_rotation(np.radians(turned)) @ nominal_C_lb(position)
     rows = tuple(tuple(round(float(part), 2) + 0.0 for part in row) for row in C)
-    return PoseView.model_validate({"C_lb": rows, "heading_std_deg": std, **told})
+    return PoseView.model_validate({"C_lb": rows, "heading_std_deg": std, **specified})
 
 
 def steps(done: int, *, live: str = "", redo: str = "") -> tuple[StepView, ...]:
@@ -31,10 +31,10 @@ def steps(done: int, *, live: str = "", redo: str = "") -> tuple[StepView, ...]:
         for axis in "xyz"
         for word, sign in (("plus", "+"), ("minus", "-"))
     ]  # fmt: skip
-    return tuple(_told(step, number < done, live, redo) for number, step in enumerate([*dwells, *turns]))
+    return tuple(_reported(step, number < done, live, redo) for number, step in enumerate([*dwells, *turns]))
 
 
-def _told(step: StepView, is_done: bool, live: str, redo: str) -> StepView:
+def _reported(step: StepView, is_done: bool, live: str, redo: str) -> StepView:
     state: StepState = "done" if is_done else "todo"
     if step.name in (live, redo):
         state = "live" if step.name == live else "redo"

@@ -11,7 +11,7 @@ from tests.station.tui.session import SMALL, screens
 FOLDER = ROOT / "docs" / "screens"
 PICTURES = {
     "setup": start_views.START,
-    "placing": views.PLACING,
+    "placing": views.PLACEMENT,
     "holding": views.HOLDING,
     "turning": views.TURNING,
     "verdict": views.PASSED,

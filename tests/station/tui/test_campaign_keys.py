@@ -8,7 +8,7 @@ from station.tui.widgets.step_grid import GridCursor
 from tests.station.tui import views
 from tests.station.tui.session import LARGE, screens
 
-PLACE = views.PLACING  # wanted: dwell_03; done: dwell_01, dwell_02
+PLACE = views.PLACEMENT  # wanted: dwell_03; done: dwell_01, dwell_02
 
 
 @pytest.mark.parametrize(
@@ -80,7 +80,7 @@ def test_the_cursor_reaches_every_step_of_its_line_and_comes_round(key: str) -> 
 
 
 async def test_gates_and_turn_say_word_symbol_and_number() -> None:
-    async with screens(views.PLACING, LARGE) as seen:
+    async with screens(views.PLACEMENT, LARGE) as seen:
         face, still = seen.app.screen.gates.render().plain.split("\n")
         assert "✗ tilted" in face
         assert "Y up, 40.0 > 3 deg" in face

@@ -62,7 +62,7 @@ def test_every_label_of_the_drawing_is_the_axis_that_points_there(position: int,
     place = {way: place_of(drawn, face_towards(position, way)) for way in ("up", "south", "east")}
     assert place["up"][0] < size.depth < place["south"][0]  # the top is above the front's upper edge
     assert place["south"][1] < size.corner < place["east"][1]  # the east face is right of the front's right edge
-    for way in ("up", "south", "east" if size is LARGE else "E"):  # beside its label, or right below it
+    for way in ("up", "south", "east" if size is LARGE else "E"):  # next to its label, or right below it
         near = drawn[place[way.replace("E", "east")][0]] + drawn[place[way.replace("E", "east")][0] + 1]
         assert way in near
 
@@ -120,14 +120,14 @@ def test_the_arrow_of_a_turn_shows_how_the_front_moves(step: StepView) -> None:
 
 
 @pytest.mark.parametrize("size", [(80, 24), LARGE_TERMINAL], ids=["80x24", "120x40"])
-async def test_the_cube_as_it_stands_is_drawn_beside_the_cube_as_wanted(size: tuple[int, int]) -> None:
+async def test_the_cube_as_it_stands_is_drawn_next_to_the_cube_as_wanted(size: tuple[int, int]) -> None:
     async with screens(views.TURN_IT, size) as seen:
         await seen.pilot.pause()
-        said = "\n".join(seen.lines())
-        assert re.search(r"TARGET +CUBE NOW", said)
-        assert "turn 176 deg more, clockwise" in " ".join(said.split())
-        assert said.count("-X") >= 2  # up in both ...
-        assert "-Y" in said  # ... but the front of one is the back of the other
+        reported = "\n".join(seen.lines())
+        assert re.search(r"TARGET +CUBE NOW", reported)
+        assert "turn 176 deg more, clockwise" in " ".join(reported.split())
+        assert reported.count("-X") >= 2  # up in both ...
+        assert "-Y" in reported  # ... but the front of one is the back of the other
         small = seen.app.screen.cube.size.width
     assert small == 38 or size != (80, 24)
 

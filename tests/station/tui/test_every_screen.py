@@ -30,7 +30,7 @@ async def test_every_stage_has_its_screen_also_when_a_view_says_nothing_else() -
         assert len(seen.app.screen_stack) == 2
 
 
-async def test_nothing_is_cut_off_and_all_keys_are_told_in_a_large_terminal() -> None:
+async def test_nothing_is_cut_off_and_all_keys_are_reported_in_a_large_terminal() -> None:
     async with screens(CalibrationView(), LARGE) as seen:
         for name, view in views.VIEWS.items():
             await seen.show(view)
@@ -39,7 +39,7 @@ async def test_nothing_is_cut_off_and_all_keys_are_told_in_a_large_terminal() ->
             assert view.question is not None or keys_missing(seen) == [], name
 
 
-async def test_nothing_is_cut_off_and_all_keys_that_work_are_told() -> None:
+async def test_nothing_is_cut_off_and_all_keys_that_work_are_reported() -> None:
     """In the terminal's last line, with and without its focus, and in the palette."""
     async with screens(CalibrationView(), SMALL) as seen:
         for name, view in views.VIEWS.items():
@@ -92,9 +92,9 @@ async def test_help_explains_each_stage_and_its_keys_and_closes() -> None:
             await seen.show(of_stage(stage))
             await seen.press("f1" if stage == "start" else "question_mark")
             assert isinstance(seen.app.screen, HelpScreen), stage
-            said = seen.app.screen.query_one("Static").render().plain
-            assert len(said.split("\n")[0]) > 20
-            assert "four slow: rejected" in said
+            reported = seen.app.screen.query_one("Static").render().plain
+            assert len(reported.split("\n")[0]) > 20
+            assert "four slow: rejected" in reported
             assert not cut_off(seen), stage
             await seen.press("escape")
             assert type(seen.app.screen) is screen_for(stage)
@@ -145,9 +145,9 @@ async def test_where_nothing_is_at_stake_leaving_closes_the_screens(stage: Stage
 @pytest.mark.parametrize("key", ["enter", "q"])
 async def test_the_end_says_what_became_of_the_data_and_a_key_closes_it(key: str) -> None:
     async with screens(views.BROKEN) as seen:
-        said = seen.app.screen.query_one("#ended Static").render().plain
-        assert "The disk is full" in said
-        assert "All accepted steps are safe" in said
+        reported = seen.app.screen.query_one("#ended Static").render().plain
+        assert "The disk is full" in reported
+        assert "All accepted steps are safe" in reported
         await seen.press(key)
         assert not seen.app.is_running
 
@@ -155,16 +155,16 @@ async def test_the_end_says_what_became_of_the_data_and_a_key_closes_it(key: str
 VERDICTS = [
     (views.PASSED, " ✓ PASS   All values are within the limits of SIM-FOG3."),
     (views.FAILED, " ✗ FAIL   The gyroscope bias x is 0.134 deg/h, the limit is 0.1 deg/h."),
-    (views.DOUBTED, f" ! PASS   {views.DOUBT}; All values are within the limits of SIM-FOG3."),
+    (views.AMBIGUOUS, f" ! PASS   {views.DOUBT}; All values are within the limits of SIM-FOG3."),
     (views.NOT_MEASURED, " ? NO LIMITS   no limits are stored for SIM-FOG3."),  # the word is not said twice
 ]
 
 
 async def test_the_verdict_is_a_word_a_symbol_and_one_sentence() -> None:
     async with screens(views.SOLVING) as seen:
-        for view, said in VERDICTS:
+        for view, reported in VERDICTS:
             await seen.show(view)
-            assert seen.app.screen.sentence.render().plain == said
+            assert seen.app.screen.sentence.render().plain == reported
             assert seen.app.screen.sentence.has_class(view.verdict.word)
             assert view.verdict.status in seen.app.screen.facts["status"].query_one(".text").render().plain
             numbers = seen.app.screen.table.render().plain

@@ -37,7 +37,7 @@ EVENTS = [
     "warm-up was skipped: biases may drift by 0.12 deg/h and 1.3 ug; this is recorded, and uncertainties increase",
     *map(str, STREAM),
 ]
-LEAN = "tilt the cube on a corner, X and Y half up, Z half down, near 45 deg; prop it; then leave it for 3600 s"
+TILTED = "tilt the cube on a corner, X and Y half up, Z half down, near 45 deg; prop it; then leave it for 3600 s"
 CAMPAIGN: tuple[StageName, ...] = ("place", "settle", "dwell", "turn")
 
 
@@ -45,7 +45,7 @@ def words(text: str) -> str:
     return " ".join(text.replace("▌", " ").split())
 
 
-def said_in(seen: Screens, widget: Widget) -> str:
+def shown_in(seen: Screens, widget: Widget) -> str:
     """Return what stands in the terminal where a widget is, as one line."""
     region = widget.region
     rows: Sequence[str] = seen.lines()[region.y : region.bottom]
@@ -53,7 +53,7 @@ def said_in(seen: Screens, widget: Widget) -> str:
 
 
 @pytest.mark.parametrize("error", STREAM, ids=lambda error: type(error).__name__)
-async def test_what_is_wrong_with_the_stream_is_said_whole_and_once(error: DriverError) -> None:
+async def test_what_is_wrong_with_the_stream_is_reported_whole_and_once(error: DriverError) -> None:
     async with screens(CalibrationView(stage="connecting")) as seen:
         link = views.LINK.model_copy(update={"is_live": False, "word": trouble_of(error)[0], "name": PORT})
         event = Event(number=99, sound="rejected", text=str(error))
@@ -64,10 +64,10 @@ async def test_what_is_wrong_with_the_stream_is_said_whole_and_once(error: Drive
             await seen.show(base.model_copy(update=update))
             await seen.pilot.pause()
             screen = seen.app.screen
-            banner = said_in(seen, screen.banner)
+            banner = shown_in(seen, screen.banner)
             assert words(str(error)) in banner, (stage, error)
             assert words(trouble_of(error)[1]) in banner
-            assert trouble_of(error)[0] in said_in(seen, screen.link)
+            assert trouble_of(error)[0] in shown_in(seen, screen.link)
             assert words(" ".join(seen.lines())).count(str(error)[-30:]) <= 1
             assert screen.query_one("KeyLine").region.bottom == SMALL[1]
 
@@ -78,7 +78,7 @@ async def test_the_newest_event_is_whole() -> None:
             event = Event(number=99, sound="rejected", text=text)
             await seen.show(views.HOLDING.model_copy(update={"events": (*views.EVENTS, event)}))
             await seen.pilot.pause()
-            assert words(text) in said_in(seen, seen.app.screen.events), text
+            assert words(text) in shown_in(seen, seen.app.screen.events), text
 
 
 async def test_hints_and_instructions_are_whole() -> None:
@@ -86,10 +86,10 @@ async def test_hints_and_instructions_are_whole() -> None:
         for view in views.VIEWS.values():
             if view.stage not in CAMPAIGN or view.question:
                 continue
-            for line, hint in ((view.line, view.hint), (LEAN, EVENTS[0])):
+            for line, hint in ((view.line, view.hint), (TILTED, EVENTS[0])):
                 await seen.show(view.model_copy(update={"line": line, "hint": hint}))
                 await seen.pilot.pause()
-                banner = said_in(seen, seen.app.screen.banner)
+                banner = shown_in(seen, seen.app.screen.banner)
                 assert words(line) in banner
                 assert words(hint) in banner
 
@@ -99,12 +99,12 @@ async def test_the_end_and_the_set_up_say_errors_whole() -> None:
         for error in (*STREAM, *OTHERS):
             await seen.show(views.BROKEN.model_copy(update={"error": str(error)}))
             await seen.pilot.pause()
-            assert words(str(error)) in said_in(seen, seen.app.screen.query_one("#ended"))
+            assert words(str(error)) in shown_in(seen, seen.app.screen.query_one("#ended"))
         for error in (*STREAM, *OTHERS):
             start = start_views.START.start.model_copy(update={"refused": str(error)})
             await seen.show(start_views.START.model_copy(update={"start": start}))
             await seen.pilot.pause()
-            assert words(str(error)) in said_in(seen, seen.app.screen.query_one("#message"))
+            assert words(str(error)) in shown_in(seen, seen.app.screen.query_one("#message"))
 
 
 async def test_a_question_is_whole_with_its_choices() -> None:
@@ -114,9 +114,9 @@ async def test_a_question_is_whole_with_its_choices() -> None:
     )  # fmt: skip
     async with screens(views.ASKING.model_copy(update={"question": question})) as seen:
         await seen.pilot.pause()
-        box = said_in(seen, seen.app.screen.query_one("Label"))
+        box = shown_in(seen, seen.app.screen.query_one("Label"))
         assert words(question.text) in box
-        listed = said_in(seen, seen.app.screen.query_one("OptionList"))
+        listed = shown_in(seen, seen.app.screen.query_one("OptionList"))
         assert all(words(choice.title) in listed for choice in question.choices)
 
 
@@ -126,9 +126,9 @@ async def test_a_terminal_that_is_too_small_says_what_is_needed_and_what_it_has(
         for view in (views.HOLDING, views.TURNING, views.PASSED, start_views.START, views.BROKEN):
             await seen.show(view)
             await seen.pilot.pause()
-            said = words(" ".join(seen.lines()))
-            assert f"needs 80x24; this terminal has {size[0]}x{size[1]}" in said
-            assert "CUBE NOW" not in said
+            reported = words(" ".join(seen.lines()))
+            assert f"needs 80x24; this terminal has {size[0]}x{size[1]}" in reported
+            assert "CUBE NOW" not in reported
         await seen.pilot.resize_terminal(80, 24)
         await seen.pilot.pause()
         assert "needs 80x24" not in " ".join(seen.lines())
@@ -151,8 +151,8 @@ async def test_why_a_turn_was_rejected_stays_in_sight_below_what_comes_next() ->
                 events = (*views.EVENTS, Event(number=50, sound="rejected", text=reason), *after)
                 await seen.show(views.TURNING.model_copy(update={"events": events}))
                 await seen.pilot.pause()
-                said = said_in(seen, seen.app.screen.events)
-                assert words(reason) in said
-                assert said.endswith(after[-1].text)
+                reported = shown_in(seen, seen.app.screen.events)
+                assert words(reason) in reported
+                assert reported.endswith(after[-1].text)
                 assert "REST" in " ".join(seen.lines())
                 assert seen.app.screen.query_one("KeyLine").region.bottom == SMALL[1]

@@ -38,7 +38,7 @@ async def test_a_question_is_answered_by_one_key(question: OperatorQuestion, key
         assert not isinstance(seen.app.screen, QuestionScreen)
 
 
-async def test_a_question_can_be_put_off_and_taken_up_and_cancel_is_there_meanwhile() -> None:
+async def test_a_question_can_be_put_off_and_taken_up_and_cancel_is_there_all_the_time() -> None:
     async with screens(views.ASKING) as seen:
         await seen.press("escape")
         seen.app.pull()
@@ -76,7 +76,7 @@ async def test_a_modal_over_a_screen_that_waits_stays_when_the_wait_is_over(
 async def test_a_modal_stays_while_it_fits_and_goes_when_it_does_not() -> None:
     async with screens(views.WARMING) as seen:
         await seen.press("c")
-        await seen.show(views.PLACING)  # another screen waits under the modal
+        await seen.show(views.PLACEMENT)  # another screen waits under the modal
         assert isinstance(seen.app.screen, ConfirmScreen)
         await seen.press("n")
         seen.app.pull()
@@ -101,7 +101,7 @@ async def test_keys_faster_than_the_screens_answer_once_and_close_nothing_else()
 
 
 async def test_the_palette_runs_an_action_by_its_name() -> None:
-    async with screens(views.PLACING) as seen:
+    async with screens(views.PLACEMENT) as seen:
         await seen.press("ctrl+p")
         assert isinstance(seen.app.screen, CommandPalette)
         await seen.press(*"pause")

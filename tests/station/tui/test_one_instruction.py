@@ -5,10 +5,10 @@ from station.tui.widgets.cube import is_counter_clockwise
 from tests.station.tui import views
 from tests.station.tui.flip_views import FLIPPING
 from tests.station.tui.session import SMALL, screens
-from tests.station.tui.test_messages import said_in
+from tests.station.tui.test_messages import shown_in
 
 BANNERS = [
-    (views.PLACING, "NOW put the cube in position 3", "hands off"),
+    (views.PLACEMENT, "NOW put the cube in position 3", "hands off"),
     (views.SETTLING, "KEEP STILL hands off", "put the cube"),
     (views.BADLY_SEATED, "SET DOWN AGAIN lift the cube, wipe it and the plate", "position"),
     (views.TURNING, "TURN turn X-: 2.34 of 3 turns", "hands off"),
@@ -21,12 +21,12 @@ BANNERS = [
 
 async def test_the_banner_says_one_thing() -> None:
     async with screens(views.CONNECTING) as seen:
-        for view, said, not_said in BANNERS:
+        for view, reported, not_reported in BANNERS:
             await seen.show(view)
             await seen.pilot.pause()
-            banner = said_in(seen, seen.app.screen.banner)
-            assert said in banner
-            assert not_said not in banner
+            banner = shown_in(seen, seen.app.screen.banner)
+            assert reported in banner
+            assert not_reported not in banner
 
 
 async def test_symbol_and_column_of_a_turn_are_those_of_the_turn_asked_for() -> None:
@@ -38,7 +38,7 @@ async def test_symbol_and_column_of_a_turn_are_those_of_the_turn_asked_for() -> 
             )
             await seen.pilot.pause()
             symbol = "↺" if is_counter_clockwise(step) else "↻"
-            assert f"{symbol} TURN" in said_in(seen, seen.app.screen.banner)
+            assert f"{symbol} TURN" in shown_in(seen, seen.app.screen.banner)
             rows = seen.app.screen.grid.render().plain.split("\n")
             at = next(i for i, row in enumerate(rows) if "turn X, X up" in row)
             cell = f"▶{symbol} {step.axis.upper()}{step.direction}"

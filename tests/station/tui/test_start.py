@@ -24,7 +24,7 @@ def of_start(**update: object) -> CalibrationView:
     return start_views.START.model_copy(update={"start": start})
 
 
-def said(seen: Screens) -> str:
+def reported(seen: Screens) -> str:
     return seen.app.screen.message.render().plain
 
 
@@ -101,13 +101,13 @@ async def test_what_is_typed_is_sent() -> None:
         assert seen.sent == [OperatorCommand(verb="begin", setup=expected)]
 
 
-async def test_a_wrong_value_is_said_in_words_as_it_is_typed() -> None:
+async def test_a_wrong_value_is_reported_in_words_as_it_is_typed() -> None:
     async with screens(FRESH) as seen:
         await fill(seen, "latitude_deg", "95")
-        assert said(seen) == "✗ Latitude 95 is out of range, expected a number from -90 to 90 deg"
+        assert reported(seen) == "✗ Latitude 95 is out of range, expected a number from -90 to 90 deg"
         assert seen.app.screen.form.fields["latitude_deg"].has_class("wrong")
         await fill(seen, "latitude_deg", "45")
-        assert said(seen) == ""
+        assert reported(seen) == ""
         assert not seen.app.screen.form.fields["latitude_deg"].has_class("wrong")
 
 
@@ -115,12 +115,12 @@ async def test_begin_names_all_that_is_missing_at_once() -> None:
     async with screens(CalibrationView(stage="start", start=StartView(setup=Setup()))) as seen:
         await seen.press("ctrl+s")
         assert seen.sent == []
-        found = [name for name in ("Address", "Latitude", "Dwell", "GNSS") if name in said(seen)]
+        found = [name for name in ("Address", "Latitude", "Dwell", "GNSS") if name in reported(seen)]
         assert found == ["Address", "Latitude"]
         assert seen.app.focused is seen.app.screen.form.fields["url"].input
         await fill(seen, "height_m", "1e9")
         await seen.press("ctrl+s")
-        assert [name for name in ("Address", "Latitude", "Height") if name in said(seen)] == [
+        assert [name for name in ("Address", "Latitude", "Height") if name in reported(seen)] == [
             "Address", "Latitude", "Height",
         ]  # fmt: skip
 
@@ -196,11 +196,11 @@ async def test_what_the_device_sends_is_not_missing_in_an_empty_field_with_the_c
         assert field.input.disabled
 
 
-async def test_a_wrong_address_of_a_receiver_is_said_and_not_listened_to() -> None:
+async def test_a_wrong_address_of_a_receiver_is_reported_and_not_listened_to() -> None:
     async with screens(FRESH) as seen:
         await fill(seen, "gnss", "receiver")
         expected = "'receiver' is no receiver, expected mavlink:udpin:0.0.0.0:14550, udpout or tcp"
-        assert f"✗ GNSS {expected}" in said(seen)
+        assert f"✗ GNSS {expected}" in reported(seen)
         await seen.press("enter", "ctrl+s")
         assert seen.sent == []
         assert seen.app.focused is seen.app.screen.form.fields["gnss"].input
@@ -241,7 +241,7 @@ async def test_a_device_that_says_its_serial_number_fills_it_in_and_one_that_doe
         assert (serial.value, serial.disabled) == ("", False)
         await seen.press("ctrl+s")
         assert seen.sent == []
-        assert "Serial no. is required" in said(seen)
+        assert "Serial no. is required" in reported(seen)
 
 
 async def test_an_expired_certificate_is_a_warning_with_the_cube_and_one_in_force_is_not() -> None:
@@ -287,14 +287,14 @@ async def test_what_lacks_nothing_begins_at_once_and_the_list_can_be_asked_for(r
         assert [command.verb for command in seen.sent] == ["begin"]
 
 
-async def test_the_engine_is_told_what_stands_in_the_form_as_far_as_it_is_right() -> None:
+async def test_the_engine_receives_what_stands_in_the_form_as_far_as_it_is_right() -> None:
     async with screens(of_start()) as seen:
         await fill(seen, "operator", "A. Weber")
         await fill(seen, "latitude_deg", "north")
         await seen.pilot.pause(2 * CONSIDER_S)
         await seen.pilot.pause()  # what was due by then is done
-        told = seen.session.considered[-1].setup
-        assert (told.operator, told.latitude_deg, told.cube) == ("A. Weber", None, "CUBE-7")
+        noticed = seen.session.considered[-1].setup
+        assert (noticed.operator, noticed.latitude_deg, noticed.cube) == ("A. Weber", None, "CUBE-7")
         count = len(seen.session.considered)
         await seen.press("tab")
         await seen.pilot.pause(2 * CONSIDER_S)

@@ -79,11 +79,11 @@ async def test_no_number_and_no_limit_is_cut_however_narrow_the_screen(size: tup
             assert {row.name, row.value, row.expanded, row.unit, row.limit, row.change} - {""} <= written
 
 
-async def test_a_pass_in_doubt_has_the_colour_of_a_warning_and_to_store_it_says_why_again() -> None:
+async def test_an_ambiguous_pass_has_the_colour_of_a_warning_and_storing_it_says_why_again() -> None:
     async with screens(views.PASSED) as seen:
-        assert not seen.app.screen.sentence.has_class("doubted")
-        await seen.show(views.DOUBTED)
-        assert seen.app.screen.sentence.has_class("doubted")
+        assert not seen.app.screen.sentence.has_class("ambiguous")
+        await seen.show(views.AMBIGUOUS)
+        assert seen.app.screen.sentence.has_class("ambiguous")
         await seen.press("s")
         await seen.pilot.pause()
         asked = " ".join(str(label.render()) for label in seen.app.screen.query("Label"))

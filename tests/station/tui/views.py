@@ -37,17 +37,17 @@ WARMING = running(
         note="waiting until the temperature rate is below 0.050 °C/min, now 0.210 °C/min",
     ),
 )  # fmt: skip
-PLACING = running(
+PLACEMENT = running(
     "place",
     line="put the cube in position 3: X down, Y north, Z east",
     hint="waiting for stillness: gyro z moves",
     gates=GatesView(face="y_up", off_deg=40.0, still=38.2, still_channel="gyro z", heading="not known"),
     pose=pose(5, 25.0, 40.0, text="tip it over to the north: X down"),
 )
-UNKNOWN = PLACING.model_copy(
+UNKNOWN = PLACEMENT.model_copy(
     update={"pose": pose(3, std=None, text="its heading is not known yet"), "hint": "measuring the noise"}
 )
-WRONG_HEADING = PLACING.model_copy(
+WRONG_HEADING = PLACEMENT.model_copy(
     update={
         "hint": "X points down is correct, but the heading is wrong: turn 35 deg more, clockwise from above",
         "gates": GatesView(face="x_down", off_deg=0.3, is_right_face=True, still=1.1, still_channel="gyro z",
@@ -55,7 +55,7 @@ WRONG_HEADING = PLACING.model_copy(
         "pose": pose(3, 35.0, turn_deg=-35.0, text="turn 35 deg more, clockwise from above"),
     }
 )  # fmt: skip
-TURN_IT = PLACING.model_copy(
+TURN_IT = PLACEMENT.model_copy(
     update={
         "hint": "",
         "gates": WRONG_HEADING.gates,
@@ -90,7 +90,7 @@ HOLDING = running(
     gates=GatesView(face="x_down", off_deg=0.32, is_right_face=True, still=1.1, still_channel="gx", is_still=True,
                 position=4, heading="from the Earth rate", seating="seating error within 3 arcsec"),
 )  # fmt: skip
-KNOCKED = HOLDING.model_copy(
+DISTURBED = HOLDING.model_copy(
     update={
         "hint": "disturbed: the affected seconds are discarded; keep still",
         "gates": HOLDING.gates.model_copy(update={"still": 12.3, "is_still": False, "still_channel": "ay"}),
@@ -124,7 +124,7 @@ ONES = (
     StepView(name="soak_01", state="todo", number=1, is_soak=True, position=9),
     StepView(name="soak_02", state="todo", number=2, is_soak=True, position=11),
 )  # fmt: skip
-LEANING = running(
+TILTED = running(
     "place",
     steps=ONES,
     wanted="free_03",
@@ -244,7 +244,7 @@ PASSED = running(
     ),
 )  # fmt: skip
 DOUBT = "do not use this result, record position 4 again: it was kept although the cube was tilted by 0.3 deg"
-DOUBTED = PASSED.model_copy(
+AMBIGUOUS = PASSED.model_copy(
     update={
         "verdict": PASSED.verdict.model_copy(
             update={

@@ -1,4 +1,4 @@
-"""Laws of the literature that are in no catalogue: each as a term, and its truth in plain numpy beside it.
+"""Laws of the literature that are in no catalogue: each as a term, and its truth in plain numpy next to it.
 
 Written before the grammar; the truths share nothing with it. Of the kinds of `docs/explanation/undeclared.md`
 four are no expression of what a campaign knows: popcorn noise, a random walk, quantisation and a supply that sags

@@ -96,9 +96,9 @@ def test_two_layers_smooth_an_outage_as_one_does() -> None:
     one, two = (InertialWindow(WindowSettings(SITE, ZERO, layers), imu, fixes, aligned) for layers in (1, 2))
     at_its_end = [pose for pose in one.poses() if pose.t < 15.0][-1]
     graph = PoseGraph()
-    told = [pose.p - flight.p(np.array(pose.t)) for pose in graph.run(two, fixes) if pose.t > 15.5]
+    reported = [pose.p - flight.p(np.array(pose.t)) for pose in graph.run(two, fixes) if pose.t > 15.5]
     assert np.linalg.norm(at_its_end.p_o - flight.p(np.array(at_its_end.t))) > 0.5  # it had to be found again
-    assert np.linalg.norm(told, axis=1).mean() < 0.15
+    assert np.linalg.norm(reported, axis=1).mean() < 0.15
     tight, (found, rejected) = one.smoothed(), graph.smoothed()
     off_one = np.linalg.norm([p - flight.p(np.array(t)) for t, p, _ in tight if 9.0 < t < 15.0], axis=1)
     out = (found.t > 9.0) & (found.t < 15.0)

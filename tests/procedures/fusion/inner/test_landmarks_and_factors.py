@@ -51,7 +51,7 @@ def test_in_motion_all_are_used_and_stand_where_they_are() -> None:
     assert np.abs(marks.sights.at[:, 2] * POINTS[:, 2] - 1).max() < 0.2
 
 
-# Factors of the normal equations beside the dense inverse
+# Factors of the normal equations against the dense inverse
 
 
 def chained(keyframes: int, seed: int) -> np.ndarray:

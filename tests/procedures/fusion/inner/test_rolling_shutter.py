@@ -63,13 +63,13 @@ def located(
 def test_the_row_time_takes_the_error_of_a_rolling_shutter_away(
     flight: Eight, imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes
 ) -> None:
-    told = located(imu, tracks, fixes, ROLLING, flight)
-    untold = located(imu, tracks, fixes, CAMERA, flight)
+    reported = located(imu, tracks, fixes, ROLLING, flight)
+    unreported = located(imu, tracks, fixes, CAMERA, flight)
     at_once = located(imu, tracks_of(flight, 3, replace(CAMERA, std=0.3), VIEW), fixes, CAMERA, flight)
-    assert told[0] < 0.25 * untold[0]
-    assert told[0] < 2.0 * at_once[0]
-    assert told[1] < 1.1 * at_once[1]
-    assert told[2] < 0.1 * untold[2]
+    assert reported[0] < 0.25 * unreported[0]
+    assert reported[0] < 2.0 * at_once[0]
+    assert reported[1] < 1.1 * at_once[1]
+    assert reported[2] < 0.1 * unreported[2]
 
 
 @pytest.mark.parametrize("newest_s", [0.1, 0.0])

@@ -118,11 +118,11 @@ def test_the_window_follows_the_flight_and_the_graph_stays_within_its_sigma(
 def test_where_the_camera_sits_is_found(
     flight: Eight, imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes
 ) -> None:
-    told = turned(CAMERA, 0.6, 0.01)
-    source = window(imu, tracks, fixes, told)
+    reported = turned(CAMERA, 0.6, 0.01)
+    source = window(imu, tracks, fixes, reported)
     list(source.poses())
     off = np.degrees(rotation_vector(CAMERA.C_bc.T @ source.state.C_bc))
-    assert np.linalg.norm(off) < 0.25 * np.linalg.norm(np.degrees(rotation_vector(CAMERA.C_bc.T @ told.C_bc)))
+    assert np.linalg.norm(off) < 0.25 * np.linalg.norm(np.degrees(rotation_vector(CAMERA.C_bc.T @ reported.C_bc)))
 
 
 def test_without_gnss_it_drifts_by_centimetres(
@@ -152,7 +152,7 @@ def test_an_offset_left_in_the_cameras_stamps_is_found_by_the_window(
 
 
 @pytest.mark.proof
-def test_a_wheel_beside_the_camera_is_found_to_its_scale(
+def test_a_wheel_with_the_camera_is_found_to_its_scale(
     flight: Eight, imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes
 ) -> None:
     """It tells the speed along an axis of the body, as any log or wheel does, 2 % too little."""

@@ -55,13 +55,13 @@ def test_a_wheel_that_rolls_leaves_no_residual() -> None:
     part = preintegrate(
         grid(ImuSeries(t, np.tile(rate, (101, 1)), f), np.array([0.0, 0.05])), ZERO, ZERO, ZERO, NOISE
     )
-    told = np.array([0.012, 0.03, 0.047])
+    reported = np.array([0.012, 0.03, 0.047])
     speed = [
-        C0 @ rotation(rate * s) @ forward @ (place(s + 1e-4) - place(s - 1e-4)) / 2e-4 / (1 + k) for s in told
+        C0 @ rotation(rate * s) @ forward @ (place(s + 1e-4) - place(s - 1e-4)) / 2e-4 / (1 + k) for s in reported
     ]
     C1, v1, pull = C0 @ rotation(rate * 0.05), v0 + a_n * 0.05, np.array([0.0, 0.0, -GRAVITY])
     mount = WheelMount(forward, lever, 0.05, 0.05)
-    wheel = at_end(WheelSpeeds(told, np.array(speed)), mount, 0.0, part, C1.T @ pull)
+    wheel = at_end(WheelSpeeds(reported, np.array(speed)), mount, 0.0, part, C1.T @ pull)
     assert wheel is not None
     one = np.zeros((1, 3))
     state = WindowState(C1[None], one, v1[None], one, one, np.eye(3), ZERO, 0.0, np.zeros((0, 3)), wheel=k)
@@ -81,10 +81,10 @@ def run(slips: bool, wheel: bool, seed: int = 1) -> tuple[InertialWindow, np.nda
     """Return a window that went along the drive, and the error of each pose: t [s], then three axes [m]."""
     car = drive() if slips else Drive(104.0, outage=(66.0, 99.0), slips=())
     rng, earth_n = np.random.default_rng(seed), earth_rate_n(LATITUDE)
-    imu, fixes, told = car.imu(rng), car.fixes(rng), car.wheel(rng)
+    imu, fixes, reported = car.imu(rng), car.fixes(rng), car.wheel(rng)
     aligned = align_when_possible(MovingAligner(MEMS, GRAVITY, earth_n, ZERO), imu, fixes)
     assert isinstance(aligned, AlignmentState)
-    aid = WheelAid(MOUNT, told, MEMS) if wheel else None
+    aid = WheelAid(MOUNT, reported, MEMS) if wheel else None
     settings = WindowSettings(Site(GRAVITY, earth_n, MEMS), ZERO, 1, frames=10, spacing=0.1)
     window = InertialWindow(settings, imu, fixes, aligned, aid)
     poses = np.array([[pose.t, *pose.p_o] for pose in window.poses()])
@@ -107,7 +107,7 @@ def test_the_scale_factor_is_found_within_its_sigma() -> None:
 
 @pytest.mark.proof
 def test_slips_are_seen_and_not_followed() -> None:
-    """Slips make hardly a difference to the same drive without; each is found, and little beside them."""
+    """Slips make hardly a difference to the same drive without; each is found, and little else."""
     window, slipped = run(True, True)
     assert worst(slipped) < 1.5 * worst(run(False, True)[1]) + 0.1
     assert window.wheel is not None
@@ -131,12 +131,12 @@ def test_an_outage_is_bridged_and_standing_still_is_seen() -> None:
 
 
 @pytest.mark.proof
-def test_a_wheel_that_stops_telling_says_nought_while_driving_and_is_not_believed() -> None:
+def test_a_wheel_that_stops_reporting_says_zero_while_driving_and_is_not_believed() -> None:
     """A broken sensor: nought from 30 s on, while the car drives, GNSS there."""
     rng, earth_n = np.random.default_rng(2), earth_rate_n(LATITUDE)
     car = Drive(40.0, outage=None, slips=())
-    imu, fixes, told = car.imu(rng), car.fixes(rng), car.wheel(rng)
-    broken = WheelSpeeds(told.t, np.where(told.t > 30.0, 0.0, told.speed))
+    imu, fixes, reported = car.imu(rng), car.fixes(rng), car.wheel(rng)
+    broken = WheelSpeeds(reported.t, np.where(reported.t > 30.0, 0.0, reported.speed))
     aligned = align_when_possible(MovingAligner(MEMS, GRAVITY, earth_n, ZERO), imu, fixes)
     assert isinstance(aligned, AlignmentState)
     window = InertialWindow(

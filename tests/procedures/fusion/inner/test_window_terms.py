@@ -125,7 +125,7 @@ def test_a_state_that_follows_its_own_prediction_costs_nothing_and_a_step_off_it
     assert np.allclose(off.g / size, normal.A @ step / size, atol=3e-7)
 
 
-def test_what_was_marginalised_says_of_the_rest_what_it_said_before() -> None:
+def test_what_was_marginalised_says_of_the_rest_what_it_reported_before() -> None:
     """The step of the frames that stay is the same, before a keyframe is eliminated and after."""
     rng = np.random.default_rng(8)
     state = state_of(rng, 3)

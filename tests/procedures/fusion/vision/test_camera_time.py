@@ -74,7 +74,7 @@ def test_sigmas_are_what_the_errors_are() -> None:
     assert 0.3 < np.sqrt(np.mean(ratio**2)) < 1.4
 
 
-def test_neither_a_gyro_bias_nor_a_camera_told_a_degree_wrong_moves_it() -> None:
+def test_neither_a_gyro_bias_nor_a_camera_specified_a_degree_wrong_moves_it() -> None:
     imu, tracks = seen(rocking)
     biased = replace(imu, omega_b=imu.omega_b + np.array([0.1, -0.1, 0.1]))
     for samples, camera in (
@@ -91,14 +91,14 @@ def test_neither_a_gyro_bias_nor_a_camera_told_a_degree_wrong_moves_it() -> None
     "motion", [along(0.0, 0.0), along(0.0, 1.5), along(0.5, 1.5), humming],
     ids=["at rest", "straight on", "a steady turn", "the same every 0.2 s"],
 )  # fmt: skip
-def test_a_motion_that_does_not_tell_is_refused_and_says_what_to_do(motion: Motion) -> None:
+def test_a_motion_that_determines_nothing_is_refused_and_says_what_to_do(motion: Motion) -> None:
     for seed in range(2):
         found = camera_offset(*seen(motion, seed), CAMERA)
         assert isinstance(found, Waiting), found
         assert "rotate it unevenly" in found.why
 
 
-def test_a_camera_that_sits_otherwise_than_told_is_refused() -> None:
+def test_a_camera_that_sits_otherwise_than_specified_is_refused() -> None:
     imu, tracks = seen(rocking)
     wrong = replace(CAMERA, C_bc=CAMERA.C_bc @ Rotation.from_rotvec([0.0, 0.0, np.pi / 2]).as_matrix())
     found = camera_offset(imu, tracks, wrong)

@@ -54,7 +54,7 @@ def test_sampsons_distance_of_a_sideways_move_is_the_height_off_over_root_two() 
     assert sampson_distance(E, y0, y1)[0] == pytest.approx([0.05 / np.sqrt(2)])
 
 
-# How well turns fit what a camera saw: nought at the truth, and the slope of the cost beside it
+# How well turns fit what a camera saw: zero at the truth, and the slope of the cost next to it
 
 
 TURNS = Rotation.from_rotvec([[0.1, -0.2, 0.05], [-0.05, 0.1, 0.3]])

@@ -151,11 +151,11 @@ def test_a_folder_that_breaks_a_rule_is_refused_in_one_line(
     breaking(folder)
     before = sorted(os.listdir(folder))
     code = cli.run(["solve", str(folder), "--json", str(folder / "out.json")])
-    said = capsys.readouterr()
-    assert code == 3, said.err
-    assert said.out == ""
-    assert said.err.count("\n") == 1
-    assert expected in said.err
+    reported = capsys.readouterr()
+    assert code == 3, reported.err
+    assert reported.out == ""
+    assert reported.err.count("\n") == 1
+    assert expected in reported.err
     assert sorted(os.listdir(folder)) == before
 
 

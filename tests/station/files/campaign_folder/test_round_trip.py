@@ -46,8 +46,8 @@ def series(draw: st.DrawFn, first: int, counts: bool) -> Series:
     gyro = draw(st.one_of(st.none(), table))
     accel = draw(table if gyro is None else st.one_of(st.none(), table))
     temperature = np.array(draw(st.lists(st.floats(-80, 200) | st.just(np.nan), min_size=n, max_size=n)))
-    beside = st.lists(st.floats(-1e9, 1e9) | st.just(np.nan), min_size=n, max_size=n).map(np.array)
-    extra = draw(st.dictionaries(st.sampled_from(["aux_load", "utc_s"]), beside))
+    more_columns = st.lists(st.floats(-1e9, 1e9) | st.just(np.nan), min_size=n, max_size=n).map(np.array)
+    extra = draw(st.dictionaries(st.sampled_from(["aux_load", "utc_s"]), more_columns))
     kind = CountSeries if counts else RateSeries
     return kind(t, gyro, accel, temperature, PERIOD, starts, extra)
 

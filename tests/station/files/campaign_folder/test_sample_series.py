@@ -17,10 +17,10 @@ from tests.refusals import refused
 PERIOD = 0.01
 
 
-def table(t: FloatArray, values: FloatArray, **beside: FloatArray) -> Table:
+def table(t: FloatArray, values: FloatArray, **more: FloatArray) -> Table:
     return Table(
         Path("a.csv"),
-        {"t_s": t, **dict(zip(OUTPUTS, values.T, strict=False)), **beside},
+        {"t_s": t, **dict(zip(OUTPUTS, values.T, strict=False)), **more},
         lines=range(2, 2 + len(t)),
     )
 
@@ -77,7 +77,7 @@ def test_totals_of_a_word_wrap_at_its_size(bits: int, low: int) -> None:
 
 
 @pytest.mark.parametrize(
-    ("value", "low", "said"),
+    ("value", "low", "reported"),
     [
         (65535.0, 0.0, ""),
         (65536.0, 0.0, "65536"),
@@ -87,13 +87,13 @@ def test_totals_of_a_word_wrap_at_its_size(bits: int, low: int) -> None:
         (-32769.0, 0.0, "-32769"),
     ],
 )
-def test_a_count_outside_its_word_is_refused(value: float, low: float, said: str) -> None:
+def test_a_count_outside_its_word_is_refused(value: float, low: float, reported: str) -> None:
     values = np.zeros((4, 6))
     values[0, 0], values[2, 1] = low, value
-    if not said:
+    if not reported:
         step_data(table(PERIOD * np.arange(4.0), values), imu("cumulative", 16))
         return
-    with refused(DataRefused, None, said, "gy"):
+    with refused(DataRefused, None, reported, "gy"):
         step_data(table(PERIOD * np.arange(4.0), values), imu("cumulative", 16))
 
 
@@ -106,10 +106,10 @@ def test_time_that_does_not_rise_is_refused_with_its_line(third: float) -> None:
 @pytest.mark.parametrize(
     ("stated", "warns"), [(0.01, False), (0.010009, False), (0.0100112, True), (0.0099888, True)]
 )
-def test_a_period_a_thousandth_off_the_one_stated_is_said(stated: float, warns: bool) -> None:
+def test_a_period_a_thousandth_off_the_one_stated_is_reported(stated: float, warns: bool) -> None:
     t = PERIOD * np.arange(400)
     found = step_data(table(t, np.zeros((400, 6))), imu("increments", period=stated))
-    said = [each for each in found.warnings if "off sample_period_s" in each]
-    assert bool(said) == warns
+    reported = [each for each in found.warnings if "off sample_period_s" in each]
+    assert bool(reported) == warns
     if warns:
-        assert f"{0.01 / stated - 1:+.2%} off" in said[0]
+        assert f"{0.01 / stated - 1:+.2%} off" in reported[0]

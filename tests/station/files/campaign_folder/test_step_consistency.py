@@ -61,7 +61,7 @@ def step(period: float, std: float, is_uneven: bool = True) -> LoadedStep:
 
 def test_periods_that_agree_are_averaged_by_their_sigmas() -> None:
     steps = [step(0.01 + 1e-7, 1e-7), step(0.01 - 1e-7, 2e-7), step(0.0099, 1.0, is_uneven=False)]
-    found, std, said = with_one_period(steps)
+    found, std, reported = with_one_period(steps)
     mean = 0.01 + (1e-7 * 4 - 1e-7) / 5
     assert [each.data.series.period for each in found if each.data] == pytest.approx(
         [mean, mean, 0.0099], rel=1e-12
@@ -70,7 +70,7 @@ def test_periods_that_agree_are_averaged_by_their_sigmas() -> None:
     spread = (1e14 * (1e-7 - (mean - 0.01)) ** 2 + 0.25e14 * (1e-7 + (mean - 0.01)) ** 2) / 1
     assert spread < 1.0
     assert std == pytest.approx(1 / np.sqrt(weights) / mean)
-    assert f"{mean:.9g} s +- {1e6 * std:.2g} ppm" in said[0]
+    assert f"{mean:.9g} s +- {1e6 * std:.2g} ppm" in reported[0]
     series = found[0].data.series if found[0].data else None
     assert series is not None
     np.testing.assert_allclose(series.t, 5.5 + (T - 5.5) * mean / (0.01 + 1e-7), rtol=1e-12)
@@ -162,7 +162,7 @@ def test_what_cannot_be_is_refused(folder: Path, tmp_path: Path, old: str, new: 
         read_campaign(edited(folder, tmp_path, (old, new)))
 
 
-def test_a_wrong_label_is_said_as_that(folder: Path, tmp_path: Path) -> None:
+def test_a_wrong_label_is_reported_as_that(folder: Path, tmp_path: Path) -> None:
     wrong = edited(folder, tmp_path, (f'axes = "{ATTITUDES[14]}"', f'axes = "{ATTITUDES[15]}"'))
     out = tmp_path / "solution.json"
     done = CliRunner().invoke(app, ["solve", str(wrong), "--json", str(out)])

@@ -22,7 +22,7 @@ PERIOD = 0.02
 
 @pytest.fixture
 def bursty(tmp_path: Path) -> Path:
-    """Return a campaign whose rows were stamped in bursts of 4 to 12, and its even twin beside it."""
+    """Return a campaign whose rows were stamped in bursts of 4 to 12, and its even twin next to it."""
     campaign = simulate_campaign(Truth.example(7), 7, dwell_s=20.0)
     for name in ("even", "bursty"):
         (tmp_path / name).mkdir()
@@ -117,8 +117,8 @@ def test_whoever_states_the_period_that_a_refusal_found_has_a_solution(
 ) -> None:
     restate(bursty, "0.00276")
     assert solved(bursty) == 3
-    said = capsys.readouterr().err
-    advised = re.search(r"found a mean sample period of (\S+) s, .* correct sample_period_s", said)
+    reported = capsys.readouterr().err
+    advised = re.search(r"found a mean sample period of (\S+) s, .* correct sample_period_s", reported)
     assert advised is not None
     assert float(advised[1]) == pytest.approx(PERIOD, rel=5e-3)
     restate(bursty, advised[1])

@@ -48,7 +48,7 @@ def imu(force: float = 9.8, rate: float = 0.5, peak_force: float = 0.0, peak_rat
 
 
 @pytest.mark.parametrize(
-    ("given", "said"),
+    ("given", "reported"),
     [
         (imu(4.1), ""), (imu(3.9), "3.9"), (imu(24.9), ""), (imu(25.1), "25"), (imu(0.51), "of g,"),
         (imu(1.99), "of g,"), (imu(501.0), "of mg,"), (imu(1999.0), "of mg,"), (imu(2001.0), "2001"),
@@ -56,11 +56,11 @@ def imu(force: float = 9.8, rate: float = 0.5, peak_force: float = 0.0, peak_rat
         (imu(rate=3.01), "deg/s"), (imu(rate=0.0, peak_rate=29.0), ""), (imu(rate=0.0, peak_rate=40.0), "40"),
     ],
 )  # fmt: skip
-def test_forces_and_rates_that_no_vehicle_has_are_of_another_unit(given: ImuSeries, said: str) -> None:
-    if not said:
+def test_forces_and_rates_that_no_vehicle_has_are_of_another_unit(given: ImuSeries, reported: str) -> None:
+    if not reported:
         refuse_units(given, FILE)
         return
-    with refused(DataRefused, None, said):
+    with refused(DataRefused, None, reported):
         refuse_units(given, FILE)
 
 
@@ -87,7 +87,7 @@ def test_a_place_beyond_ten_thousand_kilometres_is_of_another_frame() -> None:
         ([6.0, 7.0], True),
     ],
 )
-def test_clocks_that_do_not_meet_are_told(t: list[float], overlaps: bool) -> None:
+def test_clocks_that_do_not_meet_are_reported(t: list[float], overlaps: bool) -> None:
     moved = np.arange(5.0, 9.1)
     if overlaps:
         refuse_apart(fixes(t), moved, "IMU", FILE)
@@ -163,9 +163,9 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize(("breaking", "said"), REFUSED.values(), ids=REFUSED)
-def test_each_broken_folder_is_refused_in_one_line(breaking: Breaking, said: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("breaking", "reported"), REFUSED.values(), ids=REFUSED)
+def test_each_broken_folder_is_refused_in_one_line(breaking: Breaking, reported: str, tmp_path: Path) -> None:
     folder = write_folder(tmp_path / "log")
     breaking(folder)
-    with refused(DataRefused, None, said):
+    with refused(DataRefused, None, reported):
         read_fusion(folder)

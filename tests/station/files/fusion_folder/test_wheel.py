@@ -82,10 +82,10 @@ GOING = np.linspace(3.0, 12.0, 40)
     ],
 )  # fmt: skip
 def test_another_unit_is_named_where_it_is_near_enough(factor: float, guess: str) -> None:
-    said = refusal(factor, GOING)
-    assert f"{abs(factor):.3g} times" in said
-    assert guess in said
-    assert ("as of" in said) == ("as of" in guess)
+    reported = refusal(factor, GOING)
+    assert f"{abs(factor):.3g} times" in reported
+    assert guess in reported
+    assert ("as of" in reported) == ("as of" in guess)
 
 
 @pytest.mark.parametrize(("count", "is_stated"), [(19, False), (20, True)])
@@ -140,10 +140,10 @@ WRONG = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(("table", "rows", "said"), WRONG.values(), ids=WRONG)
-def test_each_wrong_wheel_is_refused(table: str, rows: str | None, said: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("table", "rows", "reported"), WRONG.values(), ids=WRONG)
+def test_each_wrong_wheel_is_refused(table: str, rows: str | None, reported: str, tmp_path: Path) -> None:
     folder = with_wheel(tmp_path / "log", table, rows)
-    with refused(DataRefused, None, said):
+    with refused(DataRefused, None, reported):
         read_fusion(folder)
 
 

@@ -18,7 +18,7 @@ G = 9.80665  # m/s2
 AXES = "xyz"
 SENSORS = ("gyro", "accel")
 KINDS = ("soak", "rests", "motion")
-COPIES = 0.03  # of triads in a unit have their counts beside them
+COPIES = 0.03  # of triads in a unit have their counts next to them
 MAX_RATE = 300.0  # deg/s, within the range of every full scale below
 
 _GYRO_NAMES = (
@@ -128,7 +128,7 @@ class Log:
 
 
 def generated_log(rng: np.random.Generator, file: str = "log.csv") -> Log:
-    """Return a log of one or two triads, with what else loggers write beside them."""
+    """Return a log of one or two triads, with what else loggers write next to them."""
     time, kind = generated(rng), str(rng.choice(KINDS))
     truth = dict(zip(SENSORS, _motion(kind, time.t - time.t[0], rng), strict=True))
     has = {"both": SENSORS, "gyro": ("gyro",), "accel": ("accel",)}[
@@ -142,10 +142,10 @@ def generated_log(rng: np.random.Generator, file: str = "log.csv") -> Log:
             columns[name] = np.round(triad.per_unit * truth[sensor][:, i], decimals[name])
             is_stated = triad.unit != "LSB" and name.endswith(tuple(SPELLINGS[triad.unit]))
             channels[name] = Channel(sensor, AXES[i], triad.per_unit, is_stated)
-    beside = _beside(len(time.t), rng)
-    decimals |= dict.fromkeys(beside, 3)
+    more = _other_columns(len(time.t), rng)
+    decimals |= dict.fromkeys(more, 3)
     is_last = rng.random() < 0.7
-    columns = {time.name: time.stamps, **(columns | beside if is_last else beside | columns)}
+    columns = {time.name: time.stamps, **(columns | more if is_last else more | columns)}
     return Log(file, time, columns, decimals, channels, kind)
 
 
@@ -204,7 +204,7 @@ def _direction(rng: np.random.Generator) -> FloatArray:
     return unit
 
 
-def _beside(rows: int, rng: np.random.Generator) -> dict[str, FloatArray]:
+def _other_columns(rows: int, rng: np.random.Generator) -> dict[str, FloatArray]:
     found = dict[str, FloatArray]()
     if rng.random() < 0.35:
         name = str(rng.choice(MAG_NAMES))

@@ -114,11 +114,11 @@ def test_files_are_read_by_the_program_as_they_are(
         while len(log.time.t) > 300:  # the diagnosis that follows is quick
             log = generated_log(rng, f"{i}.csv")
         code = run(["diagnose", str(log.write(tmp_path)), "--as", "soak", "--campaign", str(tmp_path / str(i))])
-        said = capsys.readouterr().err
+        reported = capsys.readouterr().err
         expected = outcome(log)
         if code in {2, 3} and not (tmp_path / str(i)).exists():
-            assert expected.startswith("asked"), (said, log.time, list(log.columns))
-            assert re.search(r"--unit-time|--accel|--gyro", said)
+            assert expected.startswith("asked"), (reported, log.time, list(log.columns))
+            assert re.search(r"--unit-time|--accel|--gyro", reported)
         else:
             assert code in {0, 5}
             assert expected == "right"

@@ -103,13 +103,13 @@ def test_a_table_in_memory_that_is_streamed_shows_the_duration_of_the_whole(tmp_
 
 
 @pytest.mark.parametrize(("stated", "hz"), [("s", 1.0), ("tick:1e-4", 1e4), ("unix-ms", 1e3), ("epoch_ms", 1e3)])
-def test_a_unit_that_is_told_wins(stated: str, hz: float) -> None:
+def test_a_unit_that_is_specified_wins(stated: str, hz: float) -> None:
     table = Table(Path("log.csv"), {"time": np.arange(1000.0)}, "")
     assert 1 / unit_of_time(table, "time", stated, None, []).seconds == pytest.approx(hz)
 
 
 @pytest.mark.parametrize("stated", ["days", "ns"])
-def test_a_unit_that_is_told_and_makes_no_possible_rate_is_refused(stated: str) -> None:
+def test_a_unit_that_is_specified_and_makes_no_possible_rate_is_refused(stated: str) -> None:
     table = Table(Path("log.csv"), {"time": np.arange(1000.0)}, "")
     with refused(DataRefused, ErrorCode.TIME_UNIT):
         unit_of_time(table, "time", stated, None, [])

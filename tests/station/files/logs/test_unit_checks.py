@@ -45,7 +45,7 @@ def test_units_that_are_right_are_not_spoken_of(tmp_path: Path, unit: str, per_g
     assert read(tmp_path, f * per_g, w, unit_accel=unit, unit_gyro="deg/s") == []
 
 
-WRONG = [  # what was told, outputs in 1 g in truth, what the remedy must hold
+WRONG = [  # what was specified, outputs in 1 g in truth, what the remedy must hold
     ("m/s2", 1.0, "--unit-accel g"), ("g", G, "--unit-accel m/s2"), ("mg", 1.0, "--unit-accel g"),
     ("g", 1e3, "--unit-accel mg"), ("m/s2", 1e3, "--unit-accel mg"), ("m/s2", 100 * G, "--unit-accel cm/s2"),
     ("ug", 1e3, "--unit-accel mg"), ("m/s2", 16384.0, "--unit-accel 16384/g"), ("g", 2048.0, "2048/g"),
@@ -105,8 +105,8 @@ def test_twos_complement_that_was_not_applied_is_refused_and_raw_goes_on(tmp_pat
         with refused(DataRefused, ErrorCode.UNIT) as found:
             read(tmp_path, numbers[:, 3:], numbers[:, :3], **units)
         assert "gx, gy, gz" in str(found.value)
-    said = read(tmp_path, numbers[:, 3:], numbers[:, :3], unit_gyro="raw", unit_accel="raw")
-    assert said
+    reported = read(tmp_path, numbers[:, 3:], numbers[:, :3], unit_gyro="raw", unit_accel="raw")
+    assert reported
     with refused(DataRefused):  # one level above the middle: gravity determines it
         read(tmp_path, numbers[:, 3:], w, unit_accel="16384/g")
 
@@ -149,12 +149,12 @@ def test_planted_kinds_and_units_are_never_silently_wrong(tmp_path: Path) -> Non
         stated = truly if i % 2 else stated
         f, w = f * accel_units[truly], w * gyro_units[rates]
         try:
-            said = read(tmp_path, f, w, unit_accel=stated, unit_gyro=rates)
+            reported = read(tmp_path, f, w, unit_accel=stated, unit_gyro=rates)
         except DataRefused as error:
             is_named = error.code == ErrorCode.UNIT and truly in str(error)
             if truly == stated or not is_named:
                 falsely.append((truly, stated, str(error)))
         else:
-            (silent if truly != stated and not said else []).append((truly, stated))
+            (silent if truly != stated and not reported else []).append((truly, stated))
     assert silent == []
     assert falsely == []

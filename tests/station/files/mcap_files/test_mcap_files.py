@@ -159,7 +159,7 @@ def test_a_foreign_file_that_does_not_fit_is_refused(tmp_path: Path, change: dic
         read_step(_foreign(tmp_path / "x.mcap", **change))  # type: ignore[arg-type]
 
 
-def test_rates_are_refused_where_counts_are_said(tmp_path: Path) -> None:
+def test_rates_are_refused_where_counts_are_stated(tmp_path: Path) -> None:
     path = tmp_path / "x.mcap"
     write(path, 1)
     with path.open("rb") as stream, refused(DataRefused, None, "imu.output"):
@@ -187,11 +187,11 @@ for i in range(10**6):
     with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as child:
         assert child.stdout is not None
         for _ in range(20):
-            said = int(child.stdout.readline())
+            reported = int(child.stdout.readline())
         os.kill(child.pid, signal.SIGKILL)
     step = read_step(path)
     assert step.damage == "the recording was cut short"
-    assert len(step) >= said
+    assert len(step) >= reported
     check_prefix(step)
     with path.open("rb") as stream, pytest.raises(McapError):
         list(make_reader(stream).iter_messages())

@@ -90,13 +90,13 @@ def test_a_chunk_holds_records_as_the_file_does(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("content", [finished(crc=0), finished(of=0), finished(crc=0, of=0), finished(index=b"")])
-def test_a_checksum_of_nought_is_none(content: bytes, tmp_path: Path) -> None:
+def test_a_checksum_of_zero_is_none(content: bytes, tmp_path: Path) -> None:
     found, error = read(tmp_path, content)
     assert error is None
     assert found[2:4] == [Message(258, b"abc"), Message(1, b"")]
 
 
-def test_a_wrong_checksum_of_the_data_is_told_behind_them(tmp_path: Path) -> None:
+def test_a_wrong_checksum_of_the_data_is_reported_after_them(tmp_path: Path) -> None:
     found, error = read(tmp_path, finished(crc=1))
     assert isinstance(error, ValueError)
     assert not isinstance(error, CutShort)

@@ -55,7 +55,7 @@ DAMAGED = {
 
 
 @pytest.mark.parametrize("what", DAMAGED)
-def test_a_damaged_row_is_lost_alone_and_said_once(what: str, tmp_path: Path) -> None:
+def test_a_damaged_row_is_lost_alone_and_reported_once(what: str, tmp_path: Path) -> None:
     found = read(tmp_path, with_row(100, DAMAGED[what]))
     bad = ~np.isfinite(found).all(axis=1)
     assert np.flatnonzero(bad).tolist() == [100]

@@ -89,7 +89,7 @@ def test_empty_cells_are_no_number_and_comments_and_empty_lines_no_row(tmp_path:
     assert found.line(7) == 11
 
 
-def test_a_last_line_cut_short_is_left_out_and_said(tmp_path: Path) -> None:
+def test_a_last_line_cut_short_is_left_out_and_reported(tmp_path: Path) -> None:
     found = read_table(written(tmp_path, text(",") + "2.0,1"))
     assert found.rows == 20
     assert "line 21" in found.notes[0]
@@ -110,10 +110,10 @@ def test_what_is_no_table_is_refused(tmp_path: Path, content: bytes, code: Error
 @given(st.binary(max_size=300))
 def test_no_bytes_crash_the_reader(tmp_path_factory: pytest.TempPathFactory, content: bytes) -> None:
     file = written(tmp_path_factory.getbasetemp(), content)
-    said, rows = "", 1
+    reported, rows = "", 1
     try:
         rows = read_table(file).rows
     except DataRefused as error:
-        said = str(error)
+        reported = str(error)
     assert rows > 0
-    assert "\n" not in said
+    assert "\n" not in reported

@@ -105,10 +105,10 @@ def test_each_field_of_the_calibration_is_missed_by_name(document: dict[str, Any
 
 
 def _filled(lab: Any, path: str) -> dict[str, Any]:
-    said: dict[str, Any] = lab.model_dump()
+    reported: dict[str, Any] = lab.model_dump()
     table, key = path.split(".")
-    said[table][key] = [21.0, 22.0] if key == "temperature_c" else "gravimeter"
-    return said
+    reported[table][key] = [21.0, 22.0] if key == "temperature_c" else "gravimeter"
+    return reported
 
 
 @pytest.mark.parametrize("field", FROM_LABORATORY)
@@ -127,7 +127,7 @@ def test_a_parameter_without_uncertainty_is_missed(document: dict[str, Any]) -> 
 
 def test_a_certificate_says_everything_the_standard_asks(document: dict[str, Any]) -> None:
     text = seen(rendered(made(document)))
-    for said in (
+    for reported in (
         "Calibration certificate", "No. EX-2026-0001", "Inertial Laboratory, Example Institute", "Marble Street 1",
         "Sky AG", "Am Flugplatz 3", "FOG-3", "S0101", "no damage seen", "2026-03-02",
         "2026-03-04 08:02 UTC to 2026-03-04 10:41 UTC", "Twelve-position calibration", "18 steps",
@@ -138,7 +138,7 @@ def test_a_certificate_says_everything_the_standard_asks(document: dict[str, Any
         "first calibration of the unit", "c0ffee", "relate only to the item", "not be reproduced except in full",
         "End of calibration certificate EX-2026-0001",
     ):  # fmt: skip
-        assert said in text, said
+        assert reported in text, reported
     html = rendered(made(document))
     assert 'content: "Page " counter(page) " of " counter(pages)' in html
     assert not re.search(r"(?:src|href)=|url\(|@import|<script", html)  # it needs no other file

@@ -30,7 +30,7 @@ def test_a_certificate_is_written_recorded_and_found(db: Database, station: Run,
     assert station("verify")[0] == 0
 
 
-def test_all_that_is_missing_is_said_at_once(db: Database, station: Run, tmp_path: Path) -> None:
+def test_all_that_is_missing_is_reported_at_once(db: Database, station: Run, tmp_path: Path) -> None:
     bare = tmp_path / "lab.toml"
     bare.write_text('format = "laboratory/1"\n')
     code, out, error = station("certificate", "S0101", "--laboratory", str(bare))

@@ -1,4 +1,4 @@
-"""A digital certificate of every kind of campaign holds its schema and rules; what stands beside its results."""
+"""A digital certificate of every kind of campaign holds its schema and rules; what stands next to its results."""
 
 import json
 import re
@@ -89,8 +89,8 @@ EFFECT = {"name": "own.odd", "unit": "deg/h", "coefficients": {"c": {"value": 0.
 
 
 def parts(before: AsFound | None = None, **document: Any) -> list[Any]:
-    said: Any = SimpleNamespace(document=document, before=before)
-    return list(effects_and_global_test(said))
+    reported: Any = SimpleNamespace(document=document, before=before)
+    return list(effects_and_global_test(reported))
 
 
 def numbers_of(element: Any, *paths: str) -> list[str | None]:
@@ -98,7 +98,7 @@ def numbers_of(element: Any, *paths: str) -> list[str | None]:
 
 
 @pytest.mark.parametrize(
-    ("said", "found"),
+    ("reported", "found"),
     [
         ({}, []),
         ({"residual": {}, "effects": ()}, []),
@@ -113,21 +113,21 @@ def numbers_of(element: Any, *paths: str) -> list[str | None]:
         ),
     ],
 )
-def test_each_part_is_there_where_something_is_known_of_it(said: dict[str, Any], found: list[str]) -> None:
-    assert [one.find("dcc:data", NS).getparent().get("refType") for one in parts(**said)] == found
+def test_each_part_is_there_where_something_is_known_of_it(reported: dict[str, Any], found: list[str]) -> None:
+    assert [one.find("dcc:data", NS).getparent().get("refType") for one in parts(**reported)] == found
 
 
 @pytest.mark.parametrize(
-    ("coefficient", "said"),
+    ("coefficient", "reported"),
     [
         ({"value": 0.5, "std": 0.25}, ["0.5", r"\degree\hour\tothe{-1}", "own.odd.c", "0.25", "1.0"]),
         ({"value": 0.5}, ["0.5", r"\degree\hour\tothe{-1}", "own.odd.c", None, None]),
         ({"value": 0.5, "std": 0.0}, ["0.5", r"\degree\hour\tothe{-1}", "own.odd.c", "0.0", "1.0"]),
     ],
 )
-def test_a_coefficient_has_its_sigma_where_it_has_one(coefficient: dict[str, float], said: list[str]) -> None:
+def test_a_coefficient_has_its_sigma_where_it_has_one(coefficient: dict[str, float], reported: list[str]) -> None:
     (made,) = parts(effects=({**EFFECT, "coefficients": {"c": coefficient}},))
-    assert numbers_of(made, "value", "unit", "label", "uncertainty", "coverageFactor") == said
+    assert numbers_of(made, "value", "unit", "label", "uncertainty", "coverageFactor") == reported
 
 
 def test_a_shift_has_what_was_applied_the_error_with_its_u_and_how_many_sigmas_that_is() -> None:

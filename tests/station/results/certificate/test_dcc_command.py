@@ -1,4 +1,4 @@
-"""`station certificate --dcc`: the XML beside the HTML, in the PDF, amended, copied, refused."""
+"""`station certificate --dcc`: the XML next to the HTML, in the PDF, amended, copied, refused."""
 
 import re
 import zlib
@@ -18,7 +18,7 @@ from tests.station.results.certificate.dcc_numbers import NS, of_type, parsed, r
 EMAIL = ("--customer-email", "imu@sky.example")
 
 
-def test_the_xml_is_written_beside_the_html_and_recorded(db: Database, station: Run) -> None:
+def test_the_xml_is_written_next_to_the_html_and_recorded(db: Database, station: Run) -> None:
     code, out, _ = certify(station, *EMAIL, "--dcc", "--out", "a.html")
     assert code == 0
     written = Path("a.xml").read_bytes()
@@ -58,16 +58,16 @@ def test_an_amended_one_names_the_one_that_it_replaces(db: Database, station: Ru
     assert previous.findtext("dcc:value", None, NS) == sha256
     assert re.fullmatch(r"EX-\d{4}-0001", previous.findtext("dcc:referralID", None, NS))
     [statement] = of_type(root, "fog_amendment", "statement")
-    said = " ".join(statement.itertext())
-    assert "it was cracked" in said
-    assert "Fields printed otherwise: Condition." in said
-    assert sha256 in said
+    reported = " ".join(statement.itertext())
+    assert "it was cracked" in reported
+    assert "Fields printed otherwise: Condition." in reported
+    assert sha256 in reported
     with db.read() as session:
         rows = issued_of(session, find_calibration(session, "S0101").sha256)
     assert [row.dcc.encode() == first for row in rows] == [True, False]
 
 
-def test_what_the_form_asks_for_beside_is_missed_by_name(db: Database, station: Run, tmp_path: Path) -> None:
+def test_what_the_form_also_asks_for_is_missed_by_name(db: Database, station: Run, tmp_path: Path) -> None:
     code, out, error = certify(station, "--dcc")
     assert code == 3
     assert re.search(r"missing +customer.email", out)

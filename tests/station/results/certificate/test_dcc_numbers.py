@@ -47,10 +47,10 @@ def in_si(unit: str, value: float) -> float:
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_number_is_the_solutions(made: dict[str, tuple[Document, bytes]], kind: str) -> None:
     document, xml = made[kind]
-    root, said = parsed(xml), applied(parameters(document))
+    root, reported = parsed(xml), applied(parameters(document))
     found, budget = results(root), {one["name"]: one for one in document["uncertainty"]["parameters"]}
-    assert list(found) == list(said)
-    for name, one in said.items():
+    assert list(found) == list(reported)
+    for name, one in reported.items():
         assert found[name].value == in_si(one.unit, one.value), name
         assert found[name].expanded == in_si(one.unit, budget[name]["expanded"])
         assert found[name].factor == budget[name]["coverage_factor"]
@@ -64,9 +64,9 @@ def test_every_number_is_the_solutions(made: dict[str, tuple[Document, bytes]], 
 
 def test_the_covariance_matrix_is_the_solutions(made: dict[str, tuple[Document, bytes]]) -> None:
     document, xml = made["twelve positions"]
-    solution, said = factory.solution(), applied(parameters(document))
+    solution, reported = factory.solution(), applied(parameters(document))
     at = {name: place for place, name in enumerate(solution.names)}
-    factor = {name: in_si(said[name].unit, 1.0) for name in said}
+    factor = {name: in_si(reported[name].unit, 1.0) for name in reported}
     seen = set[tuple[str, str]]()
     for block in of_type(parsed(xml), "fog_covarianceBlock", "quantity"):
         labels = block.findtext(".//si:labelXMLList", None, NS).split()
@@ -78,11 +78,11 @@ def test_the_covariance_matrix_is_the_solutions(made: dict[str, tuple[Document, 
                 assert float(text) == exact
             assert float(text) == pytest.approx(exact * factor[row] * factor[column], rel=1e-15)
             seen |= {(row, column), (column, row)}
-    known = [name for name in said if name in at]
+    known = [name for name in reported if name in at]
     assert seen == {(row, column) for row in known for column in known}
 
 
-def test_the_calibration_within_is_the_one_whose_hash_is_said(made: dict[str, tuple[Document, bytes]]) -> None:
+def test_the_calibration_within_is_the_one_whose_hash_is_stated(made: dict[str, tuple[Document, bytes]]) -> None:
     document, xml = made["effects"]
     within = b64decode(parsed(xml).findtext(".//dcc:byteData/dcc:dataBase64", None, NS))
     assert json.loads(within) == document

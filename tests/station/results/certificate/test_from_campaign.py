@@ -133,8 +133,8 @@ def test_gravity_entered_by_hand_is_known_by_its_survey(
     if site is None:
         assert found == []
     else:
-        said = {"source": SURVEY["gravity_source"], "measured_utc": "2024-05-01", "due_date": "2090-05-01"}
-        assert found == [{"kind": "site", "id": site, **said}]
+        reported = {"source": SURVEY["gravity_source"], "measured_utc": "2024-05-01", "due_date": "2090-05-01"}
+        assert found == [{"kind": "site", "id": site, **reported}]
 
 
 def test_the_height_is_that_of_the_surveyed_site(tmp_path: Path) -> None:

@@ -47,19 +47,19 @@ def both(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[str, bytes
 @pytest.mark.parametrize("kind", KINDS)
 def test_remarks_are_the_same_sentences_in_both(both: dict[str, tuple[str, bytes]], kind: str) -> None:
     page, root = seen(both[kind][0]), parsed(both[kind][1])
-    said = {
+    reported = {
         name: [str(text) for text in root.xpath(f"//*[@refType='{name}']//dcc:content/text()", namespaces=NS)]
         for name in ("fog_diagnosis", "fog_takenAsZero", "fog_kindOfDocument", "fog_amendment")
     }
-    for english in (said["fog_diagnosis"][0], said["fog_takenAsZero"][0]):
+    for english in (reported["fog_diagnosis"][0], reported["fog_takenAsZero"][0]):
         assert " ".join(english.split()) in " ".join(page.split())
     assert not re.search(
-        r"\.[;.]|(Diagnose des Residuums: ){2}", " ".join(text for texts in said.values() for text in texts)
+        r"\.[;.]|(Diagnose des Residuums: ){2}", " ".join(text for texts in reported.values() for text in texts)
     )
     assert "Reason: wrong address. Fields printed otherwise: Customer." in page
-    assert "Reason: wrong address. Fields printed otherwise: Customer." in said["fog_amendment"][0]
+    assert "Reason: wrong address. Fields printed otherwise: Customer." in reported["fog_amendment"][0]
     title = "Calibration certificate of a simulated unit"
-    assert (kind == "simulated") == (title in page) == (title in said["fog_kindOfDocument"][0])
+    assert (kind == "simulated") == (title in page) == (title in reported["fog_kindOfDocument"][0])
 
 
 def printed(text: str) -> str:
@@ -107,11 +107,11 @@ def test_every_printed_number_stands_in_the_xml(both: dict[str, tuple[str, bytes
     numbers = all_numbers(root) | set(shares(root))
     words = set(NUMBER.findall(" ".join(root.itertext()).replace("\u2212", "-")))
     text = re.sub(r"[0-9a-f]{16,}|\d{4}-\d\d-\d\d|\d\d:\d\d", " ", seen(html)).replace("\u2212", "-")
-    said = set(NUMBER.findall(text)) - NOT_OF_THE_CERTIFICATE
-    assert len(said) > 30
+    reported = set(NUMBER.findall(text)) - NOT_OF_THE_CERTIFICATE
+    assert len(reported) > 30
     lost = [
         number
-        for number in said
+        for number in reported
         if number not in words
         and not any(rounds_to(value * scale, number) for value, scale in product(numbers, SCALES))
     ]

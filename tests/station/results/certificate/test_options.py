@@ -44,8 +44,10 @@ def test_an_email_has_one_at(db: Database, station: Run, value: str) -> None:
     "line", ["temperature_c = [-400.0, 22.0]", "temperature_c = [21.0, 61.0]", "humidity_percent = [-5.0, 146.0]"]
 )
 def test_a_room_that_cannot_be_is_refused(db: Database, station: Run, tmp_path: Path, line: str) -> None:
-    told = EXAMPLE.read_text().replace("[environment]", "[old]").partition("[old]")[0] + f"[environment]\n{line}\n"
-    (tmp_path / "lab.toml").write_text(told)
+    reported = (
+        EXAMPLE.read_text().replace("[environment]", "[old]").partition("[old]")[0] + f"[environment]\n{line}\n"
+    )
+    (tmp_path / "lab.toml").write_text(reported)
     code, _, error = station("certificate", "S0101", "--laboratory", str(tmp_path / "lab.toml"))
     assert code == 3
     assert f"environment.{line.partition(' ')[0]}" in error

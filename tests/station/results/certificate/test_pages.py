@@ -59,10 +59,13 @@ def lengths(documents: tuple[dict[str, Any], dict[str, Any]]) -> Iterator[str]:
     """Return certificates that end at many heights of a page."""
     first, second = documents
     for count in range(0, 24, 3):
-        said = {**second["procedure"], "deviations": [f"position {n} was recorded twice" for n in range(count)]}
-        yield rendered(made({**second, "procedure": said}))
+        reported = {
+            **second["procedure"],
+            "deviations": [f"position {n} was recorded twice" for n in range(count)],
+        }
+        yield rendered(made({**second, "procedure": reported}))
         files = dict(list(second["inputs"].items())[: count // 2])
-        yield rendered(made({**second, "procedure": said, "inputs": files}, previous=first))
+        yield rendered(made({**second, "procedure": reported, "inputs": files}, previous=first))
 
 
 @pytest.fixture(scope="module")

@@ -91,10 +91,10 @@ def budget(source: str) -> dict[str, Any]:
     return {"parameters": [{"name": "accelerometer.scale_factor.x", "value": 100.0, "contributions": [part]}]}
 
 
-def test_what_a_campaign_cannot_tell_apart_is_said() -> None:
-    said = diagnosis_in_words({"diagnosis": {"verdict": "ambiguous", "findings": [QUADRATIC]}})
+def test_what_a_campaign_cannot_distinguish_is_reported() -> None:
+    reported = diagnosis_in_words({"diagnosis": {"verdict": "ambiguous", "findings": [QUADRATIC]}})
     expected = "Not separated by this campaign: quadratic term of the accelerometers (K2) or cube parallelism."
-    assert said == ["Diagnosis of the residual: ambiguous.", expected]
+    assert reported == ["Diagnosis of the residual: ambiguous.", expected]
     assert (
         "consistent with noise" in diagnosis_in_words({"diagnosis": {"verdict": "consistent", "findings": []}})[1]
     )
@@ -104,7 +104,7 @@ def test_what_a_campaign_cannot_tell_apart_is_said() -> None:
     assert diagnosis_in_words({}) == ["No diagnosis of the residual is stored with this calibration."]
 
 
-def test_what_is_taken_as_zero_is_said_once_and_not_if_carried() -> None:
+def test_what_is_taken_as_zero_is_reported_once_and_not_if_carried() -> None:
     document: dict[str, Any] = {"procedure": {}, "accelerometer": {}}
     assert taken_as_zero(document) == [K2, "accelerometer.scale_asymmetry"]
     assert taken_as_zero({**document, "effects": [{"name": K2}]}) == ["accelerometer.scale_asymmetry"]
@@ -114,10 +114,10 @@ def test_what_is_taken_as_zero_is_said_once_and_not_if_carried() -> None:
 
 @pytest.mark.parametrize("source", ["unexplained", "cube"])
 def test_a_warning_to_the_operator_is_not_printed_to_the_customer(source: str) -> None:
-    said = residual_in_words({"uncertainty": budget(source)}, WARNING)
-    assert said.startswith("the residual is larger (chi-square 90 at 30)")
-    assert "station diagnose" not in said
-    assert said.endswith("is included in U") == (source == "unexplained")
+    reported = residual_in_words({"uncertainty": budget(source)}, WARNING)
+    assert reported.startswith("the residual is larger (chi-square 90 at 30)")
+    assert "station diagnose" not in reported
+    assert reported.endswith("is included in U") == (source == "unexplained")
     assert (
         residual_in_words({}, "gyroscope not solved: no turn about x") == "gyroscope not solved: no turn about x"
     )
@@ -139,7 +139,7 @@ def test_of_nothing_all_is_missing_each_with_where_it_is_given() -> None:
 
 
 @pytest.mark.parametrize(
-    ("received", "said"),
+    ("received", "reported"),
     [
         (date(2026, 3, 4), ""),
         (date(2026, 3, 5), "2026-03-04"),
@@ -147,14 +147,14 @@ def test_of_nothing_all_is_missing_each_with_where_it_is_given() -> None:
         (None, ""),
     ],
 )
-def test_a_unit_is_received_before_it_is_measured(received: date | None, said: str) -> None:
+def test_a_unit_is_received_before_it_is_measured(received: date | None, reported: str) -> None:
     stated = laboratory(item={"received": received}) if received else laboratory()
     document = {"procedure": {"started_utc": "2026-03-04T08:00:00+00:00"}}
     now = datetime(2026, 3, 7, 12, tzinfo=UTC)
-    if not said:
+    if not reported:
         check_received(document, stated, now)
         return
-    with pytest.raises(DataRefused, match=said):
+    with pytest.raises(DataRefused, match=reported):
         check_received(document, stated, now)
 
 
@@ -180,7 +180,7 @@ def test_a_unit_is_received_before_it_is_measured(received: date | None, said: s
          "hier mit keinem Normal verglichen"),
     ],
 )  # fmt: skip
-def test_a_sentence_is_said_in_german(english: str, german: str) -> None:
+def test_a_sentence_is_worded_in_german(english: str, german: str) -> None:
     assert in_german(english) == german
 
 
@@ -198,6 +198,6 @@ def test_what_a_certificate_says_of_itself_is_known(tmp_path: Path, kind: str) -
     assert kind in KINDS
     with open_db(tmp_path / "station.db") as database, database.write() as session:
         content = of_kind(session, kind)
-    said = [*content.deviations, *content.diagnosis, *(f"{label}: {text}" for label, text in content.stated)]
-    said += [*content.certificate.reasons, str(content.document["procedure"]["name"])]
-    assert [text for text in said if in_german(text) is None] == []
+    reported = [*content.deviations, *content.diagnosis, *(f"{label}: {text}" for label, text in content.stated)]
+    reported += [*content.certificate.reasons, str(content.document["procedure"]["name"])]
+    assert [text for text in reported if in_german(text) is None] == []

@@ -25,7 +25,7 @@ class Diagnosed:
     document: dict[str, Any]
     plan: Path
     page: str
-    said: str
+    reported: str
 
 
 def simulated(folder: Path, effects: Mapping[str, Mapping[str, float]], seed: int, **of: Any) -> Path:

@@ -89,10 +89,10 @@ def test_two_faces_alone_are_exit_5_and_partial_says_how_level_they_stood(
     assert cli.run(["diagnose", str(folder)]) == 5
     capsys.readouterr()
     assert cli.run(["diagnose", str(folder), "--partial"]) == 0
-    said = capsys.readouterr().out
-    assert "not observable: accelerometer.scale_factor" in said
-    assert "0.34 deg" in said
-    assert "0.35" in said
+    reported = capsys.readouterr().out
+    assert "not observable: accelerometer.scale_factor" in reported
+    assert "0.34 deg" in reported
+    assert "0.35" in reported
 
 
 def test_a_period_that_solve_refuses_is_diagnosed(
@@ -105,9 +105,9 @@ def test_a_period_that_solve_refuses_is_diagnosed(
     page = tmp_path / "out.html"
     assert cli.run(["diagnose", str(folder), "--json", str(tmp_path / "out.json"), "--html", str(page)]) == 0
     assert json.loads((tmp_path / "out.json").read_text())["format"] == "diagnosis/2"
-    said = capsys.readouterr().out
-    assert f"{tmp_path / 'out.json'}: diagnosis of " in said
-    assert f"{page}: diagnosis of " in said
+    reported = capsys.readouterr().out
+    assert f"{tmp_path / 'out.json'}: diagnosis of " in reported
+    assert f"{page}: diagnosis of " in reported
 
 
 def test_campaigns_of_two_units_are_not_diagnosed_together(
@@ -120,7 +120,7 @@ def test_campaigns_of_two_units_are_not_diagnosed_together(
     assert "SIM-8" in capsys.readouterr().err
 
 
-def test_another_campaign_is_foretold_by_what_was_found(
+def test_another_campaign_is_predicted_by_what_was_found(
     warmed: Diagnosed, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     planted = {"accelerometer.bias_temperature": {"x": 8e-5, "y": -5e-5, "z": 9e-5}}

@@ -22,12 +22,12 @@ from station.results.diagnosis.uncalibrated import channels_of, in_specified_uni
 from tests.procedures.diagnosis.test_turns_seen import SCALE, recorded
 
 
-def test_a_chance_is_said_in_plain_words_however_small() -> None:
-    said = [p_text(log10_p) for log10_p in (0.0, -0.42, -2.5, -5.3, -12.2, -400.0)]
-    assert said == ["p > 0.99", "p = 0.38", "p = 0.0032", "p = 5e-06", "p = 6e-13", "p < 1e-300"]
+def test_a_chance_is_stated_in_plain_words_however_small() -> None:
+    reported = [p_text(log10_p) for log10_p in (0.0, -0.42, -2.5, -5.3, -12.2, -400.0)]
+    assert reported == ["p > 0.99", "p = 0.38", "p = 0.0032", "p = 5e-06", "p = 6e-13", "p < 1e-300"]
 
 
-def test_gyroscopes_that_no_residual_was_diagnosed_of_are_said_to_be_not_looked_at() -> None:
+def test_gyroscopes_that_no_residual_was_diagnosed_of_are_reported_as_not_looked_at() -> None:
     solution = {"accelerometer": {}, "gyroscope": {}}
     document = {"error": [{"quantity": "accelerometer bias"}], "solution": solution}
     assert len(not_looked_at(document)) == 1
@@ -49,30 +49,34 @@ def recording(**nominal_scale: float) -> SimpleNamespace:
 
 
 @pytest.fixture
-def told(monkeypatch: pytest.MonkeyPatch) -> dict[str, object]:
+def noticed(monkeypatch: pytest.MonkeyPatch) -> dict[str, object]:
     """The document of the channel, whatever campaign it came from."""
     monkeypatch.setattr(uncalibrated, "single_channels", lambda campaigns, solved: [LIVE])
     (found,) = channels_of([recording()], [])  # type: ignore[list-item]
     return found
 
 
-def test_a_channel_with_a_scale_factor_is_told_in_degrees(told: dict[str, object]) -> None:
+def test_a_channel_with_a_scale_factor_is_reported_in_degrees(noticed: dict[str, object]) -> None:
     # 7.2 count/s over -3600 count/deg are -0.002 deg/s, -7.2 deg/h; noise by 60 / 3600 to deg/sqrt(h)
-    assert told["mean"] == {"value": pytest.approx(-7.2), "unit": "deg/h"}
+    assert noticed["mean"] == {"value": pytest.approx(-7.2), "unit": "deg/h"}
     walk = {"value": 0.05, "low": 0.04, "high": 0.06}
-    assert told["random_walk"] == {key: pytest.approx(v) for key, v in walk.items()} | {"unit": "deg/sqrt(h)"}
-    assert told["bias_instability"] == {
+    assert noticed["random_walk"] == {key: pytest.approx(v) for key, v in walk.items()} | {"unit": "deg/sqrt(h)"}
+    assert noticed["bias_instability"] == {
         "value": pytest.approx(0.1), "low": pytest.approx(0.08), "high": pytest.approx(0.12), "unit": "deg/h",
     }  # fmt: skip
-    assert told["drift"] == {"value": pytest.approx(-0.5), "std": pytest.approx(0.1), "unit": "deg/h/h"}
-    assert told["by_temperature"] == {"value": pytest.approx(0.2), "std": pytest.approx(0.04), "unit": "deg/h/K"}
-    assert told["scale_factor"] == {"value": -3600.0, "std": 1.0, "unit": "count/deg"}
+    assert noticed["drift"] == {"value": pytest.approx(-0.5), "std": pytest.approx(0.1), "unit": "deg/h/h"}
+    assert noticed["by_temperature"] == {
+        "value": pytest.approx(0.2),
+        "std": pytest.approx(0.04),
+        "unit": "deg/h/K",
+    }
+    assert noticed["scale_factor"] == {"value": -3600.0, "std": 1.0, "unit": "count/deg"}
 
 
 SITE, CARE = Site(0.8, 9.80665, 0.02), ProcedureSigma(0.001, 2e-5)
 
 
-def test_of_several_turns_the_mean_scale_factor_is_said_beside_each() -> None:
+def test_of_several_turns_the_mean_scale_factor_is_reported_next_to_each() -> None:
     both = (recorded(1, 720.0), recorded(2, 720.0, "-"))
     found = turns([Campaign("M", "S", False, SITE, (), both, CARE, Fixture())])
     assert len(found["turns"]) == 2

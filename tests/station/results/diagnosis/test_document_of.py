@@ -121,7 +121,7 @@ def channel(**more: Any) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(
-    ("is_confounded", "found", "is_said"),
+    ("is_confounded", "found", "is_reported"),
     [
         (True, [], True),
         (False, [], False),
@@ -130,10 +130,10 @@ def channel(**more: Any) -> dict[str, Any]:
     ],
 )
 def test_drift_and_temperature_are_inseparable_only_where_no_finding_separates_them(
-    is_confounded: bool, found: list[dict[str, Any]], is_said: bool
+    is_confounded: bool, found: list[dict[str, Any]], is_reported: bool
 ) -> None:
     channels = [channel(**({"is_confounded": True} if is_confounded else {}))]
-    assert bool(channel_table(channels, found, has_noise=True).note) is is_said
+    assert bool(channel_table(channels, found, has_noise=True).note) is is_reported
 
 
 def loaded(**steps: Any) -> Any:

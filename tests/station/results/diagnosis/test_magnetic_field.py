@@ -79,14 +79,14 @@ def test_the_day_is_that_of_the_recording(recorded: LoadedCampaign) -> None:
     assert with_magnetic_field(known, TODAY).warnings == recorded.warnings
 
 
-def test_without_a_day_the_field_is_todays_and_that_is_said(recorded: LoadedCampaign) -> None:
+def test_without_a_day_the_field_is_todays_and_that_is_reported(recorded: LoadedCampaign) -> None:
     assert recorded_on(recorded) is None
     assert recorded_on(dated(recorded, 0.0)) is None  # seconds from somewhere
     found = with_magnetic_field(recorded, TODAY)
     assert found.campaign.site.magnetic == field_at(recorded, TODAY)
-    (said,) = set(found.warnings) - set(recorded.warnings)
-    assert "2026-11-21" in said
-    assert "magnetic_enu_ut" in said
+    (reported,) = set(found.warnings) - set(recorded.warnings)
+    assert "2026-11-21" in reported
+    assert "magnetic_enu_ut" in reported
 
 
 @pytest.mark.parametrize("day", [date(2031, 5, 1)])

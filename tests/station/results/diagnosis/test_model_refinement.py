@@ -42,10 +42,12 @@ def test_counts_at_another_temperature_come_out_right(warmed: Diagnosed) -> None
     assert abs(without[0, 2] - up) > 1e-3
 
 
-def test_an_instrument_effect_in_doubt_is_not_carried(warmed: Diagnosed, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_instrument_effect_that_is_ambiguous_is_not_carried(
+    warmed: Diagnosed, monkeypatch: pytest.MonkeyPatch
+) -> None:
     found = model_refinement.diagnose([one.campaign for one in read_for_solve([warmed.folder])])
-    doubted = tuple(replace(each, probability=0.6) for each in found.findings)
-    monkeypatch.setattr(model_refinement, "diagnose", lambda campaigns, declared: replace(found, findings=doubted))
+    unsure = tuple(replace(each, probability=0.6) for each in found.findings)
+    monkeypatch.setattr(model_refinement, "diagnose", lambda campaigns, declared: replace(found, findings=unsure))
     closed = refine_model(read_for_solve([warmed.folder]))
     assert closed.effects == ()
     assert closed.solution is found.solution_before
@@ -53,7 +55,7 @@ def test_an_instrument_effect_in_doubt_is_not_carried(warmed: Diagnosed, monkeyp
 
 
 @pytest.mark.proof
-def test_in_the_dwell_that_is_left_of_a_face_a_crumb_is_said_not_to_show(tmp_path: Path) -> None:
+def test_in_the_dwell_that_is_left_of_a_face_debris_is_reported_not_to_show(tmp_path: Path) -> None:
     off = {"placement.dwell": {"position": 7.0, "x": 6e-4, "z": -3e-4}}
     (loaded,) = read_for_solve([simulated(tmp_path, off, 4, moves=True)])
     certified = refine_model([loaded])  # the certificate of the faces tells a crumb
@@ -61,9 +63,9 @@ def test_in_the_dwell_that_is_left_of_a_face_a_crumb_is_said_not_to_show(tmp_pat
     fixture = replace(loaded.campaign.fixture, faces={})
     found = refine_model([replace(loaded, campaign=replace(loaded.campaign, fixture=fixture))])
     assert "placement.dwell" in [each.effect for each in found.diagnosis.findings]
-    (said,) = (text for text in found.solution.warnings if "debris under" in text)
-    assert "8 (" in said
-    assert "7 (" not in said
+    (reported,) = (text for text in found.solution.warnings if "debris under" in text)
+    assert "8 (" in reported
+    assert "7 (" not in reported
     assert 7 not in {each.position for each in found.solution.undetectable_tilts}
     assert any("debris under" in text for text in found.document["solution"]["warnings"])
 

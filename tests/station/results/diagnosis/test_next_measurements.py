@@ -69,8 +69,8 @@ def test_turns_at_other_speeds_say_so_to_whoever_turns(tmp_path: Path) -> None:
 
 
 def test_no_certificate_is_asked_for_where_there_is_one() -> None:
-    doubted = [ambiguous("fixture.face_tilt")]
-    assert [one.name for one in next_measurements(doubted, AS_IT_IS)] == ["certificate"]
-    assert [one.name for one in next_measurements(doubted, AS_IT_IS, is_certified=True)] == [
+    unsure = [ambiguous("fixture.face_tilt")]
+    assert [one.name for one in next_measurements(unsure, AS_IT_IS)] == ["certificate"]
+    assert [one.name for one in next_measurements(unsure, AS_IT_IS, is_certified=True)] == [
         "remounted_about_z", "remounted_about_x",
     ]  # fmt: skip

@@ -51,9 +51,9 @@ def test_scale_factor_and_bias_stand_in_document_and_summary(
     assert "block of a rate table" in document["error"][0]["method"]
     capsys.readouterr()
     assert cli.run(["diagnose", str(tmp_path)]) == 0
-    said = capsys.readouterr().out
-    assert "gyroscope scale factor z" in said
-    assert max(map(len, said.splitlines())) <= 80
+    reported = capsys.readouterr().out
+    assert "gyroscope scale factor z" in reported
+    assert max(map(len, reported.splitlines())) <= 80
 
 
 def test_points_of_a_table_are_drawn_at_their_own_rate_and_temperature_in_deg_s(tmp_path: Path) -> None:

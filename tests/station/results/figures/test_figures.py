@@ -1,4 +1,4 @@
-"""The figures of reports beside stored ones that were looked at: words as they are, numbers to 0.02 of a point.
+"""The figures of reports against stored ones that were looked at: words as they are, numbers to 0.02 of a point.
 
 After a change that is meant, ``--force-regen`` writes them again: look at them in a browser before they are kept.
 """

@@ -43,7 +43,7 @@ def test_an_off_unit_is_named_and_no_cube() -> None:
     assert named(population(MODEL, runs)) == ({"S2"}, set())
 
 
-def test_what_cannot_be_told_is_said() -> None:
+def test_what_cannot_be_determined_is_reported() -> None:
     found = population(MODEL, fleet(np.random.default_rng(4), units=2, each=1))
     assert found.groups == []
     assert found.cannot_tell == ["cube CUBE-1", "cube CUBE-2", "operator A. Miller"]

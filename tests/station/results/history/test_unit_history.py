@@ -75,9 +75,9 @@ def test_a_jump_beyond_the_turn_on_scatter_is_an_alarm_of_that_calibration() -> 
     assert found.chart.alarms == [runs[-1].sha256]
     text = history_text(all_of_it)
     assert "alarm on" in text
-    *_, said = (line for line in text.splitlines() if "significant changes" in line)
+    *_, reported = (line for line in text.splitlines() if "significant changes" in line)
     p = np.array([one.p_adjusted for one in all_of_it.calibrations[-1].drift.values()])
-    assert said.endswith(f": {np.sum(p < 0.05)} of {len(p)}")
+    assert reported.endswith(f": {np.sum(p < 0.05)} of {len(p)}")
 
 
 def test_turn_ons_within_a_week_give_the_repeatability() -> None:

@@ -69,9 +69,9 @@ def test_every_parameter_is_there_with_its_sigma(html: str) -> None:
         ):  # fmt: skip
             for i in range(3):
                 value, std = estimate.value[i] * scale, estimate.std[i] * scale
-                beside = r'</td>(<td class="num value">[^<]*</td>)?<td class="num( sigma)?">'
+                next_cell = r'</td>(<td class="num value">[^<]*</td>)?<td class="num( sigma)?">'
                 shown = re.escape(fixed(value, decimals(std))), re.escape(fixed(std, decimals(std)))
-                assert re.search(f">{shown[0]}{beside}{shown[1]}<", plain)
+                assert re.search(f">{shown[0]}{next_cell}{shown[1]}<", plain)
         for q, p in ((0, 1), (1, 0), (2, 1)):
             value, std = triad.misalignment.value[q, p], triad.misalignment.std[q, p]
             arcsec = 180 * 3600 / np.pi
@@ -82,7 +82,7 @@ def test_every_parameter_is_there_with_its_sigma(html: str) -> None:
         assert f">{fixed(value, 3)}<" in plain
 
 
-def test_the_expanded_uncertainty_stands_beside_the_value_and_is_that_of_the_budget() -> None:
+def test_the_expanded_uncertainty_stands_next_to_the_value_and_is_that_of_the_budget() -> None:
     first, *others = factory.budgets()
     wide = replace(
         first, expanded=2.04e-6

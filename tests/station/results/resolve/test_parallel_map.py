@@ -118,9 +118,9 @@ def test_an_address_where_nobody_answers_is_refused(
     for address in ("tcp://127.0.0.1:1", "tcp://127.0.0.1:x", "nonsense://a"):
         command = ["resolve", str(tmp_path), "--scheduler", address, "--db", str(tmp_path / "s.db")]
         assert cli.run(command) == 2
-        said = capsys.readouterr().err
-        assert f"found no answer at {address}" in said
-        assert "expected a Dask scheduler; check --scheduler" in said
+        reported = capsys.readouterr().err
+        assert f"found no answer at {address}" in reported
+        assert "expected a Dask scheduler; check --scheduler" in reported
 
 
 def test_without_the_extra_more_than_one_worker_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

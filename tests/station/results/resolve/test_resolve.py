@@ -34,7 +34,7 @@ SIGMAS = 3.0
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Three campaigns with their hashes: S1 to be stored, S2 with a solution.json, S3 with nothing beside."""
+    """Three campaigns with their hashes: S1 to be stored, S2 with a solution.json, S3 with nothing else."""
     root = tmp_path_factory.mktemp("fleet")
     for seed in (1, 2, 3):
         truth = replace(Truth.example(seed), serial=f"S{seed}")
@@ -179,7 +179,7 @@ def test_the_workers_of_a_cluster_give_the_same_and_say_what_they_cannot_read(
     assert all(f"no such folder on {one['host']}" in one["reason"] for one in found.values())
 
 
-def test_a_campaign_is_diagnosed_again_and_what_changed_is_said(
+def test_a_campaign_is_diagnosed_again_and_what_changed_is_reported(
     resolve: Resolve, fleet: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder, file = fleet / "S2", fleet / "S2" / "diagnosis.json"
@@ -198,10 +198,10 @@ def test_a_campaign_is_diagnosed_again_and_what_changed_is_said(
     command = ["resolve", str(folder), "--workers", "1", "--out", str(tmp_path / "kept")]
     capsys.readouterr()
     assert cli.run([*command, "--db", str(tmp_path / "s.db")]) == 0
-    said = " ".join(capsys.readouterr().out.split())
-    assert "1 with another diagnosis" in said
-    assert f"diagnosis: established before, {first['verdict']['now']} now" in said
-    assert "no more found: gyroscope.magnetic" in said
+    reported = " ".join(capsys.readouterr().out.split())
+    assert "1 with another diagnosis" in reported
+    assert f"diagnosis: established before, {first['verdict']['now']} now" in reported
+    assert "no more found: gyroscope.magnetic" in reported
     document["solution"]["provenance"]["files"] = {}  # of other recordings: not of this campaign
     file.write_text(json.dumps(document))
     assert set(resolve(str(folder))[1]["S2"]["diagnosis"]) == {"verdict", "findings"}

@@ -36,7 +36,7 @@ def verdict(before: str | None, now: str, limits: int = 3) -> dict[str, Any]:
         ("FAIL", "PASS", 0, "1 with another verdict"), ("PASS", "PASS", 0, ""), (None, "FAIL", 0, ""),
     ],
 )  # fmt: skip
-def test_a_verdict_that_turned_is_counted_said_and_ends_the_command_with_1(
+def test_a_verdict_that_turned_is_counted_reported_and_ends_the_command_with_1(
     before: str | None, now: str, code: int, counted: str
 ) -> None:
     one = entry(**verdict(before, now))
@@ -46,7 +46,7 @@ def test_a_verdict_that_turned_is_counted_said_and_ends_the_command_with_1(
     assert remarks == ([f"S1 FOG3 S1 {before} before, {now} now: bias z"] if counted else [])
 
 
-def test_shifts_are_summed_up_and_told_of_one_sigma_or_more() -> None:
+def test_shifts_are_summed_up_and_reported_of_one_sigma_or_more() -> None:
     entries = [entry(shifts=moved(2e-5, 0.5)), entry(folder="/data/S2", serial="S2", shifts=moved(-4e-5, -3.0)),
                entry(folder="/data/S3", shifts=moved(3e-5, 1.0)), entry()]  # fmt: skip
     found = shift_of(entries[1])
@@ -55,8 +55,8 @@ def test_shifts_are_summed_up_and_told_of_one_sigma_or_more() -> None:
     assert found.shift == pytest.approx(-4e-5)
     assert shift_of(entries[3]) is None
     first, *remarks = text_of(*entries)
-    said = "median 1, at most 3, accelerometer bias z of FOG3 S2"
-    assert f"largest change of a campaign, in units of its earlier uncertainty u: {said}" in first
+    reported = "median 1, at most 3, accelerometer bias z of FOG3 S2"
+    assert f"largest change of a campaign, in units of its earlier uncertainty u: {reported}" in first
     assert [each.split(" moved: accelerometer bias z ")[0] for each in remarks] == ["S2 FOG3 S2", "S3 FOG3 S1"]
     assert [each.rpartition(" (")[2].strip() for each in remarks] == ["3.0 u)", "1.0 u)"]
 
@@ -78,7 +78,7 @@ def compared(now: tuple[str, list[dict[str, Any]]], before: tuple[str, list[dict
     return {"diagnosis": compare_diagnoses(new, old)}
 
 
-def test_what_came_what_went_and_what_is_surer_is_said() -> None:
+def test_what_came_what_went_and_what_is_surer_is_reported() -> None:
     before = [finding("slab.tilt"), finding("accelerometer.quadratic", "possible", "fixture.parallelism")]
     now = [finding("accelerometer.quadratic"), finding("gyroscope.magnetic", "likely")]
     entry = compared(("likely", now), ("ambiguous", before))

@@ -71,7 +71,7 @@ def test_images_come_are_recorded_and_come_again(camera: SimulatedCamera, tmp_pa
     assert list(recorded.take(came[-1].came_ns)) == came[before:]
 
 
-def test_what_is_wrong_is_said_and_over(camera: SimulatedCamera, tmp_path: Path) -> None:
+def test_what_is_wrong_is_reported_and_over(camera: SimulatedCamera, tmp_path: Path) -> None:
     clock = Clock()
     with camera:
         (tmp_path / "eye.toml").write_text(camera_toml(SMALL, camera.url))
@@ -130,7 +130,7 @@ def test_what_the_simulated_camera_is_described_as_is_read(tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "line", "said"),
+    ("old", "new", "line", "reported"),
     [
         (URL, "tcp://127.0.0.1:8080", 2, "camera:http://HOST:PORT/PATH"),
         (URL, "camera:nothing", 2, "camera:"),
@@ -140,12 +140,14 @@ def test_what_the_simulated_camera_is_described_as_is_read(tmp_path: Path) -> No
         ('"camera/1"', '"camera/2"', 1, "camera/1"),
     ],
 )
-def test_what_is_wrong_is_refused_with_its_line(tmp_path: Path, old: str, new: str, line: int, said: str) -> None:
+def test_what_is_wrong_is_refused_with_its_line(
+    tmp_path: Path, old: str, new: str, line: int, reported: str
+) -> None:
     path = written(tmp_path, camera_toml(CameraTruth(), URL).replace(old, new))
     with pytest.raises(DataRefused) as refused:
         read_description(path)
     assert refused.value.line == line
-    assert said in str(refused.value)
+    assert reported in str(refused.value)
 
 
 def test_a_file_that_is_not_there_is_refused(tmp_path: Path) -> None:

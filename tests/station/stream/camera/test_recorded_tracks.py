@@ -73,7 +73,7 @@ def test_features_are_those_of_the_images_at_the_moments_by_the_imus_clock(tmp_p
     assert len(times(tracks)) == len(pictures())
 
 
-def test_the_cameras_own_stamps_tell_when_an_image_was_taken(tmp_path: Path) -> None:
+def test_the_cameras_own_stamps_show_when_an_image_was_taken(tmp_path: Path) -> None:
     late = [0.0, 0.05, 0.0, 0.03, 0.0, 0.02, 0.0]
     record(
         tmp_path,

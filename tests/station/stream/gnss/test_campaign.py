@@ -66,9 +66,9 @@ def test_a_recording_holds_device_host_and_gnss_time_side_by_side(
     with bench(40.0) as (device, gnss):
         out = str(tmp_path / "r")
         assert cli.run(["record", device.url, "--gnss", gnss.url, "--seconds", "160", "--out", out]) == 0
-    said = capsys.readouterr().out
-    assert "system 1" in said
-    assert re.search(r"31\.(169|170)\d+, 121\.(399|400)\d+ deg, \d+\.\d m, u 1\.\d m", said)
+    reported = capsys.readouterr().out
+    assert "system 1" in reported
+    assert re.search(r"31\.(169|170)\d+, 121\.(399|400)\d+ deg, \d+\.\d m, u 1\.\d m", reported)
     step = read_step(tmp_path / "r" / "recording.mcap")
     utc = step.aux["utc_s"]
     known = np.isfinite(utc)
@@ -112,6 +112,6 @@ def test_without_a_fix_a_site_that_nobody_states_is_refused(
 def test_a_campaign_is_gone_on_with_although_its_receiver_is_gone(tmp_path: Path) -> None:
     with ExitStack() as stack:
         assert reopen_receiver(stack, Setup(), tmp_path) == (None, "")
-        feed, said = reopen_receiver(stack, Setup(gnss="mavlink:tcp:127.0.0.1:9"), tmp_path)
+        feed, reported = reopen_receiver(stack, Setup(gnss="mavlink:tcp:127.0.0.1:9"), tmp_path)
     assert feed is None
-    assert "continuing without GNSS: 127.0.0.1:9" in said
+    assert "continuing without GNSS: 127.0.0.1:9" in reported

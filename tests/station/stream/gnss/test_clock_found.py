@@ -1,4 +1,4 @@
-"""A simulated unit whose clock is off, beside a simulated receiver: told, refused, diagnosed; in virtual time."""
+"""A simulated unit whose clock is off, next to a receiver: reported, refused, diagnosed; in virtual time."""
 
 import itertools
 import json
@@ -86,7 +86,7 @@ class Receiver:
 
 
 def record(folder: Path, database: Path, ppm: float, positions: Iterable[int]) -> None:
-    """Record dwells with UTC beside the rows."""
+    """Record dwells with UTC next to the rows."""
     folder.mkdir()
     bench = Bench(ppm)
     feed, gnss = open_feed(Imu(bench)), GnssFeed(Receiver(bench))
@@ -111,7 +111,7 @@ def record(folder: Path, database: Path, ppm: float, positions: Iterable[int]) -
 
 
 @pytest.mark.proof
-def test_diagnose_finds_the_clock_of_a_campaign_recorded_beside_a_receiver(tmp_path: Path) -> None:
+def test_diagnose_finds_the_clock_of_a_campaign_recorded_with_a_receiver(tmp_path: Path) -> None:
     record(tmp_path / "c", tmp_path / "s.db", SMALL, range(1, 13))
     rows = [dwell.series.extra["utc_s"] for dwell in read_campaign(tmp_path / "c").campaign.dwells]
     assert all(np.isfinite(utc).sum() > 50 for utc in rows)
@@ -123,7 +123,9 @@ def test_diagnose_finds_the_clock_of_a_campaign_recorded_beside_a_receiver(tmp_p
     assert value["std"] < SMALL / 10
 
 
-def beside(ppm: float, seconds: float, faults: tuple[Fault, ...] = (), *, has_gnss: bool = True) -> list[str]:
+def with_receiver(
+    ppm: float, seconds: float, faults: tuple[Fault, ...] = (), *, has_gnss: bool = True
+) -> list[str]:
     """Return what a campaign's receiver, or its machine's clock, has it say within so many device seconds."""
     bench, event_log = Bench(ppm, faults), EventLog()
     feed, gnss = open_feed(Imu(bench)), GnssFeed(Receiver(bench))
@@ -138,19 +140,19 @@ def beside(ppm: float, seconds: float, faults: tuple[Fault, ...] = (), *, has_gn
 
 
 def test_a_running_campaign_names_the_clock_once_and_ends_where_it_is_worse() -> None:
-    assert beside(SMALL, 60.0) == []
-    [said] = beside(WARNED, 90.0)
-    assert re.search(r"clock.rate.* 0.0199\d+ s, -0.1[0-9]% off", said)
+    assert with_receiver(SMALL, 60.0) == []
+    [reported] = with_receiver(WARNED, 90.0)
+    assert re.search(r"clock.rate.* 0.0199\d+ s, -0.1[0-9]% off", reported)
     with refused(DataRefused, ErrorCode.SAMPLE_RATE):
-        beside(REFUSED, 90.0)
+        with_receiver(REFUSED, 90.0)
 
 
-def test_without_a_receiver_the_machines_clock_tells_a_thousandth_and_leaves_another_pace_alone() -> None:
-    [said] = beside(WARNED, 60.0, has_gnss=False)
-    assert re.search(r"clock.rate.* 0.0199\d+ s, -0.1[0-9]% off", said)
+def test_without_a_receiver_the_machines_clock_determines_a_thousandth_and_leaves_another_pace_alone() -> None:
+    [reported] = with_receiver(WARNED, 60.0, has_gnss=False)
+    assert re.search(r"clock.rate.* 0.0199\d+ s, -0.1[0-9]% off", reported)
     with refused(DataRefused, ErrorCode.SAMPLE_RATE):
-        beside(REFUSED, 60.0, has_gnss=False)
-    assert beside(1e7, 40.0, has_gnss=False) == []  # eleven times as fast
+        with_receiver(REFUSED, 60.0, has_gnss=False)
+    assert with_receiver(1e7, 40.0, has_gnss=False) == []  # eleven times as fast
 
 
 @pytest.mark.proof

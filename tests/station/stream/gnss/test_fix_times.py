@@ -40,12 +40,12 @@ def test_without_the_senders_clock_the_moment_of_reading_must_do() -> None:
     assert times.of(fix(50.0, boot=None, read=0.12)) == pytest.approx(57.12, abs=0.006)
 
 
-def test_nothing_is_said_before_the_clocks_are_known() -> None:
+def test_nothing_is_reported_before_the_clocks_are_known() -> None:
     assert FixTimes().of(fix(1.0)) is None
     assert clocks(0.3).of(fix(0.2)) is None
 
 
-def test_a_sender_that_restarts_is_learnt_anew() -> None:
+def test_a_sender_that_restarts_is_learnt_again() -> None:
     times = clocks(30.0)
     for t in np.arange(30.0, 40.0, 0.1).tolist():
         times.stamp_imu(EPOCH + round(t * 1e9), 7.0 + t)
@@ -84,7 +84,7 @@ def test_marks_that_lag_say_nothing_of_a_clock_in_order(slow: float) -> None:
     assert np.abs(off).max() < 0.02
 
 
-def test_an_imu_whose_time_begins_anew_is_not_placed_by_its_old_time() -> None:
+def test_an_imu_whose_time_restarts_is_not_placed_by_its_old_time() -> None:
     times = FixTimes(20 * 10**9)
     for t in np.arange(0.0, 5.0, 0.1).tolist():
         times.stamp_imu(EPOCH + round(t * 1e9), 7.0 + t)
@@ -102,8 +102,8 @@ def test_a_fix_with_utc_is_placed_by_the_pulses_at_the_imus_input(read: float) -
         times.stamp_pulse(7.0 + second * (1 + 30e-6))
     for boot in (50.08, None):
         for true in (12.3, 41.98, 58.999):
-            told = replace(fix(true, boot, read), utc_ns=EPOCH + round(true * 1e9))
-            assert times.of(told) == pytest.approx(7.0 + true * (1 + 30e-6), abs=1e-4)
+            noticed = replace(fix(true, boot, read), utc_ns=EPOCH + round(true * 1e9))
+            assert times.of(noticed) == pytest.approx(7.0 + true * (1 + 30e-6), abs=1e-4)
     without = replace(fix(12.3, None, read), utc_ns=None)
     assert times.of(without) == pytest.approx(19.3 + read, abs=0.006)
     far = replace(fix(12.3, None, 0.6), utc_ns=EPOCH + round(12.3 * 1e9))  # which second, nobody could tell
@@ -131,7 +131,7 @@ def test_utc_is_read_off_the_marks_around_a_moment(t: float) -> None:
     assert utc == pytest.approx(UTC / 1e9 + t * RATE, abs=0.001)
 
 
-def test_a_moment_an_hour_on_is_not_told_by_marks_of_the_first_minutes() -> None:
+def test_a_moment_an_hour_on_is_not_determined_by_marks_of_the_first_minutes() -> None:
     line = marked(60.0)
     assert line.utc(HOST + 3600 * 10**9) is None
     assert line.utc(HOST) is not None
@@ -143,7 +143,7 @@ def test_marks_of_another_time_do_not_shift_it() -> None:
     assert line.utc(HOST + 160 * 10**9) == pytest.approx(UTC / 1e9 + 160 * RATE + 7.0, abs=0.001)
 
 
-def test_without_marks_nothing_is_told_and_their_scatter_is_that_of_the_reading() -> None:
+def test_without_marks_nothing_is_determined_and_their_scatter_is_that_of_the_reading() -> None:
     line = UtcLine()
     assert (line.utc(HOST), line.scatter) == (None, 0.0)
     line = marked(60.0)

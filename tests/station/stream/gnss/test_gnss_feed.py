@@ -43,7 +43,7 @@ def test_site_time_rate_and_files_come_from_one_receiver(tmp_path: Path) -> None
         host = time.time_ns()
         utc, site, true = feed.utc(host), feed.site(), gnss.now + EPOCH_UTC
         assert feed.trouble == ""
-        told = [record for record in feed.take(host) if isinstance(record, GnssFix)]
+        received = [record for record in feed.take(host) if isinstance(record, GnssFix)]
         assert not feed.take(host)
         assert all(not fix.is_filtered for fix in feed.fixes)
     assert site is not None
@@ -59,7 +59,7 @@ def test_site_time_rate_and_files_come_from_one_receiver(tmp_path: Path) -> None
             FIX_MESSAGES[GnssFix].FromString(message.data)
             for _, _, message in make_reader(stream).iter_messages(topics=["/gnss/fix"])
         ]
-    assert len(written) == len(told) > len(feed.fixes)
+    assert len(written) == len(received) > len(feed.fixes)
     assert not any(one.HasField("heading") for one in written)  # not known: absent, not 0
 
 
@@ -83,7 +83,7 @@ class InMemory:
 
 
 @pytest.mark.parametrize(
-    ("fault", "said"),
+    ("fault", "reported"),
     [
         (TimedFault("outage", 5.0, 5.0), "no bytes for 1.8 s"),
         (TimedFault("no_fix", 5.0, 5.0), "no fix (3 satellites)"),
@@ -101,8 +101,8 @@ class InMemory:
     ],
     ids=lambda each: each.kind if isinstance(each, TimedFault) else "",
 )
-def test_what_is_wrong_is_said_within_two_seconds_and_then_that_it_is_over(
-    fault: TimedFault, said: str, tmp_path: Path
+def test_what_is_wrong_is_reported_within_two_seconds_and_then_that_it_is_over(
+    fault: TimedFault, reported: str, tmp_path: Path
 ) -> None:
     (tmp_path / "key").write_bytes(bytes(range(1, 33)))
     is_signed = fault.kind in {"unsigned", "wrong_key", "replay"}
@@ -115,10 +115,10 @@ def test_what_is_wrong_is_said_within_two_seconds_and_then_that_it_is_over(
         assert (state.trouble, state.samples, state.gaps) == (feed.trouble, len(feed.fixes), 0)
         if 1.0 < source.now < 5.0 or source.now > 11.2:
             assert feed.trouble == ""
-    if not said:
+    if not reported:
         assert set(heard) == {""}
         return
-    at = min(at for text, at in heard.items() if said in text)  # a count in it goes on
+    at = min(at for text, at in heard.items() if reported in text)  # a count in it goes on
     assert 5.0 < at <= 7.0
     assert state.name == f"GNSS {feed.address.name}"
     assert state.rate_hz > 8.0  # what came late came all at once

@@ -21,7 +21,7 @@ MICRO = 10**6
 AUTOPILOT, RECEIVER = 3, 0  # MAV_AUTOPILOT, ..._GENERIC
 
 
-class Told:
+class Reported:
     """Messages of an autopilot, read at the moments at which they are said."""
 
     def __init__(self, url: str = LINK) -> None:
@@ -77,19 +77,19 @@ def system_time(unix_us: int, boot_ms: int) -> "dialect.MAVLink_message":
     return dialect.MAVLink_system_time_message(unix_us, boot_ms)
 
 
-def feed_of(told: Told, writer: FixWriter | None = None) -> GnssFeed:
-    return GnssFeed(told, writer, told.clock)
+def feed_of(noticed: Reported, writer: FixWriter | None = None) -> GnssFeed:
+    return GnssFeed(noticed, writer, noticed.clock)
 
 
 def test_the_site_is_that_of_the_first_antenna() -> None:
-    told = Told()
-    feed = feed_of(told)
-    told.say(second(MICRO))
+    noticed = Reported()
+    feed = feed_of(noticed)
+    noticed.say(second(MICRO))
     feed.advance()
     site = feed.site()
     assert site is not None
     assert round(site.latitude * 57.29578, 3) == 49.0  # none but the second has said anything
-    told.say(*(raw(MICRO * i) for i in range(2)), *(second(MICRO * i) for i in range(5)))
+    noticed.say(*(raw(MICRO * i) for i in range(2)), *(second(MICRO * i) for i in range(5)))
     feed.advance()
     site = feed.site()
     assert site is not None
@@ -97,9 +97,9 @@ def test_the_site_is_that_of_the_first_antenna() -> None:
 
 
 def test_a_filtered_position_is_handed_on_and_is_no_fix() -> None:
-    told = Told()
-    feed = feed_of(told)
-    told.say(filtered(1000), raw(MICRO), filtered(2000))
+    noticed = Reported()
+    feed = feed_of(noticed)
+    noticed.say(filtered(1000), raw(MICRO), filtered(2000))
     feed.advance()
     assert [fix.source for fix in feed.fixes] == ["GPS_RAW_INT"]
     assert feed.latest is feed.fixes[0]
@@ -111,13 +111,13 @@ def test_a_filtered_position_is_handed_on_and_is_no_fix() -> None:
 
 def utc_of(*, states_time: bool, fix: int = 3) -> tuple[GnssFeed, float | None]:
     """Return what the feed takes for UTC after 20 s: stamps of fixes are 0.3 s early, a stated time is exact."""
-    told = Told()
-    feed = feed_of(told)
+    noticed = Reported()
+    feed = feed_of(noticed)
     for i in range(20):
-        told.now = float(i)
-        told.say(raw((UTC_S + i) * MICRO - 300_000, fix))
+        noticed.now = float(i)
+        noticed.say(raw((UTC_S + i) * MICRO - 300_000, fix))
         if states_time and i >= 10:
-            told.say(system_time((UTC_S + i) * MICRO, 1000 * i))
+            noticed.say(system_time((UTC_S + i) * MICRO, 1000 * i))
         feed.advance()
     return feed, feed.utc(20 * NS)
 
@@ -133,40 +133,46 @@ def test_a_stated_time_is_utc_and_the_stamps_of_fixes_are_where_there_is_none() 
 
 
 def test_its_health_and_its_summary_count_what_came_and_what_did_not() -> None:
-    told = Told()
-    feed = feed_of(told)
+    noticed = Reported()
+    feed = feed_of(noticed)
     assert feed.stream().rate_hz == 0.0
     for i in range(10):
-        told.now = 0.2 * i
-        told.say(raw((UTC_S + i) * MICRO), *([system_time((UTC_S + i) * MICRO, 200 * i)] if i % 2 else []))
+        noticed.now = 0.2 * i
+        noticed.say(raw((UTC_S + i) * MICRO), *([system_time((UTC_S + i) * MICRO, 200 * i)] if i % 2 else []))
         feed.advance()
-    told.lose(3)
-    told.say(dialect.MAVLink_heartbeat_message(2, AUTOPILOT, 0, 0, 4, 3))
-    told.send(b"\x00\x01\x02")
-    told.now += 0.5
+    noticed.lose(3)
+    noticed.say(dialect.MAVLink_heartbeat_message(2, AUTOPILOT, 0, 0, 4, 3))
+    noticed.send(b"\x00\x01\x02")
+    noticed.now += 0.5
     feed.advance()
     state = feed.stream()
     assert (state.samples, state.gaps, state.lost, state.bad, state.trouble) == (10, 0, 3, 0, "")
     assert state.rate_hz == pytest.approx(2.0)
     assert state.age_s == pytest.approx(0.5)
-    said = ("10 fixes", "48.000000, 11.000000 deg, 540.0 m", "SYSTEM_TIME 1.0 Hz", "3 lost", "3 bytes in no frame")
-    assert all(words in feed.summary for words in said)
-    told.now += 1.9
+    reported = (
+        "10 fixes",
+        "48.000000, 11.000000 deg, 540.0 m",
+        "SYSTEM_TIME 1.0 Hz",
+        "3 lost",
+        "3 bytes in no frame",
+    )
+    assert all(words in feed.summary for words in reported)
+    noticed.now += 1.9
     feed.advance()
     assert "no bytes for 1.8 s" in feed.trouble
     assert feed.stream().trouble == feed.trouble
 
 
-def test_a_port_that_is_away_is_said_before_what_is_missing_therefore() -> None:
-    told = Told()
-    feed = feed_of(told)
-    told.mark("port lost: gone", is_open=False)
+def test_a_port_that_is_away_is_reported_before_what_is_missing_therefore() -> None:
+    noticed = Reported()
+    feed = feed_of(noticed)
+    noticed.mark("port lost: gone", is_open=False)
     feed.advance()
-    told.now = 5.0
+    noticed.now = 5.0
     feed.advance()
     assert feed.trouble.endswith("port lost: gone; it is tried again and again: check cable and power")
-    told.mark("port back", is_open=True)
-    told.say(raw(MICRO), dialect.MAVLink_heartbeat_message(2, AUTOPILOT, 0, 0, 4, 3))
+    noticed.mark("port back", is_open=True)
+    noticed.say(raw(MICRO), dialect.MAVLink_heartbeat_message(2, AUTOPILOT, 0, 0, 4, 3))
     feed.advance()
     assert feed.trouble == ""
 
@@ -208,7 +214,7 @@ def test_a_receiver_may_take_three_of_its_periods_for_its_first_fix(rate: str, f
     assert "no GNSS message" in watched.at(first_s + 0.01, burst())
 
 
-def test_a_fix_at_no_place_is_said_with_why() -> None:
+def test_a_fix_at_no_place_is_reported_with_why() -> None:
     watched = Watched()
     watched.latest = GnssFix("GPS_INPUT", 1, 0, FixType.NO_FIX, no_place="latitude and longitude are exactly 0")
     assert "exactly 0" in watched.at(2.0, burst())

@@ -13,7 +13,7 @@ from drivers.simulated.truth import Truth
 from station.stream.gnss_feed import GnssFeed
 from station.stream.reader import Chunk, StreamGap
 
-TOLD_S = 15.0  # 8 to ask for all of it, 5 to measure, and the way there
+REPORTED_S = 15.0  # 8 to ask for all of it, 5 to measure, and the way there
 LINK = "mavlink:udpin:127.0.0.1:14550"
 
 
@@ -40,11 +40,11 @@ class Asked:
 
 def heard(source: Asked, until_s: float) -> dict[str, float]:
     """Return what was said, and when first."""
-    feed, said = GnssFeed(source, clock=source.clock), dict[str, float]()
+    feed, reported = GnssFeed(source, clock=source.clock), dict[str, float]()
     while source.now < until_s:
         feed.advance()
-        said.setdefault(feed.trouble, source.now)
-    return said
+        reported.setdefault(feed.trouble, source.now)
+    return reported
 
 
 DEAF = (TimedFault("deaf", 0.0, 1e6),)
@@ -62,12 +62,12 @@ DEAF = (TimedFault("deaf", 0.0, 1e6),)
 def test_a_rate_that_was_not_granted_is_named_with_what_to_do(
     autopilot: AutopilotTruth, faults: tuple[TimedFault, ...]
 ) -> None:
-    said = heard(Asked(autopilot, faults), 40.0)
-    said.pop("")
-    [(text, at)] = said.items()
+    reported = heard(Asked(autopilot, faults), 40.0)
+    reported.pop("")
+    [(text, at)] = reported.items()
     assert re.search(r"GPS_RAW_INT comes at (0\.8|1|1\.2) Hz, 5 Hz was asked for", text)  # one more or less in 5 s
     assert "rate=1" in text
-    assert at <= TOLD_S
+    assert at <= REPORTED_S
 
 
 @pytest.mark.parametrize("rate_hz", [0.2, 5.0])
@@ -77,7 +77,7 @@ def test_a_rate_that_was_granted_is_not(rate_hz: float) -> None:
     assert set(heard(Asked(slow, hz=1.0), 40.0)) == {""}  # what the words said to do
 
 
-def test_a_message_that_stops_among_others_is_told_and_so_is_its_end() -> None:
+def test_a_message_that_stops_among_others_is_reported_and_so_is_its_end() -> None:
     source = Asked(AutopilotTruth(default_hz=5.0))
     feed = GnssFeed(source, clock=source.clock)
     while source.now < 20.0:

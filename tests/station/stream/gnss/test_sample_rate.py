@@ -78,9 +78,9 @@ def test_a_rate_that_is_right_is_left_alone() -> None:
 
 
 def test_more_than_a_thousandth_off_is_a_warning_that_names_the_clock() -> None:
-    said = watch(2e-3, 60.0).warning
-    assert "clock.rate" in said
-    assert "0.00501" in said
+    reported = watch(2e-3, 60.0).warning
+    assert "clock.rate" in reported
+    assert "0.00501" in reported
     assert watch(2e-3, 12.0, jitter=0.2).warning == ""  # too noisy to say so yet
 
 
@@ -155,13 +155,13 @@ def test_what_bends_half_of_the_samples_alone_is_no_wrong_rate(off: float) -> No
         whole.go(1, off)
 
 
-@pytest.mark.parametrize(("off", "is_said"), [(0.055, True), (0.045, False), (-0.055, True), (-0.045, False)])
+@pytest.mark.parametrize(("off", "is_reported"), [(0.055, True), (0.045, False), (-0.055, True), (-0.045, False)])
 def test_a_pace_is_another_beyond_a_twentieth_and_of_this_machines_clock_alone(
-    off: float, *, is_said: bool
+    off: float, *, is_reported: bool
 ) -> None:
     stream = Stream(every_s=0.0, span_s=30.0)
     stream.go(110, off=1 / (1 + off) - 1)
-    assert bool(stream.watch.pace) == is_said
+    assert bool(stream.watch.pace) == is_reported
     other = Stream()
     other.go_unjudged(110, off=1 / (1 + off) - 1)
     with refused(DataRefused, ErrorCode.SAMPLE_RATE):  # of a reference that is no machine's it is a wrong rate

@@ -1,4 +1,4 @@
-"""`station simulate --gnss` serves an autopilot beside the IMU; the page lists its faults."""
+"""`station simulate --gnss` serves an autopilot next to the IMU; the page lists its faults."""
 
 import re
 import time
@@ -32,7 +32,7 @@ size = 5000.0
 """
 
 
-def test_an_autopilot_is_served_beside_the_imu_with_its_own_faults(tmp_path: Path) -> None:
+def test_an_autopilot_is_served_with_the_imu_with_its_own_faults(tmp_path: Path) -> None:
     (tmp_path / "faults").write_text(FAULTS)
     options = ("--speed", f"{paced(50.0):g}", "--gnss", "tcp", "--faults", str(tmp_path / "faults"))
     with Program("simulate", "--example", "7", "--pty", str(tmp_path / "imu"), *options) as program:
@@ -61,10 +61,10 @@ def test_devices_says_who_is_on_a_link_and_what_was_answered(capsys: pytest.Capt
     autopilot = AutopilotTruth(system=5, denies=frozenset({GPS2_RAW}))
     with SimulatedGnss(Truth(), autopilot, speed=10.0) as gnss:
         assert cli.run(["devices", "--url", f"{gnss.url}?rate=2", "--seconds", f"{longer(1.5):g}"]) == 0
-    said = capsys.readouterr().out
-    assert re.search(r"system 5: \d\d+ frames", said)
-    assert "GPS_RAW_INT at 2 Hz: accepted" in said
-    assert "GPS2_RAW at 2 Hz: denied" in said
+    reported = capsys.readouterr().out
+    assert re.search(r"system 5: \d\d+ frames", reported)
+    assert "GPS_RAW_INT at 2 Hz: accepted" in reported
+    assert "GPS2_RAW at 2 Hz: denied" in reported
     assert cli.run(["devices", "--url", "mavlink:udpin:127.0.0.1:0x"]) == 2
     assert "udpin" in capsys.readouterr().err
 

@@ -60,18 +60,18 @@ def test_a_format_is_found_by_three_frames_and_these_are_the_first_samples() -> 
 
 
 @pytest.mark.parametrize(
-    ("items", "error", "said"),
+    ("items", "error", "reported"),
     [
         ([], LinkSilent, "1.8 s"),
         ([Chunk(1, NOISE), GONE, Chunk(2, NOISE)], WrongFormat, "128 bytes at 921600 baud"),
     ],
 )
 def test_a_format_that_is_not_found_in_time_is_refused(
-    items: list[Item], error: type[Exception], said: str, monkeypatch: pytest.MonkeyPatch
+    items: list[Item], error: type[Exception], reported: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     script = Script([(0.0, [each]) for each in items], SNIFFED)
     monkeypatch.setattr(time, "monotonic", script.clock)
-    with refused(error, ErrorCode.DEVICE, said):
+    with refused(error, ErrorCode.DEVICE, reported):
         open_feed(script)
     assert 1.8 <= script.now < 1.95
 
@@ -170,7 +170,7 @@ def test_a_line_without_a_byte_is_silent_after_so_long_and_no_sooner() -> None:
         feed.advance()
 
 
-def test_a_byte_begins_the_wait_for_bytes_anew_but_not_that_for_a_frame() -> None:
+def test_a_byte_restarts_the_wait_for_bytes_but_not_that_for_a_frame() -> None:
     feed = feed_of(Script([(1.0, []), (0.75, [Chunk(1, NOISE)]), (0.1, [Chunk(2, NOISE)])]))
     for _ in range(2):
         feed.advance()
@@ -178,7 +178,7 @@ def test_a_byte_begins_the_wait_for_bytes_anew_but_not_that_for_a_frame() -> Non
         feed.advance()
 
 
-def test_a_frame_begins_both_waits_anew() -> None:
+def test_a_frame_restarts_both_waits() -> None:
     first, second = (each for each in chunks(device(), 2))
     feed = feed_of(Script([(1.75, []), (0.0, [first]), (1.75, []), (0.01, [second]), (1.75, []), (0.1, [])]))
     for _ in range(5):

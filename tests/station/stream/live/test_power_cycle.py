@@ -48,7 +48,9 @@ def test_a_clock_that_turns(before: float, now: float, elapsed: float, turn: flo
     ("kind", "restarts"),
     [("restart", 1), ("unplug", 0), ("counter_restart", 0), ("clock_jump", 0)],
 )
-def test_a_restart_is_told_from_all_else_that_interrupts_a_stream(format: str, kind: str, restarts: int) -> None:
+def test_a_restart_is_distinguished_from_all_else_that_interrupts_a_stream(
+    format: str, kind: str, restarts: int
+) -> None:
     truth = Truth.example(1)
     feed = open_feed(Source(truth, [Fault(kind, at_s=30.0, seconds=8.0, count=20)], format))
     if format == "counts":
@@ -69,9 +71,11 @@ def recorded(path: Path, silent_s: float, lasts_s: float) -> str:
     """Write what a unit sent that says who it is only after ``silent_s``, and return its address."""
     device, writer = ByteDevice(TRUTH, 1, WIRE), StepWriter(path)
     assert WIRE.encode_identity is not None
-    said = WIRE.encode_identity(Identity(TRUTH.model, TRUTH.serial, TRUTH.sample_period_s))
+    reported = WIRE.encode_identity(Identity(TRUTH.model, TRUTH.serial, TRUTH.sample_period_s))
     while (now := device.imu.time) < lasts_s:
-        parts = [part for part in device.chunk(5) if isinstance(part, bytes) and (now >= silent_s or part != said)]
+        parts = [
+            part for part in device.chunk(5) if isinstance(part, bytes) and (now >= silent_s or part != reported)
+        ]
         writer.write_raw(round(now * 1e9), b"".join(parts))
     writer.close()
     return f"replay:{path}"

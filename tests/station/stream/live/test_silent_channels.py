@@ -35,10 +35,10 @@ def watched(truth: Truth, seconds: float, rates: bool = False) -> str:
     [("gyro", "yz", "gyroscope"), ("gyro", "xyz", "gyroscope"), ("accel", "xyz", "accelerometer")],
 )
 def test_dead_channels_are_named_after_ten_seconds(triad: str, axes: str, name: str, rates: bool) -> None:
-    said = watched(without(triad, axes), 12.0, rates)
-    assert all(f"{name} {axis} a constant 0" in said for axis in axes)
-    assert said.count("constant") == len(axes)
-    assert "check its wiring" in said
+    reported = watched(without(triad, axes), 12.0, rates)
+    assert all(f"{name} {axis} a constant 0" in reported for axis in axes)
+    assert reported.count("constant") == len(axes)
+    assert "check its wiring" in reported
     assert watched(without(triad, axes), 8.0, rates) == ""
 
 
@@ -49,13 +49,17 @@ def test_a_healthy_unit_has_none_though_a_level_accelerometer_does_not_count(rat
 
 @pytest.mark.parametrize("is_dead", [False, True], ids=["healthy", "dead"])
 def test_only_a_dead_accelerometer_is_named_while_the_cube_is_carried_about(is_dead: bool) -> None:
-    imu, watch, said = SimulatedImu(without("accel", "y") if is_dead else TRUTH, 3), SilentChannels(), set[str]()
+    imu, watch, reported = (
+        SimulatedImu(without("accel", "y") if is_dead else TRUTH, 3),
+        SilentChannels(),
+        set[str](),
+    )
     for position in (1, 3, 5, 7, 9, 11, 2):
         imu.place(position, 5.0)
         for _ in range(80):
             watch.take(imu.read(25))
-            said.add(watch.text(0.02, ALL_CHANNELS).partition(" for ")[0])
-    assert said - {""} == ({"accelerometer y a constant 0"} if is_dead else set())
+            reported.add(watch.text(0.02, ALL_CHANNELS).partition(" for ")[0])
+    assert reported - {""} == ({"accelerometer y a constant 0"} if is_dead else set())
 
 
 def test_a_channel_that_stops_is_named_and_one_that_comes_back_is_not_any_more() -> None:

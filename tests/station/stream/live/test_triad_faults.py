@@ -12,7 +12,7 @@ from station.stream.live.live_feed import LiveFeed
 from tests.station.stream.live.triad_in_memory import PERIOD, TriadInMemory, which
 
 BEGIN_S, SLOT_S, LASTS_S = 8.0, 9.0, 3.0
-TOLD_S, BACK_S = 2.0, 3.0
+REPORTED_S, BACK_S = 2.0, 3.0
 KEPT = 600  # samples
 AXES = (0, 2)  # x leads the others
 FRAMELESS = "hold no triad frame"
@@ -53,15 +53,15 @@ class Run:
         faults = [replace(case.fault, at_s=begins_s(case)) for case in CASES]
         triad = TriadInMemory(axis, faults, seed=axis + 1)
         feed = LiveFeed(triad, triad.wire, clock=triad.clock)
-        self.said: list[tuple[float, str]] = []
+        self.reported: list[tuple[float, str]] = []
         self.blocks: list[IntArray] = []
         while triad.clock() < begins_s(CASES[-1]) + SLOT_S:
             try:
                 feed.advance()
             except DriverError as error:
-                self.said.append((triad.clock(), str(error)))
+                self.reported.append((triad.clock(), str(error)))
             if feed.trouble:
-                self.said.append((triad.clock(), feed.trouble))
+                self.reported.append((triad.clock(), feed.trouble))
             if feed.unit is None and feed.stream.period is not None:
                 feed.identify("CH-70", "7")
             for each in feed.ready() if feed.unit else ():
@@ -77,12 +77,12 @@ def runs() -> dict[int, Run]:
 
 @pytest.mark.parametrize("axis", AXES)
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name.replace(" ", "_"))
-def test_a_fault_of_one_gyro_of_three_is_told_and_over(case: Case, axis: int, runs: dict[int, Run]) -> None:
+def test_a_fault_of_one_gyro_of_three_is_reported_and_over(case: Case, axis: int, runs: dict[int, Run]) -> None:
     begins, run = begins_s(case), runs[axis]
-    said = [(at - begins, text) for at, text in run.said if begins <= at < begins + SLOT_S]
-    told = [at for at, text in said if any(words in text for words in case.says.split("|"))]
-    assert told, said
-    assert told[0] <= TOLD_S
+    reported = [(at - begins, text) for at, text in run.reported if begins <= at < begins + SLOT_S]
+    noticed = [at for at, text in reported if any(words in text for words in case.says.split("|"))]
+    assert noticed, reported
+    assert noticed[0] <= REPORTED_S
     over = round((begins + case.lasts_s) / PERIOD)
     begun = [int(block[0, 0]) for block in run.blocks if block[0, 0] >= over]
     assert begun[0] <= over + BACK_S / PERIOD

@@ -60,7 +60,7 @@ def test_a_turn_is_the_counts_of_the_axis_less_its_rate_at_rest() -> None:
     assert made.rest_rate == pytest.approx(REST)
 
 
-def test_a_rest_with_a_gap_in_it_begins_anew() -> None:
+def test_a_rest_with_a_gap_in_it_restarts() -> None:
     for bad in (block(4), block(3, broken=True)):
         made = watch()
         made.rest(bad)
@@ -88,7 +88,7 @@ def test_a_fifth_of_the_turn_may_show_on_another_axis(across: float, is_about: b
 
 
 @pytest.mark.parametrize(
-    ("direction", "rate", "said"),
+    ("direction", "rate", "reported"),
     [
         ("+", 500.0, ""),
         ("-", -500.0, ""),
@@ -96,14 +96,14 @@ def test_a_fifth_of_the_turn_may_show_on_another_axis(across: float, is_about: b
         ("-", 500.0, "expected clockwise"),
     ],
 )
-def test_the_direction_is_the_sign_about_the_axis(direction: str, rate: float, said: str) -> None:
+def test_the_direction_is_the_sign_about_the_axis(direction: str, rate: float, reported: str) -> None:
     made = turned(watch(), (rate, 0.0, 0.0))
     made.take_as(replace(STEP, direction=direction))
-    assert made.fault() == said or (said and said in made.fault())
+    assert made.fault() == reported or (reported and reported in made.fault())
 
 
 @pytest.mark.parametrize(
-    ("total", "said"),
+    ("total", "reported"),
     [
         (2150.0, ""),
         (1850.0, ""),
@@ -111,13 +111,13 @@ def test_the_direction_is_the_sign_about_the_axis(direction: str, rate: float, s
         (1750.0, "it was 1.75 revolutions, by the turns"),
     ],
 )
-def test_one_revolution_more_or_less_is_seen_by_the_turns_before(total: float, said: str) -> None:
+def test_one_revolution_more_or_less_is_seen_by_the_turns_before(total: float, reported: str) -> None:
     made = turned(watch(earlier=(1000.0, 900.0, 2000.0)), (total, 0.0, 0.0))  # the median
-    assert said in made.fault()
-    assert bool(said) == bool(made.fault())
+    assert reported in made.fault()
+    assert bool(reported) == bool(made.fault())
 
 
-def test_lost_samples_and_no_rest_are_told() -> None:
+def test_lost_samples_and_no_rest_are_reported() -> None:
     assert turned(watch(), (500.0, 0.0, 0.0), first=4).fault() == "samples were lost while it turned"
     made = watch()
     made.take(block(3, 500.0, broken=True), is_still=False)

@@ -54,7 +54,7 @@ class Case:
     lasts_s: float = LASTS_S
     gone: dict[str, int] = field(default_factory=dict)
 
-    def said_on(self, transport: str) -> str:
+    def reported_on(self, transport: str) -> str:
         return self.says.get(transport, self.says.get("*", ""))
 
 
@@ -133,7 +133,7 @@ class Run:
         memory = SimulatedImu(TRUTH, SEED).read(round(last_s / PERIOD) + 500)
         self._truth = {row.tobytes(): i for i, row in enumerate(np.hstack((memory.gyro, memory.accel)))}
         assert len(self._truth) == len(memory)
-        self.said: list[tuple[int, str]] = []  # by which sample of the truth, and what
+        self.reported: list[tuple[int, str]] = []  # by which sample of the truth, and what
         self.heard: list[tuple[float, str]] = []  # when by the station's clock [s], and what
         self.came: list[tuple[float, int]] = []  # when by the same clock, and the newest sample of the truth
         self.blocks: list[IntArray] = []
@@ -163,21 +163,21 @@ class Run:
         feed, newest = self.feed, 0
         deadline = time.monotonic() + HANG_S
         while newest < last_s / PERIOD:
-            assert time.monotonic() < deadline, (self.transport, newest * PERIOD, self.said[-3:])
+            assert time.monotonic() < deadline, (self.transport, newest * PERIOD, self.reported[-3:])
             try:
                 feed.advance()
                 if feed.lost:
-                    self.said.append((newest, f"was lost ({feed.lost})"))
+                    self.reported.append((newest, f"was lost ({feed.lost})"))
             except DriverError as error:
                 if not feed.taken:
                     continue  # it has not begun
-                self.said.append((newest, str(error)))
+                self.reported.append((newest, str(error)))
             if feed.taken and len(feed.samples[-1]):
                 newest = max(newest, int(self.which(feed.samples[-1])[-1]))
             if feed.trouble:
-                self.said.append((newest, feed.trouble))
+                self.reported.append((newest, feed.trouble))
             now = time.monotonic() * self._speed
-            self.heard += [(now, text) for _, text in self.said[len(self.heard) :]]
+            self.heard += [(now, text) for _, text in self.reported[len(self.heard) :]]
             self.came.append((now, newest))
             if feed.unit is None and feed.taken > 40:
                 feed.identify("SIM", None if feed.stream.decoder.serial else "7")
@@ -192,7 +192,7 @@ class Run:
         first = round(begins_s(case) / PERIOD)
         last = first + round((SLOT_S - 0.5) / PERIOD)
         lead = 200 if case.fault.kind == "unplug" else 30  # what is on its way in a pty is lost with it
-        return [text for at, text in self.said if first - lead <= at < last]
+        return [text for at, text in self.reported if first - lead <= at < last]
 
 
 def run_all(speed: float) -> dict[str, Run]:
@@ -205,9 +205,9 @@ def run_all(speed: float) -> dict[str, Run]:
         return {transport: run.result() for transport, run in runs.items()}
 
 
-def has_said(texts: list[str], pattern: str) -> bool:
+def has_reported(texts: list[str], pattern: str) -> bool:
     """Say whether one of the texts holds what was expected."""
     return any(re.search(pattern, text) for text in texts)
 
 
-__all__ = ["CASES", "TRANSPORTS", "Case", "Run", "begins_s", "has_said", "run_all"]
+__all__ = ["CASES", "TRANSPORTS", "Case", "Run", "begins_s", "has_reported", "run_all"]

@@ -92,6 +92,6 @@ def test_a_password_is_not_written_down(tmp_path: Path) -> None:
     assert b"secret" not in (tmp_path / "camera_session.mcap").read_bytes()
 
 
-def test_what_is_no_camera_is_said_as_it_is(tmp_path: Path) -> None:
+def test_what_is_no_camera_is_reported_as_it_is(tmp_path: Path) -> None:
     with SimulatedCamera(Truth()) as camera, refused(PortNotFound, ErrorCode.DEVICE, "404"):
         Reader(camera.url + "s", tmp_path / "camera_session.mcap").start()

@@ -62,15 +62,15 @@ class Watched:
 
 
 @pytest.mark.parametrize(
-    ("kind", "said"), [("adapter_hangs", "no longer answers"), ("bus_off", "bus-off"), ("unplug", "")]
+    ("kind", "reported"), [("adapter_hangs", "no longer answers"), ("bus_off", "bus-off"), ("unplug", "")]
 )
-def test_every_fault_of_an_adapter_is_told_and_overcome(kind: str, said: str, tmp_path: Path) -> None:
+def test_every_fault_of_an_adapter_is_reported_and_overcome(kind: str, reported: str, tmp_path: Path) -> None:
     seen = Watched(tmp_path, [Fault(kind, 0.5, seconds=LASTS_S)], 240, paced(1.0))
     broken = next(i for i, piece in enumerate(seen.pieces) if piece.block.counter[-1] > 200)
     lost, *_, back = seen.marks
     assert not lost.is_open
     assert lost.reason.startswith("port lost: ")
-    assert said in lost.reason
+    assert reported in lost.reason
     assert back.is_open
     seen.assert_true()
     gap = int(np.argmax(np.diff(seen.counter)))

@@ -17,7 +17,7 @@ from tests.station.stream.reader.faulty import (
     Run,
     back_s,
     begins_s,
-    has_said,
+    has_reported,
     run_all,
 )
 
@@ -29,13 +29,13 @@ def runs() -> dict[str, Run]:
 
 @pytest.mark.parametrize("transport", TRANSPORTS)
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name.replace(" ", "_"))
-def test_every_fault_is_told_marked_and_over(case: Case, transport: str, runs: dict[str, Run]) -> None:
+def test_every_fault_is_reported_marked_and_over(case: Case, transport: str, runs: dict[str, Run]) -> None:
     run = runs[transport]
-    texts, expected = run.texts(case), case.said_on(transport)
+    texts, expected = run.texts(case), case.reported_on(transport)
     if not expected:
         # 0.2 s of a busy machine are 2 s of silence here, 1 s of it an adapter that does not answer: it is said
         texts = [text for text in texts if SILENT not in text and DEAF not in text]
-    assert has_said(texts, expected) if expected else not texts, texts
+    assert has_reported(texts, expected) if expected else not texts, texts
     first = round(begins_s(case) / PERIOD)
     over = first + round(case.lasts_s / PERIOD)
     here = run.index[run.index >= first]

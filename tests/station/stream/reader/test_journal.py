@@ -116,7 +116,7 @@ def is_open(path: Path) -> bool:
     return str(path) in found
 
 
-def test_a_disk_that_refuses_is_told_once_with_the_files_name(
+def test_a_disk_that_refuses_is_reported_once_with_the_files_name(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     failures = list[CannotWrite]()

@@ -24,8 +24,7 @@ from station.errors import CannotWrite
 from station.files.mcap_files import read_step
 from station.stream.reader import Chunk, Reader, StreamGap
 from station.stream.reader import __main__ as process
-from station.stream.reader.__main__ import Outbox
-from station.stream.reader.messages import Refusal, packed, unpacked
+from station.stream.reader.messages import Outbox, Refusal, packed, unpacked
 from tests.patience import HANG_S, paced
 from tests.refusals import refused
 
@@ -123,7 +122,7 @@ def test_a_replay_ends_after_all_of_its_bytes(journal: Path, tmp_path: Path) -> 
             reader.poll(1.0)
 
 
-def test_a_missing_port_is_said_as_it_is(journal: Path) -> None:
+def test_a_missing_port_is_reported_as_it_is(journal: Path) -> None:
     with refused(PortNotFound, ErrorCode.DEVICE, port="/dev/ttyNONE"), Reader("serial:///dev/ttyNONE", journal):
         pass
     assert not journal.exists()
@@ -146,9 +145,9 @@ def test_a_journal_is_never_overwritten(journal: Path, line: tuple[int, str]) ->
     ids=lambda error: type(error).__name__,
 )
 def test_an_error_passes_the_pipe_unchanged(error: DriverError) -> None:
-    [told] = unpacked(bytearray(packed(Refusal(type(error), str(error), vars(error)))))
-    assert isinstance(told, Refusal)
-    again = told.error
+    [received] = unpacked(bytearray(packed(Refusal(type(error), str(error), vars(error)))))
+    assert isinstance(received, Refusal)
+    again = received.error
     assert type(again) is type(error)
     assert (str(again), vars(again)) == (str(error), vars(error))
 
@@ -182,19 +181,19 @@ def test_messages_arrive_whole_and_in_order_however_large(monkeypatch: pytest.Mo
 
     monkeypatch.setattr(os, "write", write)
     outbox = Outbox(writing)
-    said = [bytes([i]) * size for i, size in enumerate((1, 0, 200_000, 3, 70_000))]
-    for message in said:
+    reported = [bytes([i]) * size for i, size in enumerate((1, 0, 200_000, 3, 70_000))]
+    for message in reported:
         assert outbox.put(message)
     got = b""
-    while len(got) < sum(map(len, said)):
+    while len(got) < sum(map(len, reported)):
         got += os.read(reading, 65536)
     outbox.close(HANG_S)
-    assert got == b"".join(said)
+    assert got == b"".join(reported)
     assert max(sizes) <= 65536
 
 
 class Crowded:
-    """An outbox that has room, or has none, as it was told; what it takes is kept."""
+    """An outbox that has room, or has none, as it was set up; what it takes is kept."""
 
     def __init__(self, *has_room: bool) -> None:
         self.has_room, self.taken = list(has_room), bytearray()
@@ -205,8 +204,8 @@ class Crowded:
         return has_room
 
 
-def test_each_byte_that_was_not_collected_is_told_of_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(process, "open_port", lambda url: None)
+def test_each_byte_that_was_not_collected_is_reported_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(process, "ReconnectingPort", lambda *given: None)
     outbox = Crowded(False, False, True, False, True, True, True)
     url = parse_device_url("serial:///dev/ttyUSB0?format=counts")
     session = process._Session(url, None, outbox)  # noqa: SLF001

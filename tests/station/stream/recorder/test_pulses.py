@@ -81,17 +81,17 @@ def test_the_clock_is_fitted_by_pulses_to_a_sigma_that_readings_never_reach() ->
 
 
 @pytest.mark.parametrize("size", [1, 60, 64, 96])
-def test_the_pulse_is_told_however_reads_cut_the_datagrams(size: int) -> None:
+def test_the_pulse_is_reported_however_reads_cut_the_datagrams(size: int) -> None:
     form = FORMATS["stim300"].pulse
     data = b"".join(datagram(0xF7, pps=pps(8000 * k)) for k in range(60))
-    decoder, ages, told = Decoder(FORMATS["stim300"]), PulseAges(form), list[float]()
+    decoder, ages, noticed = Decoder(FORMATS["stim300"]), PulseAges(form), list[float]()
     for at in range(0, len(data), size):
         block = decoder.feed(data[at : at + size])
         age = ages.of(data[at : at + size], block)
         assert (age is None) == (len(block) == 0)
-        told += [] if age is None else [age]
-    assert told[-1] >= 0.008 * 58
-    assert np.allclose(np.diff(told) / 0.008, np.rint(np.diff(told) / 0.008))
+        noticed += [] if age is None else [age]
+    assert noticed[-1] >= 0.008 * 58
+    assert np.allclose(np.diff(noticed) / 0.008, np.rint(np.diff(noticed) / 0.008))
     assert PulseAges(None).of(data, decoder.feed(data)) is None
 
 
@@ -99,7 +99,7 @@ def test_which_second_a_pulse_is_survives_late_reading_and_a_gap_in_time() -> No
     times = RowTimes(lambda ns: ns / 1e9)
     assert times.of(round(10.9e9), 5.75, 0.75) == pytest.approx(10.75)
     assert times.of(round(12.9e9), 6.25, 0.25) == pytest.approx(11.25)  # read 1.7 s late
-    assert times.of(round(13.0e9), 6.3, None) is None  # no reading beside pulses
+    assert times.of(round(13.0e9), 6.3, None) is None  # no reading next to pulses
     assert times.of(round(20.2e9), 9.37, 0.12) == pytest.approx(20.12)  # the device's time lost a part of a second
     assert times.of(round(30.0e9), 19.3, None) == pytest.approx(30.0)  # the pulse is gone for good
     assert RowTimes(None).of(round(7.6e9), 1.0, 0.5) == pytest.approx(7.5)
@@ -114,7 +114,7 @@ def sample_s(name: str, data: bytes) -> float:
 
 
 @pytest.mark.parametrize("name", NOVATEL)
-def test_a_receiver_that_knows_gps_time_tells_the_seconds_of_its_samples(name: str) -> None:
+def test_a_receiver_that_knows_gps_time_gives_the_seconds_of_its_samples(name: str) -> None:
     wire = FORMATS[name]
     assert wire.pulse is not None
     at = sample_s(name, wire.example)

@@ -57,13 +57,13 @@ def test_a_repeated_frame_is_dropped_and_counted() -> None:
     assert counters(found) == list(range(200))
 
 
-def test_a_device_that_counts_from_0_again_begins_anew_there() -> None:
+def test_a_device_that_counts_from_0_again_restarts_there() -> None:
     stream, found = pieces(Fault("counter_restart", at_s=1.06))
     assert stream.counters.restarts == 1
-    anew = [
+    restarted = [
         int(piece.block.counter[piece.restart_at]) % 2**32 for piece in found[2:] if piece.restart_at is not None
     ]
-    assert anew == [0]
+    assert restarted == [0]
 
 
 def test_a_counter_that_wraps_is_no_break() -> None:

@@ -6,8 +6,7 @@ from typing import Any
 
 import pytest
 
-from drivers.can.frame_record import pack
-from drivers.can.wheel_reading import WheelReading
+from drivers.can.frame_record import WheelReading, pack
 from drivers.simulated.companions.wheel_on_can import DBC, wheel_toml
 from station.files.mcap_files.schemas import RAW_TOPIC, WHEEL_RAW_TOPIC
 from station.stream.reader import Chunk, StreamGap
@@ -41,10 +40,10 @@ class Bus:
         items, self._items = self._items, []
         return items
 
-    def hear(self, at: float, *said: float | bytes | StreamGap) -> str:
+    def hear(self, at: float, *reported: float | bytes | StreamGap) -> str:
         """Return what is wrong after speeds [m/s], other frames and marks came at a time."""
         self.now, host_ns = at, round(at * NS)
-        for each in said:
+        for each in reported:
             data = self._signal.frame(each, host_ns) if isinstance(each, float) else each
             self._items.append(each if isinstance(each, StreamGap) else Chunk(host_ns, bytes(data)))  # type: ignore[arg-type]
         self.feed.advance()
@@ -84,7 +83,7 @@ def test_its_health_and_its_summary_count_speeds_and_what_is_none(bus: Bus) -> N
     assert bus.feed.stream().rate_hz == pytest.approx(1 / 5)
 
 
-def test_frames_that_tell_no_speed_are_said_after_so_long(bus: Bus) -> None:
+def test_frames_that_give_no_speed_are_reported_after_so_long(bus: Bus) -> None:
     assert bus.hear(1.0, 5.0) == ""
     assert bus.hear(2.75, OTHERS, UNKNOWN) == ""
     assert bus.hear(2.85, OTHERS) == (
@@ -96,7 +95,7 @@ def test_frames_that_tell_no_speed_are_said_after_so_long(bus: Bus) -> None:
     assert bus.hear(2.9, 0.0) == ""
 
 
-def test_a_port_that_went_is_said_and_once_back_it_has_as_long_for_a_speed(bus: Bus) -> None:
+def test_a_port_that_went_is_reported_and_once_back_it_has_as_long_for_a_speed(bus: Bus) -> None:
     assert "port lost: gone; it is tried again and again" in bus.hear(1.0, GONE)
     assert "port lost" in bus.hear(9.0)
     assert bus.hear(10.0, BACK) == ""

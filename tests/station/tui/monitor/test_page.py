@@ -6,8 +6,8 @@ import pytest
 from textual.binding import Binding
 
 from station.attitude.live_readings import MotionState
-from station.monitor.alarms import ALARMS
 from station.monitor.text_lines import MONITOR_KEYS
+from station.monitor.view import ALARMS
 from station.tui.monitor_screen import MonitorApp, MonitorScreen
 from tests.paths import ROOT
 from tests.station.tui.monitor.screenshots import PICTURES, picture

@@ -57,7 +57,7 @@ def cut_off(seen: Shown) -> list[object]:
     return found
 
 
-SAID = [
+REPORTED = [
     ("moving", ("+12.345 deg", "-4.321 deg", "moving", "RECORDING", "50.0 Hz", "no errors", "20 days old")),
     ("resting", ("at rest HDG 238.7", "0.003 0.070 deg", "0.031 1.006 deg/h", "-22.647 mg")),
     ("zeroed", ("+0.345 deg  from zero +12.000", "-0.321 deg  from zero -4.000")),
@@ -101,13 +101,13 @@ SAID = [
 @pytest.mark.parametrize("kind", ["plain", "laws", "located"])
 async def test_it_says_what_matters(kind: str) -> None:
     async with shown(VIEWS["waiting"]) as seen:
-        for name, said in SAID:
+        for name, reported in REPORTED:
             if kind != ("located" if VIEWS[name].location else "laws" if VIEWS[name].filters else "plain"):
                 continue  # a run has one kind of view
             await seen.show(VIEWS[name])
             await seen.pilot.pause()
             words = " ".join(seen.text().split())
-            assert [text for text in said if " ".join(text.split()) not in words] == [], name
+            assert [text for text in reported if " ".join(text.split()) not in words] == [], name
 
 
 async def test_keys_ask_the_engine_and_leaving_a_recording_asks_first() -> None:

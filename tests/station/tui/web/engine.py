@@ -63,8 +63,8 @@ class Engine(socketserver.ThreadingUnixStreamServer):
         return self.heard.get(timeout=HANG_S)
 
     def new_screen(self) -> int:
-        process, said = self.next()
-        assert said == str(process)
+        process, reported = self.next()
+        assert reported == str(process)
         return process
 
     def join(self, screen: "_Screen") -> None:
@@ -83,11 +83,11 @@ class _Screen(socketserver.StreamRequestHandler):
     def handle(self) -> None:
         process = 0
         for line in self.rfile:
-            said = line.decode().strip()
+            reported = line.decode().strip()
             if not process:
-                process = int(said)
+                process = int(reported)
                 self.server.join(self)
-            self.server.heard.put((process, said))
+            self.server.heard.put((process, reported))
 
     def finish(self) -> None:
         self.server.leave(self)
@@ -117,7 +117,7 @@ class WebServer:
             assert stream is not None
             stream.close()
 
-    def said(self) -> tuple[str, str]:
+    def reported(self) -> tuple[str, str]:
         """Wait for its end and return what it still said, on stdout and stderr."""
         return self.process.communicate(timeout=HANG_S)
 

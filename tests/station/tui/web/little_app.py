@@ -21,16 +21,16 @@ class LittleApp(App[None]):
         super().__init__()
         self._engine = socket.socket(socket.AF_UNIX)
         self._engine.connect(engine)
-        self._tell(f"{os.getpid()}")
+        self._report(f"{os.getpid()}")
 
     def on_mount(self) -> None:
         Thread(target=self._listen, daemon=True).start()
 
     def on_unmount(self) -> None:
-        self._tell("ended")
+        self._report("ended")
 
     def on_key(self, event: events.Key) -> None:
-        self._tell(event.key)
+        self._report(event.key)
         match event.key:
             case "b":
                 self.bell()
@@ -43,7 +43,7 @@ class LittleApp(App[None]):
             case "w":
                 os.kill(os.getpid(), signal.SIGSTOP)
 
-    def _tell(self, line: str) -> None:
+    def _report(self, line: str) -> None:
         self._engine.sendall(line.encode() + b"\n")
 
     def _listen(self) -> None:

@@ -49,7 +49,7 @@ def test_a_second_tab_sees_the_same_engine_and_a_closed_one_takes_nothing_with_i
     assert has_ended(two)
 
 
-def test_a_program_that_dies_is_said_and_can_be_opened_again(
+def test_a_program_that_dies_is_reported_and_can_be_opened_again(
     browser: Chromium, engine: Engine, web: WebServer
 ) -> None:
     page = browser.open(web.url)

@@ -21,7 +21,7 @@ from tests.station.tui.web.engine import has_ended
 
 
 class Watch:
-    """A look at the engine beside the screens."""
+    """A look at the engine next to the screens."""
 
     def __init__(self, socket: Path) -> None:
         self._changed = threading.Event()
@@ -64,7 +64,7 @@ def test_tabs_come_and_go_and_the_campaign_goes_on(browser: Chromium, tmp_path: 
         simulated = ("--device", device.url, "--hands", device.control)
         with Program("calibrate", "--web", "--port", "0", *simulated, *site, *where) as program:
             url = program.until("http://127.0.0.1:")[-1].strip()
-            [socket] = children(program.process.pid, "station.guide").values()
+            [socket] = children(program.process.pid, "station.guide.server").values()
             with Watch(socket) as watch:
                 watch.until(lambda view: view.live != "")
                 watch.send("pause")
@@ -99,10 +99,10 @@ def test_o_opens_the_report_in_another_tab(browser: Chromium, tmp_path: Path) ->
         folder = recorded(tmp_path / "c", opened)
         keep_plan(folder, tuple(Dwell(position, 4.0) for position in range(1, 13)))
     with Program("resume", str(folder), "--web", "--port", "0", "--db", str(database)) as program:
-        said = program.until("http://127.0.0.1:")
-        assert "Open this address in a browser on this computer" in said[0]
-        url = said[-1].strip()
-        [socket] = children(program.process.pid, "station.guide").values()
+        reported = program.until("http://127.0.0.1:")
+        assert "Open this address in a browser on this computer" in reported[0]
+        url = reported[-1].strip()
+        [socket] = children(program.process.pid, "station.guide.server").values()
         with Watch(socket) as watch:
             watch.until(lambda view: view.stage == "verdict")
             page = open_screen(browser, url)

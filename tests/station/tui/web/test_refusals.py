@@ -50,9 +50,9 @@ def answer(web: WebServer, path: str, headers: Mapping[str, str]) -> int:
 )
 def test_a_page_of_another_origin_is_refused(web: WebServer, name: str, value: str) -> None:
     own = urlsplit(web.url)
-    said = value.format(own=own.netloc, port=own.port)
+    reported = value.format(own=own.netloc, port=own.port)
     for path, good, headers in PARTS:
-        assert answer(web, own.path + path, headers | {name: said}) == 403
+        assert answer(web, own.path + path, headers | {name: reported}) == 403
         assert answer(web, own.path + path, headers | {"Origin": f"http://{own.netloc}"}) == good
         assert answer(web, own.path + path, headers) == good  # a browser names no origin when it opens a page
 

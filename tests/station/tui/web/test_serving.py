@@ -37,7 +37,7 @@ def test_a_signal_ends_every_tab_and_the_server(engine: Engine, web: WebServer, 
             return first, second
 
     assert all(has_ended(process) for process in asyncio.run(run()))
-    assert web.said() == ("", "")
+    assert web.reported() == ("", "")
     assert web.process.returncode == 0
 
 
@@ -77,8 +77,8 @@ async def text_of(tab: aiohttp.ClientWebSocketResponse) -> list[str]:
     """Return the next message that is not a picture."""
     while (message := await tab.receive(60)).type is aiohttp.WSMsgType.BINARY:
         pass
-    said: list[str] = message.json()
-    return said
+    reported: list[str] = message.json()
+    return reported
 
 
 def test_a_file_is_handed_out_once_and_to_its_own_page(engine: Engine, web: WebServer) -> None:

@@ -74,8 +74,8 @@ def uncertainty(half_width: float, k: float) -> str:
 
 
 def real(value: float, unit: str, half_width: float | None, k: float = 2.0) -> str:
-    said = "" if half_width is None else uncertainty(half_width, k)
-    return f"<si:real><si:value>{value!r}</si:value><si:unit>{unit}</si:unit>{said}</si:real>"
+    reported = "" if half_width is None else uncertainty(half_width, k)
+    return f"<si:real><si:value>{value!r}</si:value><si:unit>{unit}</si:unit>{reported}</si:real>"
 
 
 def result(text: str, content: str, ref_type: str = "") -> str:
@@ -91,5 +91,5 @@ def result(text: str, content: str, ref_type: str = "") -> str:
 def small_dcc(
     results: Sequence[str] = (), *, number: str = "W-17", kind: str = "Cube", item: str = "CUBE-7"
 ) -> bytes:
-    said = results or [result("up tilt x_up 1", real(1.2, "\\arcsecond", 1.0))]
-    return (HEAD.format(number=number, kind=kind, item=item) + "".join(said) + FOOT).encode()
+    reported = results or [result("up tilt x_up 1", real(1.2, "\\arcsecond", 1.0))]
+    return (HEAD.format(number=number, kind=kind, item=item) + "".join(reported) + FOOT).encode()

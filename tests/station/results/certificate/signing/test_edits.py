@@ -3,7 +3,7 @@
 from tests.benchmarks.certificate_edits import false_alarms, missed
 
 
-def test_two_hundred_edits_are_told(files: tuple[bytes, bytes]) -> None:
+def test_two_hundred_edits_are_reported(files: tuple[bytes, bytes]) -> None:
     made, lost = missed(208, 7, files)
     assert len(made) == 16
     assert lost == []

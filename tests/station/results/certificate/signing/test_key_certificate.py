@@ -60,7 +60,7 @@ def listed(content: bytes) -> Trust:
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_a_key_is_said_to_be_what_it_is(name: str) -> None:
+def test_a_key_is_reported_as_what_it_is(name: str) -> None:
     make, is_trusted, words = CASES[name]
     found = judged(make(), laboratory())
     assert found.is_trusted is is_trusted

@@ -82,7 +82,7 @@ def test_a_stamped_certificate_witnesses_the_journal(station: Run, tmp_path: Pat
     assert (code, "found none, expected " in error) == (1, True)
 
 
-def test_a_certificate_whose_journal_is_another_is_told(station: Run, tmp_path: Path) -> None:
+def test_a_certificate_whose_journal_is_another_is_reported(station: Run, tmp_path: Path) -> None:
     assert certify(station, "--dcc")[0] == 0
     assert "has entry " in station("verify", "c.xml", "--trust", "root.pem")[1]
     with open_db(tmp_path / "station.db") as database, database.write() as session:
@@ -94,7 +94,7 @@ def test_a_certificate_whose_journal_is_another_is_told(station: Run, tmp_path: 
 
 
 @pytest.mark.parametrize("name", ["c.xml", "c.pdf"])
-def test_with_the_database_bytes_beside_the_content_are_told(station: Run, tmp_path: Path, name: str) -> None:
+def test_with_the_database_bytes_next_to_the_content_are_reported(station: Run, tmp_path: Path, name: str) -> None:
     assert certify(station, "--dcc", *(["--pdf"] if name == "c.pdf" else []))[0] == 0
     content = (tmp_path / name).read_bytes()
     changed = content.replace(b"<?xml version='1.0'", b"<?xml  version='1.0'") + b"\n" * (name == "c.pdf")
@@ -138,8 +138,8 @@ def test_a_signed_file_gives_way_to_a_signed_one_alone(station: Run, tmp_path: P
     code, out, error = station(*again)
     assert (code, out) == (2, "")
     assert "c.xml: cannot be written (a signed file exists" in error
-    anew = ("--laboratory", str(EXAMPLE), *ORDER, "--amend", "name", "--dcc", "--out", "c.html")
-    assert station("certificate", "S0101", *anew)[:2] == (2, "")  # and no number is given
+    second_signature = ("--laboratory", str(EXAMPLE), *ORDER, "--amend", "name", "--dcc", "--out", "c.html")
+    assert station("certificate", "S0101", *second_signature)[:2] == (2, "")  # and no number is given
     key = ("--sign", "lab.p12", "--password-env", "KEY_PASSWORD")
     code, out, _ = station(*again, *key, "--timestamp", "http://127.0.0.1:9/")
     assert code == 4

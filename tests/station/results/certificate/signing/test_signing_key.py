@@ -41,14 +41,14 @@ def test_another_password_is_refused_without_saying_it(tmp_path: Path, password:
 
 @pytest.mark.parametrize("name", REFUSED)
 def test_a_key_that_cannot_sign_a_certificate_is_refused(tmp_path: Path, name: str) -> None:
-    make, said = REFUSED[name]
+    make, reported = REFUSED[name]
     try:
         file = make().p12(tmp_path, "lab")
     except ValueError:  # the library makes none of two that do not belong together
         return
     with pytest.raises(DataRefused) as caught:
         read_signing_key(file, PASSWORD)
-    assert said in str(caught.value)
+    assert reported in str(caught.value)
 
 
 def test_a_key_of_another_kind_is_refused(tmp_path: Path) -> None:
@@ -72,6 +72,6 @@ def test_a_password_comes_from_a_descriptor_a_variable_or_a_person(monkeypatch: 
 @pytest.mark.parametrize(
     ("descriptor", "variable"), [(987, None), (-1, None), (10**14, None), (None, "NOT_SET_AT_ALL"), (None, None)]
 )
-def test_where_there_is_no_password_that_is_said(descriptor: int | None, variable: str | None) -> None:
+def test_where_there_is_no_password_that_is_reported(descriptor: int | None, variable: str | None) -> None:
     with refused(DataRefused, ErrorCode.KEY, file="lab.p12"):
         key_password(Path("lab.p12"), descriptor, variable)

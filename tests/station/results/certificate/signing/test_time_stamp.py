@@ -50,13 +50,13 @@ REFUSED = core.Sequence(
 
 
 @pytest.mark.parametrize(
-    ("answer", "said"),
+    ("answer", "reported"),
     [(b"no answer", "no time stamp ("), (REFUSED, "rejection: not today"), (b"", "no time stamp (")],
 )
-def test_a_service_that_gives_none_is_named(tmp_path: Path, answer: bytes, said: str) -> None:
+def test_a_service_that_gives_none_is_named(tmp_path: Path, answer: bytes, reported: str) -> None:
     with time_service(tmp_path, answer) as url, pytest.raises(NoTimeStamp) as caught:
         request_time_stamp(url, b"what was signed")
-    assert said in str(caught.value)
+    assert reported in str(caught.value)
     assert str(caught.value).startswith(url)
     assert "\n" not in str(caught.value)
 

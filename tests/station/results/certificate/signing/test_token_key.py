@@ -96,15 +96,15 @@ def test_another_pin_is_refused_without_saying_it(token: None) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "said"),
+    ("name", "reported"),
     [
         ("none", "found no key of that name"),
         ("old", "expected one that is valid today"),
         ("bare", "found 0 certificates"),
     ],
 )
-def test_a_key_that_is_not_there_or_cannot_sign_is_refused(token: None, name: str, said: str) -> None:
-    with refused(DataRefused, ErrorCode.KEY, said):
+def test_a_key_that_is_not_there_or_cannot_sign_is_refused(token: None, name: str, reported: str) -> None:
+    with refused(DataRefused, ErrorCode.KEY, reported):
         opened(name)
 
 

@@ -29,7 +29,9 @@ def verify(capsys: pytest.CaptureFixture[str], *arguments: str) -> Bilingual:
 
 
 @pytest.mark.parametrize("name", ["signed.xml", "signed.pdf"])
-def test_what_holds_is_said_in_a_line_each(folder: Path, name: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_holds_is_reported_in_a_line_each(
+    folder: Path, name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     code, out, _ = verify(capsys, name, "--trust", "root.pem")
     assert code == 0
     assert "signature  " in out
@@ -58,7 +60,7 @@ def test_a_file_that_is_no_pdf_is_code_3(folder: Path, capsys: pytest.CaptureFix
     assert "text.pdf: found no PDF, expected a certificate's PDF" in error
 
 
-def test_a_changed_document_is_told_in_words(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_changed_document_is_reported_in_words(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     content = (folder / "signed.xml").read_bytes()
     (folder / "signed.xml").write_bytes(content.replace(b"<si:value>1.2<", b"<si:value>1.3<"))
     assert "it does not hold: what is signed was changed" in verify(capsys, "signed.xml")[2]
@@ -67,14 +69,16 @@ def test_a_changed_document_is_told_in_words(folder: Path, capsys: pytest.Captur
     assert verify(capsys, "signed.xml")[2].count("found") == 1
 
 
-def test_a_revoked_key_is_said_to_be(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_revoked_key_is_reported(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "list.crl").write_bytes(revocations(root(), laboratory()))
     code, _, error = verify(capsys, "signed.xml", "--trust", "root.pem", "--crl", "list.crl")
     assert code == 1
     assert "revoked on " in error
 
 
-def test_what_was_never_signed_is_said_to_prove_nothing(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_was_never_signed_is_reported_to_prove_nothing(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     (folder / "plain.xml").write_bytes(small_dcc())
     code, _, error = verify(capsys, "plain.xml")
     assert code == 1
@@ -82,19 +86,19 @@ def test_what_was_never_signed_is_said_to_prove_nothing(folder: Path, capsys: py
 
 
 @pytest.mark.parametrize(
-    ("content", "said"),
+    ("content", "reported"),
     [
         (b"<!DOCTYPE a [<!ENTITY x SYSTEM 'file:///etc/passwd'>]><a>&x;</a>", "a DTD or entities"),
         (b"<a/>", "element a"),
     ],
 )
 def test_what_is_no_certificate_is_refused(
-    folder: Path, content: bytes, said: str, capsys: pytest.CaptureFixture[str]
+    folder: Path, content: bytes, reported: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (folder / "bad.xml").write_bytes(content)
     code, _, error = verify(capsys, "bad.xml")
     assert code == 3
-    assert said in error
+    assert reported in error
 
 
 def test_large_files_are_refused_unread(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -100,12 +100,12 @@ REFUSED: dict[str, tuple[Edit, str]] = {
 
 @pytest.mark.parametrize("name", REFUSED)
 def test_a_signature_of_another_form_is_refused_with_what_is_wrong(plain: bytes, name: str) -> None:
-    edit, said = REFUSED[name]
+    edit, reported = REFUSED[name]
     document = etree.fromstring(plain)
     edit(document)
     with pytest.raises(SignatureBroken) as caught:
         verified_xml(document)
-    assert said in caught.value.reason
+    assert reported in caught.value.reason
 
 
 HOLDS: dict[str, Edit] = {
@@ -193,9 +193,9 @@ STAMPS: dict[str, tuple[Edit, str]] = {
 
 @pytest.mark.parametrize("name", STAMPS)
 def test_time_stamps_of_another_form_are_refused(files: tuple[bytes, bytes], name: str) -> None:
-    edit, said = STAMPS[name]
+    edit, reported = STAMPS[name]
     document = etree.fromstring(files[0])
     edit(document)
     with pytest.raises(SignatureBroken) as caught:
         verified_xml(document)
-    assert caught.value.reason == said
+    assert caught.value.reason == reported

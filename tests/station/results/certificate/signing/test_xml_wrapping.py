@@ -141,11 +141,11 @@ def test_the_same_form_over_the_whole_document_holds() -> None:
 
 @pytest.mark.parametrize("name", ATTACKS)
 def test_a_signature_of_something_else_is_refused(name: str) -> None:
-    attack, said = ATTACKS[name]
+    attack, reported = ATTACKS[name]
     content = etree.tostring(attack(etree.fromstring(small_dcc())))
     with pytest.raises(SignatureBroken) as caught:
         verified_xml(etree.fromstring(content))
-    assert said in str(caught.value)
+    assert reported in str(caught.value)
     found = verify_xml(content, "attacked", trusted())
     assert "signature" in found.faults
     assert found.document is None

@@ -33,16 +33,16 @@ def time_service(folder: Path, answer: bytes | None = None) -> Iterator[str]:
 
     class Service(BaseHTTPRequestHandler):
         def do_POST(self) -> None:
-            request, said = folder / "request", folder / "answer"
+            request, reported = folder / "request", folder / "answer"
             request.write_bytes(self.rfile.read(int(self.headers["Content-Length"])))
             if answer is None:
                 asked = ["-config", settings, "-queryfile", request, "-signer", signer, "-inkey", key]
-                command = ["openssl", "ts", "-reply", *asked, "-chain", chain, "-out", said]
+                command = ["openssl", "ts", "-reply", *asked, "-chain", chain, "-out", reported]
                 subprocess.run(command, check=True, capture_output=True)
             self.send_response(200)
             self.send_header("Content-Type", "application/timestamp-reply")
             self.end_headers()
-            self.wfile.write(said.read_bytes() if answer is None else answer)
+            self.wfile.write(reported.read_bytes() if answer is None else answer)
 
         def log_message(self, format: str, *args: object) -> None:
             pass

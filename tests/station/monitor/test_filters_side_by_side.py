@@ -28,7 +28,7 @@ AUTOPILOT = AutopilotTruth(position_std_m=0.3, default_hz=5.0, airspeed_m_s=7.5)
 
 
 @pytest.mark.parametrize("name", ["mixer", "paper"])
-def test_a_mixing_law_beside_the_joint_filter_reads_the_bench_as_it_does(name: str) -> None:
+def test_a_complementary_filter_next_to_the_joint_filter_reads_the_bench_as_it_does(name: str) -> None:
     rig = MonitorRig(FLAT, MonitorOptions(filters=("joint", name), gains=Gains.of_time_constant(3.0)))
     view = rig.run(40.0)
     joint, mixing = view.filters
@@ -37,16 +37,16 @@ def test_a_mixing_law_beside_the_joint_filter_reads_the_bench_as_it_does(name: s
     assert (joint.roll, joint.pitch) == (view.reading.roll, view.reading.pitch)
     assert abs(mixing.roll) < 0.05
     assert abs(mixing.pitch) < 0.05
-    told = json.loads(json_line(view))
-    assert [one["law"] for one in told["laws"]] == ["joint", name]
-    assert told["difference"]["roll_deg"] == pytest.approx(mixing.roll - joint.roll)
-    assert told["difference"]["angle_deg"] == pytest.approx(
+    document = json.loads(json_line(view))
+    assert [one["law"] for one in document["laws"]] == ["joint", name]
+    assert document["difference"]["roll_deg"] == pytest.approx(mixing.roll - joint.roll)
+    assert document["difference"]["angle_deg"] == pytest.approx(
         np.hypot(mixing.roll - joint.roll, mixing.pitch - joint.pitch), rel=1e-3
     )
-    assert "final_bias" not in told["laws"][1]  # no velocity, so that nothing says what it leaves out
+    assert "final_bias" not in document["laws"][1]  # no velocity, so that nothing says what it leaves out
 
 
-def test_on_its_end_a_printed_law_says_that_its_angles_fail() -> None:
+def test_on_its_end_a_printed_filter_says_that_its_angles_fail() -> None:
     rig = MonitorRig(FLAT, MonitorOptions(filters=("joint", "paper")), position=1)  # X up
     view = rig.run(4.0)
     assert "use joint or mixer" in view.filters[1].note
@@ -57,7 +57,7 @@ def test_on_its_end_a_printed_law_says_that_its_angles_fail() -> None:
     ("name", "aid"),
     [("mixer", "gnss"), ("paper", "gnss"), ("paper-whole", "airspeed-filter")],
 )
-def test_in_a_drive_a_law_is_aided_and_says_where_it_will_settle(name: str, aid: str) -> None:
+def test_in_a_drive_a_filter_is_aided_and_says_where_it_will_settle(name: str, aid: str) -> None:
     rig = DriveRig(TRUTH, bends(40.0, still=6.0), AUTOPILOT, filters=("joint", name), aid=aid, locates=False)
     rig.run(36.0)
     seen = [
@@ -68,11 +68,11 @@ def test_in_a_drive_a_law_is_aided_and_says_where_it_will_settle(name: str, aid:
     assert np.sqrt(np.mean(off**2)) < 3.0
     assert all(np.isfinite(view.filters[1].settles).all() for view in seen)
     assert "bias of" in reading_line(seen[-1])
-    told = json.loads(json_line(seen[-1]))["laws"][1]["final_bias"]
-    assert set(told) == {"roll_deg", "pitch_deg", "roll_std_deg", "pitch_std_deg"}
+    document = json.loads(json_line(seen[-1]))["laws"][1]["final_bias"]
+    assert set(document) == {"roll_deg", "pitch_deg", "roll_std_deg", "pitch_std_deg"}
 
 
-def test_forward_speed_keeps_a_turn_level_that_tilts_the_law_without() -> None:
+def test_forward_speed_keeps_a_turn_level_that_tilts_the_filter_without() -> None:
     def roll_rms(aid: str) -> float:
         rig = DriveRig(TRUTH, bends(40.0, still=6.0), AUTOPILOT, filters=("paper",), aid=aid, locates=False)
         rig.run(36.0)
@@ -82,7 +82,7 @@ def test_forward_speed_keeps_a_turn_level_that_tilts_the_law_without() -> None:
     assert roll_rms("gnss") < 0.5 * roll_rms("none")
 
 
-def test_what_two_laws_read_is_recorded_and_a_replay_reads_the_same_to_the_last_bit(
+def test_what_two_filters_read_is_recorded_and_a_replay_reads_the_same_to_the_last_bit(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     filters = ("joint", "paper-filter")
@@ -94,12 +94,14 @@ def test_what_two_laws_read_is_recorded_and_a_replay_reads_the_same_to_the_last_
     apart = float(last["paper-filter_roll_deg"]) - float(last["joint_roll_deg"])
     assert float(last["difference_roll_deg"]) == pytest.approx(apart, abs=1e-12)
     again = tmp_path / "again"
-    given = ["--aid", "gnss", "--law", ",".join(filters), "--speed", "0", "--json", "--folder", str(again)]
+    given = ["--aid", "gnss", "--filter", ",".join(filters), "--speed", "0", "--json", "--folder", str(again)]
     given += ["--calibration", str(write_calibration(tmp_path, TRUTH))]
     assert cli.run(["monitor", f"replay:{file}", *given]) == 0
     assert (again / "laws.csv").read_bytes() == recorded
-    told = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
-    assert [line["laws"][1]["roll_deg"] for line in told] == [float(row["paper-filter_roll_deg"]) for row in rows]
+    document = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert [line["laws"][1]["roll_deg"] for line in document] == [
+        float(row["paper-filter_roll_deg"]) for row in rows
+    ]
     # the replay of a folder that names its laws needs no option
     replay = ["monitor", f"replay:{again}/recording.mcap", "--speed", "0", "--json", "--aid", "none", *given[-2:]]
     assert cli.run(replay) == 3
@@ -112,30 +114,30 @@ def test_what_two_laws_read_is_recorded_and_a_replay_reads_the_same_to_the_last_
 
 
 @pytest.mark.parametrize("text", ["kalman", "joint,joint", "joint,paper,mixer"])
-def test_laws_that_are_none_are_refused(text: str) -> None:
+def test_filters_that_are_none_are_refused(text: str) -> None:
     with pytest.raises(ValueError):  # noqa: PT011  whatever its words
         parse_filters(text)
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "reported"),
     [
-        (["--law", "kalman"], "kalman"),
-        (["--law", "joint,paper-filter"], "--gnss"),
-        (["--law", "paper", "--alarm", "sigma=1"], "joint"),
+        (["--filter", "kalman"], "kalman"),
+        (["--filter", "joint,paper-filter"], "--gnss"),
+        (["--filter", "paper", "--alarm", "sigma=1"], "joint"),
     ],
 )
-def test_what_a_law_cannot_use_is_said_in_a_line(
-    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+def test_what_a_filter_cannot_use_is_reported_in_a_line(
+    arguments: list[str], reported: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cli.run(["monitor", "serial:///dev/ttyNONE", "--json", *arguments]) == 2
     error = capsys.readouterr().err
-    assert said in error
+    assert reported in error
     assert error.count("\n") == 1
 
 
 @pytest.mark.parametrize("hz", [10, 100])
-def test_the_velocity_filter_is_said_to_diverge_after_a_minute_of_turning_at_any_rate(hz: int) -> None:
+def test_the_velocity_filter_is_reported_to_diverge_after_a_minute_of_turning_at_any_rate(hz: int) -> None:
     track, size = ComplementaryFilterTrack("paper-filter", "airspeed-filter"), max(1, hz // 10)
     aid, notes = AidValues(airspeed=15.0), list[tuple[float, str]]()
     for first in range(0, 90 * hz, size):

@@ -1,4 +1,4 @@
-"""The mixing law on the gravity vector and in Euler angles, a sample each, beside You and Lee's equation 1."""
+"""The complementary filter on the gravity vector and in Euler angles, by the sample, against equation 1."""
 
 import math
 
@@ -36,7 +36,7 @@ def test_a_vector_turned_is_the_rotation_vectors() -> None:
 
 
 @pytest.mark.parametrize("force", [(0.6, -1.1, -9.2), (0.6, -1.1, 9.2), (9.0, 1.0, -0.2), (0.0, 0.0, 0.0)])
-def test_a_sample_of_the_law_on_the_gravity_vector(force: tuple[float, ...]) -> None:
+def test_a_sample_of_the_filter_on_the_gravity_vector(force: tuple[float, ...]) -> None:
     """d' = -(omega + b + K1 e) x d, b' = K1 K2 e, e = d_a x d, of full length beyond a right angle."""
     m, d, b = mixer(), np.array(mixer()[0].down), np.array([0.01, -0.02, 0.03])
     kernels.mix_vector(m, 0.02, RATE, np.array(force), 0.4, 0.05)
@@ -51,7 +51,7 @@ def test_a_sample_of_the_law_on_the_gravity_vector(force: tuple[float, ...]) -> 
 
 
 @pytest.mark.parametrize("phi_a", [0.1, 0.1 + 2 * math.pi, 0.1 - 2 * math.pi])
-def test_a_sample_of_the_law_in_euler_angles(phi_a: float) -> None:
+def test_a_sample_of_the_filter_in_euler_angles(phi_a: float) -> None:
     """phi' = p + tan(theta) (q sin(phi) + r cos(phi)), theta' = q cos(phi) - r sin(phi), each plus K1 e and b."""
     m, phi, theta, dt = mixer(), -0.2, 0.3, 0.02
     p, q, r = RATE

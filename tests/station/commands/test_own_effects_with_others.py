@@ -1,4 +1,4 @@
-"""A declared effect in the model, and another that the campaign was planted with beside it: both are found."""
+"""A declared effect in the model, and another that the campaign was planted with next to it: both are found."""
 
 import json
 from dataclasses import replace
@@ -19,7 +19,7 @@ DECLARED, OTHER = "gyroscope.warming_while_warm", "gyroscope.g_sensitivity"
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A campaign whose folder declares the law, of a unit that has g-sensitivity as well."""
-    found = tmp_path_factory.mktemp("beside") / "campaign"
+    found = tmp_path_factory.mktemp("with") / "campaign"
     truth = replace(
         Truth.example(7), temperature_rise_k=8.0, temperature_tau_s=500.0, heading_std_deg=0.02,
         sample_period_s=0.05, effects={OTHER: {"xy": 2.0}},
@@ -41,7 +41,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return found
 
 
-def test_a_diagnosis_finds_the_other_effect_beside_the_declared_one(folder: Path, tmp_path: Path) -> None:
+def test_a_diagnosis_finds_the_other_effect_with_the_declared_one(folder: Path, tmp_path: Path) -> None:
     out = tmp_path / "diagnosis.json"
     assert cli.run(["diagnose", str(folder), "--json", str(out)]) == 0
     document = json.loads(out.read_text())
