@@ -1,7 +1,7 @@
 """Campaigns and their accepted steps, as far as a station must remember them."""
 
 from collections.abc import Mapping, Sequence
-from datetime import date, datetime
+from datetime import UTC, date, datetime
 from typing import Any
 
 from sqlalchemy import select
@@ -111,6 +111,11 @@ def complete_campaigns(session: Session) -> Sequence[CampaignRow]:
 def last_accepted(row: CampaignRow) -> datetime:
     """Return when a campaign's last step was accepted, its begin where none was."""
     return max([row.started_utc, *(step.accepted_utc for step in row.steps)])
+
+
+def day_of(moment: datetime) -> date:
+    """Return the day on which something was done: that of UTC, which a certificate prints, wherever it was."""
+    return moment.astimezone(UTC).date()
 
 
 def is_expired(due: date | None, on: date) -> bool:

@@ -71,10 +71,10 @@ def normal_gravity(latitude: float, height: float = 0.0) -> float:
     Somigliana's closed form on WGS 84 with the free-air series to second order in height
     (NIMA TR8350.2, third edition, eq. 4-1 and 4-3).
     """
-    a, flattening, m = 6378137.0, 1 / 298.257223563, 0.00344978650684
+    a, m = SEMI_MAJOR_AXIS_M, 0.00344978650684
     sin2 = np.sin(latitude) ** 2
-    surface = 9.7803253359 * (1 + 0.00193185265241 * sin2) / np.sqrt(1 - 0.00669437999014 * sin2)
-    factor = 1 - 2 / a * (1 + flattening + m - 2 * flattening * sin2) * height + 3 * height**2 / a**2
+    surface = 9.7803253359 * (1 + 0.00193185265241 * sin2) / np.sqrt(1 - ECCENTRICITY_SQUARED * sin2)
+    factor = 1 - 2 / a * (1 + FLATTENING + m - 2 * FLATTENING * sin2) * height + 3 * height**2 / a**2
     return float(surface * factor)
 
 

@@ -15,12 +15,12 @@ from station.guide.setup_view import PortCheck, Readiness
 if TYPE_CHECKING:
     from station.guide.campaign.live_campaign import GuidedCampaign
 import tomllib
-from datetime import UTC, date, datetime
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Literal
 
 from drivers.serial_port import list_ports
-from fixtures_db.campaigns import in_state, is_expired
+from fixtures_db.campaigns import day_of, in_state, is_expired
 from fixtures_db.fixtures import fixture_rows
 from fixtures_db.schema import CampaignRow, CubeRow, SlabRow
 from station.guide.campaign.folder_lock import is_locked
@@ -116,7 +116,7 @@ def start_view(database: Database, setup: Setup) -> StartView:
 
 def _reference(row: CubeRow | SlabRow, size: str = "") -> Choice:
     due = row.due_date
-    warns = due is None or is_expired(due, date.today())
+    warns = due is None or is_expired(due, day_of(datetime.now(UTC)))
     note = f"certificate {'expired on' if warns else 'due'} {due}" if due else "no certificate date"
     return Choice(key=row.id, title=f"{row.id}{size}", note=note, warns=warns)
 

@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from fixtures_db.campaigns import known_campaign, last_accepted, references, set_state, why_measured
+from fixtures_db.campaigns import day_of, known_campaign, last_accepted, references, set_state, why_measured
 from fixtures_db.database import Database
 from fixtures_db.errors import AlreadyStored
 from fixtures_db.imu_models import limits_of
@@ -112,7 +112,7 @@ def make_results(
 def _why_measured(session: "Session", folder: str) -> list[str]:
     row = known_campaign(session, folder)
     on = datetime.now(UTC) if row is None else last_accepted(row)
-    return why_measured(references(session, folder), on.astimezone().date())
+    return why_measured(references(session, folder), day_of(on))
 
 
 def store(results: CampaignResults, database: Database) -> str:

@@ -1,13 +1,13 @@
 """With what a campaign was measured, and whether that makes it calibrated or only measured."""
 
 from collections.abc import Iterator
-from datetime import UTC, date, datetime, timedelta
+from datetime import UTC, date, datetime, timedelta, timezone
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from fixtures_db.campaigns import accept_step, references, start_campaign, why_measured
+from fixtures_db.campaigns import accept_step, day_of, references, start_campaign, why_measured
 from fixtures_db.database import Database, open_db
 from fixtures_db.fixture_measurements import add_level, certify_faces
 from fixtures_db.fixtures import add_fixture
@@ -16,7 +16,7 @@ from procedures.campaign.campaign import FaceCertificate
 from tests.fixtures_db.factory import level_row, survey_columns
 
 NOON = datetime(2026, 5, 11, 12, tzinfo=UTC)
-DAY = NOON.astimezone().date()
+DAY = day_of(NOON)
 BEFORE = DAY - timedelta(days=1)
 LONG_AGO = datetime(2020, 1, 1, tzinfo=UTC)
 OF, EXPIRED = "the certificate of", f"expired on {BEFORE}"
@@ -79,3 +79,10 @@ def test_a_certificate_made_after_the_campaign_does_not_count_for_it(db: Databas
         )
     with db.read() as session:
         assert why_measured(references(session, "/data/1"), DAY) == ["cube bare has no certificate"]
+
+
+def test_the_day_is_that_of_utc_wherever_the_laboratory_is() -> None:
+    """Else a campaign that ends at 17:00 in Vancouver is calibrated, and its certificate finds an expired cube."""
+    vancouver = timezone(timedelta(hours=-8))
+    assert day_of(datetime(2026, 3, 4, 17, tzinfo=vancouver)) == date(2026, 3, 5)
+    assert day_of(datetime(2026, 3, 5, 1, tzinfo=UTC)) == date(2026, 3, 5)

@@ -27,7 +27,7 @@ from procedures.arrays import FloatArray
 
 CORRELATION_S = 60.0
 UP_TO_LEVEL = 1.6  # vertical over horizontal sigma
-AXIS, FLATTENING2 = 6_378_137.0, 6.69437999014e-3  # WGS 84, and its eccentricity squared
+AXIS, ECCENTRICITY2 = 6_378_137.0, 6.69437999014e-3  # WGS 84, apart from what it is judged by
 UNKNOWN = 65535
 
 
@@ -97,8 +97,8 @@ class SimulatedReceiver:
         velocity = self._track.velocity(t) if self._track else zero
         east, north, up = place + self._drawn(t) * (1, 1, UP_TO_LEVEL) + (jump_m, 0, 0)
         latitude = np.radians(truth.latitude_deg)
-        curve = 1 - FLATTENING2 * np.sin(latitude) ** 2
-        meridian, normal = AXIS * (1 - FLATTENING2) / curve**1.5, AXIS / np.sqrt(curve)
+        curve = 1 - ECCENTRICITY2 * np.sin(latitude) ** 2
+        meridian, normal = AXIS * (1 - ECCENTRICITY2) / curve**1.5, AXIS / np.sqrt(curve)
         return SimulatedFix(
             latitude=truth.latitude_deg + float(np.degrees(north / meridian)),
             longitude=_wrapped(truth.longitude_deg + float(np.degrees(east / (normal * np.cos(latitude))))),

@@ -13,7 +13,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from fixtures_db.campaigns import is_expired, reference, why_measured
+from fixtures_db.campaigns import day_of, is_expired, reference, why_measured
 from fixtures_db.database import Database
 from fixtures_db.fixtures import fixture_rows, is_surveyed_at
 from fixtures_db.imu_models import UNITS, Limit, limited_models, limits_of
@@ -56,7 +56,7 @@ def read_prior_knowledge(
         found += [reference(row, now) for row in fixture_rows(session, SlabRow)]
         sites = [(row, reference(row, now)) for row in fixture_rows(session, SiteRow)]
     return PriorKnowledge(
-        now.astimezone().date(), _software(), limits, {(one["kind"], one["id"]): one for one in found}, sites,
+        day_of(now), _software(), limits, {(one["kind"], one["id"]): one for one in found}, sites,
         usual, disk_free(root), None if rate_hz is None else disk_needed(steps, rate_hz),
     )  # fmt: skip
 

@@ -178,7 +178,7 @@ def _cdf(t: float, dof: float) -> float:
     return float(ndtr(t) if math.isinf(dof) else stdtr(dof, t))
 
 
-COVERAGE = 2.0
+AS_FOUND_K = 2.0  # coverage factor of errors as found: two calibrations, each of many degrees of freedom
 
 
 @dataclass(frozen=True, slots=True)
@@ -228,7 +228,7 @@ class AsFound:
 
 def sigmas(shift: Shift) -> float:
     """Return how many sigmas of both calibrations a parameter had moved, 0 where they have none."""
-    return COVERAGE * abs(shift.error) / shift.expanded if shift.expanded > 0 else 0.0
+    return AS_FOUND_K * abs(shift.error) / shift.expanded if shift.expanded > 0 else 0.0
 
 
 def as_found(document: Mapping[str, Any], previous: Mapping[str, Any], sha256: str) -> AsFound:
@@ -238,7 +238,7 @@ def as_found(document: Mapping[str, Any], previous: Mapping[str, Any], sha256: s
     shifts = tuple(
         Shift(
             name, one.unit, before[name].value, one.value - before[name].value,
-            COVERAGE * hypot(one.std, budget[name].std if name in budget else before[name].std or 0.0),
+            AS_FOUND_K * hypot(one.std, budget[name].std if name in budget else before[name].std or 0.0),
         )
         for name, one in now.items()
     )  # fmt: skip

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from datetime import date, datetime
 from typing import Any
 
-from fixtures_db.campaigns import is_expired
+from fixtures_db.campaigns import day_of, is_expired
 from fixtures_db.hash_chain import GENESIS
 from fixtures_db.verification import Anchor
 from station.results.certificate import model_statement
@@ -68,7 +68,7 @@ class Certificate:
 
 def expired(document: Mapping[str, Any]) -> list[str]:
     """Say which references of a calibration/1 had run out when its last step was accepted."""
-    measured = datetime.fromisoformat(document["procedure"]["ended_utc"]).date()
+    measured = day_of(datetime.fromisoformat(document["procedure"]["ended_utc"]))
     dated = [(one, one.get("due_date")) for one in document.get("references", ())]
     return [
         f"the certificate of {one['kind']} {one['id']} expired on {due}"

@@ -12,7 +12,7 @@ from pathlib import Path
 from fixtures_db.schema import IssuedCertificateRow
 from station.errors import NoPdf
 from station.results.certificate import model_statement
-from station.results.certificate.conformity import printed
+from station.results.certificate.conformity import AS_FOUND_K, printed
 from station.results.certificate.content import CertificateContent, conditions, greatest_risks, minute
 from station.results.certificate.printed_results import result_groups, sources_in_words
 from station.results.html_templates import html_template
@@ -28,6 +28,7 @@ def render(content: CertificateContent) -> str:
         sources=sources_in_words(content.results.values()),
         effects=model_statement.effect_rows(document),
         conformity_rows=[] if found is None else printed(found.against),
+        as_found_k=f"{AS_FOUND_K:g}",
         risks="" if found is None else greatest_risks(found),
         conditions=conditions(content.certificate),
         taken_as_zero_title=model_statement.TAKEN_AS_ZERO,

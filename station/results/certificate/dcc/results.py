@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from procedures.frames import TRIADS
-from station.results.certificate.conformity import COVERAGE, LimitComparison, Shift, sigmas
+from station.results.certificate.conformity import AS_FOUND_K, LimitComparison, Shift, sigmas
 from station.results.certificate.content import CertificateContent
 from station.results.certificate.dcc.elements import (
     ONE,
@@ -246,7 +246,7 @@ def _coefficient(name: str, stated: Mapping[str, float], text: str) -> Element:
 
 
 def _shift(one: Shift) -> Element:
-    unit, expanded = unit_of(one.unit), of_normal(one.expanded, COVERAGE)
+    unit, expanded = unit_of(one.unit), of_normal(one.expanded, AS_FOUND_K)
     return dcc(
         "list",
         worded("name", parameter_name(one.name)),
