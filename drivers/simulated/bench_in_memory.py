@@ -1,4 +1,4 @@
-"""A bench wholly in memory: answers steps with counts at the speed of their arithmetic.
+"""A bench wholly in memory, for tests and planning: `simulate_campaign` makes a campaign of a unit's truth.
 
 Between steps it lets the clock run for the move and draws new counter remainders instead of simulating counts
 nobody reads, unless moves are asked for; `SimulatedImu` simulates them always.

@@ -3,6 +3,8 @@
 A fault file is TOML with one ``[[fault]]`` table each: ``kind``, ``at_s`` (device time), optionally ``every_s``
 (again and again) and ``count`` or ``seconds``. Those of a receiver or camera are a ``[[gnss_fault]]`` or
 ``[[camera_fault]]`` each: ``kind``, ``at_s`` (true time), ``seconds`` and, where the kind has one, ``size``.
+
+Errors of the sensors themselves are effects (`drivers.simulated.effects`); a dead channel has ``k`` 0 in `truth`.
 """
 
 from collections.abc import Iterable, Mapping

@@ -1,5 +1,7 @@
 """Parameters of the bench with priors: plate tilt, face tilts, headings, gravity, and the mean cube.
 
+`seen_by_imu` turns gravity or the Earth's rate into what the IMU sees in each placement.
+
 A cube face's tilt is kept as two numbers a pair of opposite faces shares: parallelism p, the sum of both faces'
 up tilts, and perpendicularity q, half their difference, so that the tilts are p/2 + q with the axis up and p/2 -
 q with it down. Turning the IMU's misalignment with q changes nothing that twelve positions can see, to first

@@ -9,7 +9,7 @@ from procedures.arrays import BoolArray, FloatArray
 from procedures.counts.sample_times import own_period
 from procedures.errors import ErrorCode
 from procedures.frames import AXES
-from procedures.rest_physics import (
+from procedures.rest_plausibility import (
     ALL_AXES,
     GRAVITY_TOLERANCE,
     MAX_RAW_RATE,

@@ -20,7 +20,7 @@ from station.locate.imu_source import MIN_REST_S, Rest, longest_rest, noise_dens
 from station.locate.live_alignment import joined_series
 from station.locate.monitor_interface import in_imu_axes
 from station.stream.camera import recorded_tracks
-from station.stream.gnss_times import FixTimes
+from station.stream.gnss_fix_times import FixTimes
 from station.stream.live.live_feed import LiveFeed, open_feed
 from station.stream.live.stream_trouble import refuse_partial
 from station.stream.recorder.sample_times import PulseAges

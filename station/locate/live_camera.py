@@ -25,7 +25,7 @@ from procedures.fusion.inner.window_state import (
 from procedures.fusion.vision.camera_time import CHECK_MOUNTING, CameraTimeOffset, camera_offset
 from procedures.gnss_records import TimeMark
 from station.stream.camera import Follow
-from station.stream.gnss_times import FixTimes
+from station.stream.gnss_fix_times import FixTimes
 from station.text import plural
 
 STAMPS_NS = 60 * 10**9  # of the lines between the clocks

@@ -30,7 +30,7 @@ from procedures.geodesy import LocalLevel
 from procedures.gnss_records import GnssFix, TimeMark
 from station.files.mcap_files.gnss_file import Record
 from station.locate.location import Location
-from station.stream.gnss_times import FixTimes
+from station.stream.gnss_fix_times import FixTimes
 
 STAMPS_NS = 60 * 10**9  # of the lines between the clocks
 KEYFRAME_DELAY_S = (0.1, 1.0)  # s: how far behind the newest sample keyframes may stand

@@ -24,7 +24,7 @@ from station.stream.auxiliary import (
     LiveCompanion,
 )
 from station.stream.connected_unit import RECEIVER, receiver_address
-from station.stream.gnss_times import UtcLine
+from station.stream.gnss_fix_times import UtcLine
 from station.stream.reader import Chunk, StreamGap
 from station.stream.reader.reader import RestartingReader
 from station.stream.stream_events import StreamState

@@ -28,7 +28,7 @@ from station.files.mcap_files.reader import topic_messages
 from station.files.mcap_files.schemas import MESSAGES, RAW, WHEEL_RAW_TOPIC
 from station.files.toml_file import line_of, read_tables, read_text_file
 from station.stream.auxiliary import SILENT_S, LiveCompanion
-from station.stream.gnss_times import FixTimes
+from station.stream.gnss_fix_times import FixTimes
 from station.stream.reader import Chunk, StreamGap
 from station.stream.reader.reader import RestartingReader
 from station.stream.stream_events import StreamState

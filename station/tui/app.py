@@ -18,8 +18,8 @@ from textual.timer import Timer, TimerCallback
 from station.guide.view import CalibrationSession, CalibrationView, OperatorCommand
 from station.stream.stream_events import Event, NewEvents, Sound
 from station.tui.screens import screen_for
+from station.tui.screens.framed_screen import StageScreen
 from station.tui.screens.modals import ANSWER_LATER, Modal, QuestionScreen
-from station.tui.screens.stage import StageScreen
 
 EXTRA_COLOURS = {  # colours that no theme of Textual's has; the axes are red, green and blue
     "axis-x": "#ff6b6b",

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from procedures.rest_physics import signed, unsigned_bits
+from procedures.rest_plausibility import signed, unsigned_bits
 
 DRAW = np.random.default_rng(7)
 NEAR_ZERO = np.rint(DRAW.normal(-2, 5, 1000))

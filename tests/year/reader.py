@@ -8,8 +8,8 @@ from drivers.errors import DriverError, LinkLost
 from station.errors import CannotWrite, cannot_write
 from station.files.mcap_files.schemas import RAW, RAW_TOPIC, SCHEMA
 from station.files.mcap_files.writer import new_channel, new_file
-from station.stream.reader.journal import SESSION, Journal
 from station.stream.reader.messages import Item
+from station.stream.reader.raw_journal import SESSION, Journal
 from tests.year.machine import Machine
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
-from procedures.counts.reference_angle import (
+from procedures.counts.encoder_angle import (
     LEAST_ROWS,
     SURE,
     lateness,

@@ -8,7 +8,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign
-from procedures.counts.reference_angle import slope_and_correlation
+from procedures.counts.encoder_angle import slope_and_correlation
 from procedures.errors import ErrorCode
 from procedures.frames import AXES
 from procedures.free_positions.rest_detection import (

@@ -14,7 +14,7 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray
 from procedures.counts.sample_times import own_period
 from procedures.errors import ErrorCode
-from procedures.rest_physics import (
+from procedures.rest_plausibility import (
     MATCH_TOLERANCE,
     MAX_RAW_RATE,
     MOST_NAMED,

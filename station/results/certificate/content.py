@@ -1,4 +1,7 @@
-"""What a certificate is made from and what it says: one source for HTML and XML, so that they cannot disagree."""
+"""What a certificate is made from, and its numbers: one source for HTML and XML, so that they cannot disagree.
+
+Fixed sentences stand in `templates/certificate.html` and, in two languages, in `dcc.statements`.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

@@ -1,4 +1,6 @@
-"""A certificate as HTML that needs no other file and prints on numbered A4 pages, and as PDF.
+"""A certificate as HTML, by `templates/certificate.html`, and as PDF.
+
+It needs no other file and prints on numbered A4 pages.
 
 Equal certificates give equal HTML. The last line of the PDF, a copy, names the hash of the HTML that was issued.
 """

@@ -16,8 +16,8 @@ from drivers.errors import DriverError
 from drivers.ports import frame_descriptions
 from station.errors import CannotWrite
 from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC, GNSS_RAW_TOPIC, RAW_TOPIC, WHEEL_RAW_TOPIC
-from station.stream.reader.journal import Journal
 from station.stream.reader.messages import Chunk, Item, Outbox, Quiet, Refusal, StreamGap, packed
+from station.stream.reader.raw_journal import Journal
 from station.stream.reader.reconnecting_port import ReconnectingPort
 
 READ_BYTES = 65536

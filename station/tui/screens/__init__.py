@@ -1,24 +1,24 @@
 """Which screen shows which stage; a line here puts a screen into use.
 
 `start` sets a campaign up, `campaign` shows its steps, `verdict` its end; `modals` lie on top of them. All are
-made of the widgets of `station.tui.widgets` in the frame of `stage`.
+made of the widgets of `station.tui.widgets` in the frame of `framed_screen`.
 """
 
 from importlib import import_module
 
 from station.guide.view import StageName
-from station.tui.screens.stage import StageScreen
+from station.tui.screens.framed_screen import StageScreen
 
 SCREENS: dict[StageName, str] = {
     "start": "start.StartScreen",
-    "connecting": "stage.WaitingScreen",
+    "connecting": "framed_screen.WaitingScreen",
     "warm_up": "campaign.WarmUpScreen",
     "place": "campaign.CampaignScreen",
     "settle": "campaign.CampaignScreen",
     "dwell": "campaign.CampaignScreen",
     "turn": "campaign.CampaignScreen",
     "paused": "campaign.CampaignScreen",
-    "solving": "stage.WaitingScreen",
+    "solving": "framed_screen.WaitingScreen",
     "verdict": "verdict.VerdictScreen",
     "stored": "verdict.VerdictScreen",
     "cancelled": "verdict.EndedScreen",

@@ -9,7 +9,7 @@ from textual.widgets import ContentSwitcher
 
 from station.guide.campaign.checklist import why_not_solvable
 from station.guide.view import CalibrationView, OperatorCommand, StageName
-from station.tui.screens.stage import FramedScreen
+from station.tui.screens.framed_screen import FramedScreen
 from station.tui.widgets.common import BannerText
 from station.tui.widgets.cube import CubePair, is_counter_clockwise
 from station.tui.widgets.step_grid import GridCursor, StepGrid

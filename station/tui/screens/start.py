@@ -13,8 +13,8 @@ from textual.widgets.option_list import Option
 from station.files.campaign_setup import Setup
 from station.guide.setup_view import StartView, UnfinishedCampaign
 from station.guide.view import CalibrationView, CommandVerb, OperatorCommand
+from station.tui.screens.framed_screen import StageScreen
 from station.tui.screens.modals import ReadyLines, ReadyScreen
-from station.tui.screens.stage import StageScreen
 from station.tui.widgets.common import duration_in_words
 from station.tui.widgets.setup_entries import seconds_needed
 from station.tui.widgets.setup_form import SetupForm, SetupInput

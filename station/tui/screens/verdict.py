@@ -13,8 +13,8 @@ from textual.geometry import Size
 from textual.widgets import Static
 
 from station.guide.view import CalibrationView, OperatorCommand, StageName, Verdict, VerdictRow
+from station.tui.screens.framed_screen import StageScreen
 from station.tui.screens.modals import DiagnosisScreen
-from station.tui.screens.stage import StageScreen
 from station.tui.widgets.common import ValueWidget
 
 AMBIGUOUS = ("!", "$warning")

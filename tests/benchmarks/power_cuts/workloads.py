@@ -25,8 +25,8 @@ from station.guide.campaign.folder_lock import folder_lock
 from station.guide.campaign.folder_recorder import FolderRecorder
 from station.guide.campaign.interrupted_campaigns import reopen
 from station.stream.live.live_feed import open_feed
-from station.stream.reader import Chunk, StreamGap, journal
-from station.stream.reader.journal import Journal
+from station.stream.reader import Chunk, StreamGap, raw_journal
+from station.stream.reader.raw_journal import Journal
 from station.stream.recorder import plain_recording
 from station.stream.recorder.accepted_step_writer import CampaignRecorder, MovedFrom, open_campaign
 from tests.benchmarks.edited_databases.honest_databases import of_version
@@ -111,7 +111,7 @@ class _Journalled(Source):
 
 def recording(home: Path) -> None:
     """Record plainly from a device in memory, its journal beside, both synced often."""
-    journal.FLUSH_S, journal.SYNC_S, plain_recording.FLUSH_S = 0.0, 0.0, 0.0
+    raw_journal.FLUSH_S, raw_journal.SYNC_S, plain_recording.FLUSH_S = 0.0, 0.0, 0.0
     source = _Journalled(Truth.example(5))
     with new_folder(home / "records" / "drive", plain_recording.RECORDING_FILE) as folder:
         source.journal = Journal(folder / "session_1.mcap", {}, _refuse, RAW_TOPIC)

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
-from station.stream.gnss_times import UtcLine
+from station.stream.gnss_fix_times import UtcLine
 from tests.paths import ROOT
 
 LAYOUTS = ((10.0, 8.0), (30.0, 10.0), (90.0, 30.0))  # of twelve dwells and the pauses between them [s]

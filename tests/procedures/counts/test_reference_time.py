@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
-from procedures.counts.reference_angle import SURE, lateness, mean_rates, unwrapped
+from procedures.counts.encoder_angle import SURE, lateness, mean_rates, unwrapped
 from procedures.counts.reference_time import fit_clock
 from procedures.statistics.line_fits import fit_correlated_line
 from tests.procedures.counts.recorded_delays import LAYOUTS, campaign, read_traces

@@ -29,7 +29,7 @@ from station.guide.options import CalibrationOptions
 from station.guide.server import StallNotice
 from station.guide.view import CalibrationView
 from station.stream.reader import Chunk
-from station.stream.reader.journal import Journal
+from station.stream.reader.raw_journal import Journal
 from station.stream.recorder.sample_stream import SampleStream
 from tests.patience import until
 from tests.refusals import refused

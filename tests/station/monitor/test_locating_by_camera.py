@@ -15,7 +15,7 @@ from drivers.simulated.truth import Truth
 from station import cli
 from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC
 from station.stream.reader import Chunk
-from station.stream.reader.journal import Journal
+from station.stream.reader.raw_journal import Journal
 from tests.drivers.simulated.drives import bends
 from tests.station.commands.program import Program
 from tests.station.monitor.driving import record_drive, stands_on

@@ -7,8 +7,8 @@ from textual.widgets import Footer
 
 from station.guide.view import CalibrationView, StageName
 from station.tui.screens import screen_for
+from station.tui.screens.framed_screen import RUNNING, TooSmall
 from station.tui.screens.modals import ConfirmScreen, HelpScreen
-from station.tui.screens.stage import RUNNING, TooSmall
 from station.tui.screens.verdict import NumberTable
 from station.tui.widgets.common import EventLines, ValueWidget
 from tests.station.tui import views

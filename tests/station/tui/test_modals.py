@@ -9,8 +9,8 @@ from textual.events import Key
 from station.guide.setup_view import Choice
 from station.guide.view import CalibrationView, OperatorQuestion
 from station.tui.screens import screen_for
+from station.tui.screens.framed_screen import RUNNING
 from station.tui.screens.modals import ConfirmScreen, HelpScreen, Modal, QuestionScreen
-from station.tui.screens.stage import RUNNING
 from tests.station.tui import views
 from tests.station.tui.session import LARGE, SMALL, screens
 

@@ -9,7 +9,7 @@ from station.guide.stages.guide import trouble_of
 from station.tui.app import StationApp
 from station.tui.screens import SCREENS, screen_for
 from station.tui.screens.campaign import STAGE_LOOKS
-from station.tui.screens.stage import NO_DATA
+from station.tui.screens.framed_screen import NO_DATA
 from station.tui.widgets.step_grid import STEP_LOOKS
 from tests.paths import ROOT
 from tests.station.tui import views

@@ -15,8 +15,8 @@ from station.files.mcap_files import StepWriter, read_step
 from station.files.mcap_files.gnss_file import FixWriter, read_fixes
 from station.files.mcap_files.messages import columns
 from station.files.mcap_files.schemas import COUNTS, MESSAGES, RATES, RAW_TOPIC
-from station.stream.reader.journal import Journal
 from station.stream.reader.messages import Chunk
+from station.stream.reader.raw_journal import Journal
 from tests.station.files.mcap_files.test_mcap_files import HOST, block
 
 WHOLE = st.integers(-(2**63), 2**63 - 1) | st.just(0)

@@ -15,7 +15,7 @@ from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC
 from station.locate.tracks_from_images import follow_all
 from station.stream.camera import recorded_tracks
 from station.stream.reader import Chunk
-from station.stream.reader.journal import Journal
+from station.stream.reader.raw_journal import Journal
 from tests.procedures.fusion.rendered import FOCAL, HEIGHT, WIDTH, Scene, frames
 
 cv2 = pytest.importorskip("cv2", reason="opencv is not installed: the extra `camera`")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from procedures.gnss_records import FixType, GnssFix, TimeMark
-from station.stream.gnss_times import FixTimes, UtcLine
+from station.stream.gnss_fix_times import FixTimes, UtcLine
 
 EPOCH = 1_780_000_000 * 10**9
 

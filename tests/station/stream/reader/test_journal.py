@@ -14,8 +14,8 @@ from station.errors import CannotWrite, DiskFull
 from station.files.mcap_files import read_step
 from station.files.mcap_files.schemas import MESSAGES, RAW, RAW_TOPIC
 from station.stream.reader import Chunk, StreamGap
-from station.stream.reader import journal as journal_module
-from station.stream.reader.journal import Journal
+from station.stream.reader import raw_journal as journal_module
+from station.stream.reader.raw_journal import Journal
 from tests.patience import HANG_S
 from tests.refusals import refused
 

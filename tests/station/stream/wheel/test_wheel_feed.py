@@ -10,7 +10,7 @@ from drivers.can.frame_record import WheelReading, pack
 from drivers.simulated.companions.wheel_on_can import DBC, wheel_toml
 from station.files.mcap_files.schemas import RAW_TOPIC, WHEEL_RAW_TOPIC
 from station.stream.reader import Chunk, StreamGap
-from station.stream.reader.journal import Journal
+from station.stream.reader.raw_journal import Journal
 from station.stream.wheel import WheelDescription, WheelFeed, read_description, recorded_wheel
 
 NS = 10**9

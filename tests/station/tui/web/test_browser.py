@@ -2,7 +2,7 @@
 
 from urllib.parse import urlsplit
 
-from station.tui.screens.stage import PHONE_SIZE
+from station.tui.screens.framed_screen import PHONE_SIZE
 from tests.station.tui.web.chromium import Chromium
 from tests.station.tui.web.engine import Engine, WebServer, has_ended
 

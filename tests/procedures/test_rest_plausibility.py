@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from procedures.rest_physics import (
+from procedures.rest_plausibility import (
     MAX_RAW_RATE,
     Assumption,
     Contradiction,
