@@ -23,7 +23,7 @@ from procedures.evidence.linear_model import fit_linear
 from procedures.evidence.refit import Refit
 from procedures.evidence.residual_rows import KINDS, Evidence
 from procedures.frames import TRIADS
-from procedures.inference.base_model import BenchModel
+from procedures.inference.infer import BenchModel
 from procedures.inference.odds import gain
 from procedures.inference.result import DeclaredEffect, TableSensor
 from procedures.statistics.least_squares import left_singular

@@ -32,9 +32,8 @@ from procedures.evidence.linear_model import LinearFit, fit_linear
 from procedures.evidence.refit import Refit
 from procedures.evidence.residual_patterns import global_log_p, left_patterns, within_dwells
 from procedures.free_positions.rest_detection import motion_within
-from procedures.inference.base_model import BaseModel, BenchModel
 from procedures.inference.held_out_errors import left_out_groups, residual_rms
-from procedures.inference.infer import Inferred, infer
+from procedures.inference.infer import BaseModel, BenchModel, Inferred, infer
 from procedures.inference.priors import PRESENT
 from procedures.inference.result import (
     UNEXPLAINED_LOG_P,

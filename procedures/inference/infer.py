@@ -3,22 +3,62 @@
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
+from procedures.calibration.joint_calibration import CampaignFits, report
+from procedures.calibration.reduced_steps import ReducedSteps
+from procedures.calibration.solution_values import Solution
 from procedures.effects.effect import Effect
 from procedures.errors import DoesNotFit
 from procedures.evidence.candidates import Candidate, Candidates
 from procedures.evidence.linear_model import Term
-from procedures.evidence.refit import Refit, terms_at
+from procedures.evidence.refit import Refit, refit, terms_at
 from procedures.inference import priors
-from procedures.inference.base_model import BaseModel
 from procedures.inference.board import Board
 from procedures.inference.hypotheses import Library, library_of
 from procedures.inference.marginal import Member, log_sum, tail
 from procedures.inference.nonlinear_constants import resolved
 from procedures.inference.posterior import Posterior, averaged_fits, posterior
+from procedures.inference.result import TableSensor
 from procedures.inference.search import Model, Search
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BenchModel:
+    """Dwells, turns and rests, reduced to rates and totals, and the fits to them without effects."""
+
+    steps: ReducedSteps
+    base: CampaignFits
+
+    def refit(self, added: Sequence[Candidate]) -> Refit:
+        """Solve both triads again."""
+        return refit(self.steps, self.base, added)
+
+    def report(self, found: Refit) -> Solution:
+        """Return both triads' solution."""
+        return report(found.fits)
+
+    def on_table(self, found: Refit) -> tuple[TableSensor, ...]:
+        """Return none: the bench is no table."""
+        return ()
+
+
+class BaseModel(Protocol):
+    """A base model with the data it is fitted to: `BenchModel`, one with declared effects, rate tables, soaks."""
+
+    def refit(self, added: Sequence[Candidate]) -> Refit:
+        """Solve with effects ``added``."""
+        ...
+
+    def report(self, found: Refit) -> Solution:
+        """Return what a refit solved."""
+        ...
+
+    def on_table(self, found: Refit) -> tuple[TableSensor, ...]:
+        """Return the gyroscopes that a rate table turned."""
+        ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -26,17 +26,20 @@ from procedures.inference.result import (
 )
 from procedures.samples.held_samples import Scales, records_at_rest
 from procedures.samples.sample_blocks import Columns, SampleBlocks, detrended, fit_scores, sample_blocks, scores_of
-from procedures.samples.sample_candidates import (
+from procedures.samples.sample_findings import (
     MIN_LINE_SHARE,
     Candidate,
     SampleFinding,
+    findings_of_samples,
+    folded_by_phase,
     harmonics,
     line_in_time,
     periodic,
+    recordings,
+    sample_errors,
     without_finding,
 )
-from procedures.samples.sample_findings import findings_of_samples, folded_by_phase, recordings, sample_errors
-from procedures.samples.sample_lines import coherent_line, repeated_lines
+from procedures.samples.sample_lines import coherent_line, repeated_lines, without_slow_lines
 from procedures.samples.sample_phases import (
     Phase,
     channel_phases,
@@ -48,7 +51,6 @@ from procedures.samples.sample_phases import (
 )
 from procedures.samples.sample_rectification import by_variance, rectified
 from procedures.samples.sample_turns import periodic_in_turns
-from procedures.samples.slow_lines import without_slow_lines
 from procedures.statistics.spectrum import lines_of
 
 BESIDE_A_LINE = 0.005  # of its frequency

@@ -7,18 +7,59 @@ import os
 import sys
 import threading
 import time
+from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
+from threading import Event
 
 from drivers.address_parsing import parse_device_url
 from drivers.addresses import DeviceAddress
-from drivers.errors import DriverError
-from drivers.ports import frame_descriptions
+from drivers.errors import DriverError, LinkLost
+from drivers.ports import frame_descriptions, open_port
 from station.errors import CannotWrite
 from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC, GNSS_RAW_TOPIC, RAW_TOPIC, WHEEL_RAW_TOPIC
 from station.stream.reader.journal import Journal
-from station.stream.reader.messages import Chunk, Item, Outbox, Quiet, Refusal, StreamGap, packed
-from station.stream.reader.reconnecting_port import ReconnectingPort
+from station.stream.reader.messages import LOST, Chunk, Item, Outbox, Quiet, Refusal, StreamGap, packed
+
+REOPEN_S = (0.05, 0.1, 0.2, 0.4, 0.8)  # back-off; the last one again and again
+
+
+class ReconnectingPort:
+    """The port of an address; ``mark`` is given each loss and each return, and whether the port is open then.
+
+    Raises `DriverError` if it cannot be opened at first. ``stop`` ends the waiting for a device that is away.
+    """
+
+    def __init__(self, address: DeviceAddress, stop: Event, mark: Callable[[str, bool], None]) -> None:
+        self._address, self._stop, self._mark = address, stop, mark
+        self._port = open_port(address)
+
+    def read(self, size: int) -> bytes:
+        """Return what has come, as `drivers.port_interface.Port` does; nothing if it was stopped."""
+        while not self._stop.is_set():
+            try:
+                return self._port.read(size)
+            except LinkLost as lost:
+                self._reopen(lost)
+        return b""
+
+    def close(self) -> None:
+        """Close the port."""
+        self._port.close()
+
+    def _reopen(self, lost: LinkLost) -> None:
+        self._port.close()
+        self._mark(f"{LOST}{lost.reason}", False)
+        began, attempt = time.monotonic(), 0
+        while not self._stop.wait(REOPEN_S[min(attempt, len(REOPEN_S) - 1)]):
+            attempt += 1
+            try:
+                self._port = open_port(self._address)
+            except DriverError:
+                continue
+            self._mark(f"port back after {time.monotonic() - began:.1f} s", True)
+            return
+
 
 READ_BYTES = 65536
 FAREWELL_S = 2.0
