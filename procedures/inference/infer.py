@@ -1,4 +1,4 @@
-"""From campaigns to causes: rows, hypotheses, search, and the model linearised again where it stands."""
+"""From a base model to causes: rows, hypotheses, search, and the model linearised again where it stands."""
 
 from collections.abc import Sequence
 from contextlib import suppress
@@ -100,7 +100,7 @@ def infer(subject: BaseModel, effects: Sequence[Effect]) -> Inferred:
         best = search.run()
     found = posterior(search)
     for curved in [each for each in now.added if each.effect.added is not None]:
-        search, now, found = _beside_rivals(subject, pool, library, begin, (search, now, found), curved)
+        search, now, found = _with_alternatives(subject, pool, library, begin, (search, now, found), curved)
     best = search.best
     fits = now.fits if now.bare is None else averaged_fits(search, now.bare, found.causes)
     wanted = _candidates(search.board, best)
@@ -110,7 +110,7 @@ def infer(subject: BaseModel, effects: Sequence[Effect]) -> Inferred:
     return Inferred(found, search.board, first, replace(now, fits=fits), subject, pool)
 
 
-def _beside_rivals(
+def _with_alternatives(
     subject: BaseModel,
     pool: Candidates,
     library: Library,
@@ -125,18 +125,18 @@ def _beside_rivals(
     """
     search, now, found = held
     cause = next((each for each in posterior(begin).causes if curved.effect.name in each.shares), None)
-    rivals = (
+    alternatives = (
         [name for name in cause.shares if name in library.names and name != curved.effect.name] if cause else []
     )
     stands = {curved.effect.name: held}
-    for name in rivals:
+    for name in alternatives:
         number = library.names.index(name)
-        member = begin.beside(()).member(begin.board, number)
-        rival = _candidate(begin.board, member)
-        if rival is None:
+        member = begin.ranked_with(()).member(begin.board, number)
+        alternative = _candidate(begin.board, member)
+        if alternative is None:
             continue
         with suppress(DoesNotFit):
-            refit = subject.refit([*(each for each in now.added if each is not curved), rival])
+            refit = subject.refit([*(each for each in now.added if each is not curved), alternative])
             other = Search(library.with_adopted(refit.evidence, _bent(refit, pool)).on(refit.evidence))
             other.run()
             stands[name] = (other, refit, posterior(other))
