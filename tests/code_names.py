@@ -12,10 +12,6 @@ from tests.paths import ROOT
 from tests.user_text import PACKAGES
 
 FOLDERS = (*PACKAGES, "tests")
-# Where names of old still stand, which this check does not read yet.
-NOT_YET = re.compile(
-    r"procedures/(anomalies|diagnosis|discovery|evidence|inference|samples)/|station/results/(diagnosis/|history/|plan_)|tests/benchmarks/"
-)
 
 
 def names(tree: ast.AST) -> Iterator[tuple[int, str]]:
@@ -39,10 +35,9 @@ def main() -> None:
     for folder in FOLDERS:
         for path in sorted((ROOT / folder).rglob("*.py")):
             file = path.relative_to(ROOT).as_posix()
-            if not NOT_YET.match(file):
-                own = (1, f"{path.parent.name}_{path.stem}")
-                for line, name in sorted({own, *names(ast.parse(path.read_text(encoding="utf-8")))}):
-                    sys.stdout.write(f"{file}:{line}: {in_words(name)}\n")
+            own = (1, f"{path.parent.name}_{path.stem}")
+            for line, name in sorted({own, *names(ast.parse(path.read_text(encoding="utf-8")))}):
+                sys.stdout.write(f"{file}:{line}: {in_words(name)}\n")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""What is no column of a linear model and is settled before one is asked: labels, knocks and the clock.
+"""What is no column of a linear model and is settled before one is asked: labels, shocks and the clock.
 
 Each is put right in memory, and the rest of the diagnosis looks at the campaigns as they then are: at dwells in
 the positions where they stood, without disturbed stretches, in true seconds.
@@ -46,8 +46,8 @@ def check_campaigns(campaigns: Sequence[Campaign]) -> CheckedCampaigns:
     wrong = find_wrong_labels(campaigns)
     labels = label_findings(campaigns, wrong)
     campaigns = with_true_labels(campaigns, wrong)
-    knocks, knock_tests = find_disturbances(campaigns)
-    campaigns = without_disturbances(campaigns, knocks)
+    disturbed, disturbance_tests = find_disturbances(campaigns)
+    campaigns = without_disturbances(campaigns, disturbed)
     campaigns = [replace(campaign, moves=each) for campaign, each in zip(campaigns, moves, strict=True)]
     clock, clock_tests = find_clock(campaigns)
     settled = {"placement.label", "disturbance.dwell"} | ({"clock.rate"} if is_timed(campaigns) else set())
@@ -56,8 +56,8 @@ def check_campaigns(campaigns: Sequence[Campaign]) -> CheckedCampaigns:
         if not each.aliases:
             campaigns = with_true_clock(campaigns, float(each.value[0]))
             clock_std = float(each.std[0]) / PPM_PER_ONE
-    findings = (*directions, *labels[0], *(knock.finding for knock in knocks), *clock)
-    tests = (*labels[1], *knock_tests, *clock_tests)
+    findings = (*directions, *labels[0], *(one.finding for one in disturbed), *clock)
+    tests = (*labels[1], *disturbance_tests, *clock_tests)
     return CheckedCampaigns(tuple(campaigns), findings, tests, frozenset(settled), clock_std)
 
 

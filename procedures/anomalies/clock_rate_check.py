@@ -107,9 +107,9 @@ def _period_std(t: FloatArray) -> float:
 
 def _finding(ppm: float, std: float, log_odds: float, channel: str) -> Finding:
     separate_by = (
-        "either the device's clock or sample_period_s is wrong: record a reference time beside the rows (utc_s)"
+        "either the device's clock or sample_period_s is wrong: record a reference time with the rows (utc_s)"
         if channel == "t_s"
-        else "a second campaign with reference time beside the rows (utc_s)"
+        else "a second campaign with a reference time in its rows (utc_s)"
     )
     return Finding(
         EFFECT, "procedure", ("value",), np.array([ppm]), np.array([std]), "ppm", {"channel": channel},

@@ -1,4 +1,4 @@
-"""``disturbance.dwell``: a knock or a vibration inside a step at rest.
+"""``disturbance.dwell``: a shock or a vibration inside a step at rest.
 
 Looked for in the local liveliness of every channel (`procedures.anomalies.disturbed_blocks`), since a mean over a
 whole dwell hides it; every block of every channel and step has its share of the prior. The disturbed

@@ -3,7 +3,7 @@
 Of a channel whose remainder is not white, as of counts with little noise, a block is judged by the strip its
 counts need (`procedures.anomalies.disturbed_blocks`); of any other by its variance, that of as many numbers as
 the scatter of all blocks' variances shows. Noise and variance are those of the channel's quieter
-dwells, so that a knock does not hide itself.
+dwells, so that a shock does not hide itself.
 """
 
 from collections.abc import Callable, Sequence
@@ -225,16 +225,16 @@ def _at_most(dof: float, blocks: float) -> float:
 
     The median of chi-square over its mean is (1 - 2 / (9 dof))^3 (Wilson and Hilferty 1931); it is known to
     sqrt(pi / 2) times sqrt(2 / dof) over the root of the blocks that do not overlap, half of all. Without both the
-    liveliest of thousands of blocks is a knock in one quiet campaign of fifty.
+    liveliest of thousands of blocks is a shock in one quiet campaign of fifty.
     """
     return float((1 + QUIET_VARIANCE_SIGMAS * np.sqrt(2 * np.pi / (dof * blocks))) / (1 - 2 / (9 * dof)) ** 3)
 
 
 def _gain_of_tail(ratio: FloatArray, outermost: float) -> FloatArray:
-    """Return the gain by variances (m,) beside the power law of their tail, up to the ``outermost`` part of them.
+    """Return the gain by variances (m,) next to the power law of their tail, up to the ``outermost`` part of them.
 
-    Noise with tails, as of bursts, has blocks livelier than chi-square knows of: its largest are no knocks. A
-    knock is as likely of any size, in its logarithm.
+    Noise with tails, as of bursts, has blocks livelier than chi-square knows of: its largest are no shocks. A
+    shock is as likely of any size, in its logarithm.
     """
     outer = min(max(outermost, MIN_OUTERMOST / len(ratio)), 0.4)
     inner = min(TAIL * outer, 0.5)

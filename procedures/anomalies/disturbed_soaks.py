@@ -28,12 +28,12 @@ from procedures.inference.marginal import log_mean
 from procedures.inference.priors import PRESENT
 from procedures.inference.result import EffectTest, Finding
 
-BESIDE_S = 10.0  # either side of a stretch, against which it is held
-MIN_BESIDE = 100  # samples
+SURROUNDINGS_S = 10.0  # either side of a stretch, against which it is held
+MIN_SURROUNDINGS = 100  # samples
 APART = 10  # the part of a stretch that is left between it and what it is held against
-MIN_LIVELINESS = 1.5  # rms over that beside it, from which on a channel shows a disturbance
+MIN_LIVELINESS = 1.5  # rms over that next to it, from which on a channel shows a disturbance
 LOUD = 8.0  # sigma of a sample that is far off by itself
-MAX_ROWS = 5  # far off, of a stretch that is wrong rows and no knock
+MAX_ROWS = 5  # far off, of a stretch that is wrong rows and no shock
 ONE_NUMBER = 1e-3  # of how far it is off, within which it is one: less the line that goes on beneath it
 TINY = 1e-300
 
@@ -58,19 +58,19 @@ class Deviation:
 
     @property
     def is_step(self) -> bool:
-        """Say whether it does not come back: a jump is likelier than a knock.
+        """Say whether it does not come back: a jump is likelier than a shock.
 
-        A knock is more scatter of the samples.
+        A shock is more scatter of the samples.
         """
-        knock = float(odds.gain_of_squares(np.array(np.sum(self.samples**2)), len(self.samples)))
-        found = odds.shares({"jump": odds.log_odds(self.jump), "knock": odds.log_odds(knock)})
+        shock = float(odds.gain_of_squares(np.array(np.sum(self.samples**2)), len(self.samples)))
+        found = odds.shares({"jump": odds.log_odds(self.jump), "shock": odds.log_odds(shock)})
         return found["jump"] >= PRESENT
 
 
 def wrong_rows(found: Sequence[Deviation]) -> IntArray:
     """Return the rows (m,) of a stretch, from its first, that are far off where nothing else is lively.
 
-    None where there are more than `MAX_ROWS`, which are not one number: then it is a knock.
+    None where there are more than `MAX_ROWS`, which are not one number: then it is a shock.
     """
     samples = np.stack([each.samples for each in found], axis=1)
     is_far = np.max(np.abs(samples), axis=1) > LOUD
@@ -86,7 +86,7 @@ def _rms(samples: FloatArray) -> float:
 
 def deviations_in(series: Series, found: Disturbance) -> list[Deviation]:
     """Return what every channel of a recording does in a disturbed stretch."""
-    length = max(round(BESIDE_S / series.period), MIN_BESIDE)
+    length = max(round(SURROUNDINGS_S / series.period), MIN_SURROUNDINGS)
     apart = (found.end - found.first) // APART  # the disturbance may go on a little beyond what was found of it
     before = slice(max(found.first - apart - length, 0), max(found.first - apart, 0))
     after = slice(found.end + apart, found.end + apart + length)
@@ -101,10 +101,10 @@ def deviations_in(series: Series, found: Disturbance) -> list[Deviation]:
 
 
 def _deviation(name: str, before: FloatArray, inside: FloatArray, after: FloatArray, apart: int) -> Deviation:
-    """Hold a stretch's samples against a line of one slope and two levels through those ``apart`` beside it."""
+    """Hold a stretch's samples against a line of one slope, two levels, through those ``apart`` on either side."""
     t = np.arange(len(inside), dtype=np.float64)
-    t_beside = np.concatenate([np.arange(-len(before), 0) - apart, len(inside) + apart + np.arange(len(after))])
-    A = np.stack([t_beside < 0, t_beside >= 0, t_beside], axis=1).astype(np.float64)
+    t_around = np.concatenate([np.arange(-len(before), 0) - apart, len(inside) + apart + np.arange(len(after))])
+    A = np.stack([t_around < 0, t_around >= 0, t_around], axis=1).astype(np.float64)
     values = np.concatenate([before, after])
     R = np.linalg.pinv(A)
     first, last, slope = R @ values
@@ -113,13 +113,13 @@ def _deviation(name: str, before: FloatArray, inside: FloatArray, after: FloatAr
     if len(before) == 0 or len(after) == 0:
         line = (last if len(after) else first) + slope * t
         return Deviation(name, (inside - line) / sigma, sigma, -np.inf)
-    every, begin = np.concatenate([t_beside[: len(before)], t, t_beside[len(before) :]]), len(before)
+    every, begin = np.concatenate([t_around[: len(before)], t, t_around[len(before) :]]), len(before)
     jump = _gain_of_jump(every, np.concatenate([before, inside, after]) / sigma, slice(begin, begin + len(t) + 1))
     return Deviation(name, (inside - (first + last) / 2 - slope * t) / sigma, sigma, jump)
 
 
 def _gain_of_jump(t: FloatArray, y: FloatArray, at: slice) -> float:
-    """Return the gain of a jump of y (n,) [sigma] beside a line over t (n,) [sample], at any of some places."""
+    """Return the gain of a jump of y (n,) [sigma] at any of some places, added to a line over t (n,) [sample]."""
     Q, _ = np.linalg.qr(np.stack((np.ones_like(t), t), axis=1))
     later = np.cumsum((y - Q @ (Q.T @ y))[::-1])[::-1][at]
     taken = np.sum(np.cumsum(Q[::-1], axis=0)[::-1][at] ** 2, axis=1)
@@ -127,21 +127,21 @@ def _gain_of_jump(t: FloatArray, y: FloatArray, at: slice) -> float:
     return float(log_mean(odds.gain_of_squares(later**2 / np.maximum(number - taken, TINY), 1)))
 
 
-MAX_KNOCK_S = 30.0  # that is cut as one
+MAX_SHOCK_S = 30.0  # that is cut as one
 MAX_CUT_SHARE = 0.2  # of a soak
 MAX_NAMED = 3  # of a soak, each for itself; of more the surest, and how many others there are
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class QuietSoaks:
-    """Campaigns whose soaks are without their knocks, what was found, and the test that was made."""
+    """Campaigns whose soaks are without their shocks, what was found, and the test that was made."""
 
     campaigns: tuple[Campaign, ...]
     findings: tuple[Finding, ...]
     tests: tuple[EffectTest, ...]
 
 
-def without_knocks(campaigns: Sequence[Campaign]) -> QuietSoaks:
+def without_shocks(campaigns: Sequence[Campaign]) -> QuietSoaks:
     """Return one unit's campaigns with the short disturbed stretches of their soaks cut out."""
     soaks = [_of_soaks(campaign) for campaign in campaigns]
     frozen = list(frozen_stretches(soaks))
@@ -206,7 +206,7 @@ def _by_soak(
 
 
 def _is_short(rest: RestRecord, found: Disturbance) -> bool:
-    return 0 < found.end - found.first <= MAX_KNOCK_S / rest.series.period
+    return 0 < found.end - found.first <= MAX_SHOCK_S / rest.series.period
 
 
 def _is_step(rest: RestRecord, found: Disturbance) -> bool:
@@ -219,7 +219,7 @@ def _named(soaks: Sequence[Campaign], kept: Sequence[Disturbance]) -> Iterator[F
         here.sort(key=lambda one: -one.log_odds)
         others: dict[str, object] = {"others": len(here) - 1} if len(here) > MAX_NAMED else {}
         for each in here[: 1 if others else MAX_NAMED]:
-            finding = _told(campaign, rest, each)
+            finding = _finding_of(campaign, rest, each)
             yield replace(finding, where={**finding.where, **others})
 
 
@@ -231,7 +231,7 @@ def _narrowed(rest: RestRecord, found: Disturbance) -> Disturbance:
     return replace(found, first=found.first + int(rows[0]), end=found.first + int(rows[-1]) + 1)
 
 
-def _told(campaign: Campaign, rest: RestRecord, found: Disturbance) -> Finding:
+def _finding_of(campaign: Campaign, rest: RestRecord, found: Disturbance) -> Finding:
     """Return the finding of a disturbance; of one that is a row or two by how far these are off.
 
     What one sensor alone shows for longer may be its own: noise that switches between two levels does so.

@@ -28,7 +28,7 @@ from procedures.positions import ATTITUDES, face_normal, face_of, nominal_C_lb
 from procedures.units import DEG_H_PER_DEG_S, S_PER_H
 
 MIN_DWELLS = 5  # dwells
-# 1 sigma, deg/s; deg/s per g, beside which the vertical Earth rate is small
+# 1 sigma, deg/s; deg/s per g, next to which the vertical Earth rate is small
 BIAS_STD, G_SENSITIVITY_STD = 1.0, 0.01
 DRIFT_STD = 10.0 / DEG_H_PER_DEG_S  # 1 sigma, deg/s per hour
 NORTH_STD = 0.5  # 1 sigma of H about K w cos(latitude), of that: magnetic sensitivity, and K guessed from dwells
@@ -80,7 +80,7 @@ class HeadingLikelihood:
         """Return minus the log likelihood (m,) of labellings (m, dwells), up to a constant.
 
         The scatter of the biases from dwell to dwell is whatever makes a labelling likeliest; ``jump`` (n,) is
-        that of single dwells beside it [deg/s].
+        that of single dwells next to it [deg/s].
         """
         A = _design(self.C_sb, labellings[:, self.rows])
         A = np.concatenate((A, np.broadcast_to(self.hours[:, None], (*A.shape[:2], 1))), axis=2)

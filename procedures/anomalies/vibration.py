@@ -47,8 +47,8 @@ def best_hertz(running: FloatArray, hertz: float, period: float) -> float:
     return float(near[int(np.argmin(needed))])
 
 
-def strip_beside(running: FloatArray, hertz: float, period: float, first: int, end: int) -> float:
-    """Return the strips, summed over axes, that ``running`` counts (n, 3) need beside a sine.
+def strip_with_sine(running: FloatArray, hertz: float, period: float, first: int, end: int) -> float:
+    """Return the strips, summed over axes, that ``running`` counts (n, 3) need in addition to a sine.
 
     It acts from sample ``first`` to ``end``. Before and after it, and while it acts, the count has levels of its
     own.
@@ -79,7 +79,7 @@ def sine_between(count: FloatArray, hertz: float, period: float) -> SineInCounts
 
 
 def _middle(running: FloatArray) -> tuple[int, FloatArray]:
-    """Return where the middle `MAX_NODES` of a stretch begin, and these beside the first of them."""
+    """Return where the middle `MAX_NODES` of a stretch begin, and these next to the first of them."""
     begin = max((len(running) - MAX_NODES) // 2, 0)
     return begin, running[begin : begin + MAX_NODES] - running[begin]
 
@@ -121,7 +121,7 @@ FFT_PADDING = 4  # times as many frequencies as samples
 LINES_TRIED, MAX_LINES = 3, 10  # tried of all axes together and of each; in all
 MAX_EXTRA_STRIP = 0.15  # counts of strip, summed over the axes, more than the least: what edges a little off cost
 EQUAL_STRIP = 0.03  # within which another frequency is allowed as well as the best
-MAX_LEFT_VARIANCE = 2.0  # times its own variance a sine is allowed to leave beside it
+MAX_LEFT_VARIANCE = 2.0  # times its own variance a sine is allowed to leave next to it
 MIN_PERIODS = 2.0  # whole periods a stretch must hold
 MIN_STRETCH_PART = 6  # of the part looked at, the least that the stretch is
 EDGES_TRIED = 80  # tried for either end of the stretch
@@ -186,7 +186,7 @@ def _counted(
     """
     running = np.cumsum(samples[stretch], axis=0)
     needed = {
-        hertz: strip_beside(running, hertz, period, first - stretch.start, end - stretch.start)
+        hertz: strip_with_sine(running, hertz, period, first - stretch.start, end - stretch.start)
         for hertz, (first, end) in stretches.items()
     }
     least = min(needed.values())

@@ -25,7 +25,7 @@ from procedures.attitude.attitude_effects import (
 from procedures.attitude.attitude_estimate import AttitudeEstimate, estimate
 from procedures.attitude.attitude_log import AttitudeLog, inclination
 from procedures.attitude.filter_choice import Gains
-from procedures.diagnosis.caches import let_go_at_the_end
+from procedures.diagnosis.caches import clear_caches
 from procedures.errors import NotObservable
 from procedures.inference.hypotheses import named
 from procedures.inference.posterior import Posterior, posterior
@@ -50,7 +50,7 @@ class AttitudeDiagnosis:
     track: AttitudeEstimate
 
 
-@let_go_at_the_end()
+@clear_caches()
 def diagnose_attitude(log: AttitudeLog, aid: str, gains: Gains | None, gravity: float) -> AttitudeDiagnosis:
     """Find what the residual between mixer and truth, or gyros and accelerometers, says the model lacks.
 

@@ -14,7 +14,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.counts.count_noise import WHITE_LAG_SAMPLES, lag_sums
 from procedures.counts.count_rate import RateEstimate
-from procedures.statistics.sampled_sine import sine
+from procedures.statistics.spectrum import sine
 
 TIMES_LIVELIER = 4.0  # than the quiet dwells, by the scatter of samples or of sums of some
 ROUNDED = 0.5  # of a step: what rounding alone makes of either

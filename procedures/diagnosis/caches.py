@@ -1,6 +1,6 @@
-"""What is kept of an evidence while a diagnosis asks for it again and again; at the end it is let go.
+"""Caches of what a diagnosis asks of an evidence again and again, cleared at its end.
 
-What was kept holds the evidence, its fits and the recordings: in a process that goes on, of the last diagnosis.
+They hold the evidence, its fits and the recordings: in a process that goes on, of the last diagnosis.
 """
 
 from collections.abc import Iterator
@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from procedures.effects.temperature_history import followed, known_histories
 from procedures.evidence.candidates import noise_in_navigation_grade
 from procedures.evidence.excitation import equal_bins
-from procedures.evidence.linear_model import fit_beside, fitted, variance_classes
+from procedures.evidence.linear_model import fit_with, fitted, variance_classes
 from procedures.evidence.row_sums import row_sums
 from procedures.evidence.thermal_soaks import block_rates, block_temperatures
 from procedures.inference.smooth_functions import _sums as sums_of_rows
@@ -18,14 +18,14 @@ from procedures.samples.held_samples import held_channel
 
 
 @contextmanager
-def let_go_at_the_end() -> Iterator[None]:
-    """Let go what was kept, when a function or block is left."""
+def clear_caches() -> Iterator[None]:
+    """Clear the caches when a function or block is left."""
     try:
         yield
     finally:
         for each in (
             sums_of_rows,
-            fit_beside,
+            fit_with,
             fitted,
             row_sums,
             known_histories,

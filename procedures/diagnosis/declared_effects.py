@@ -1,4 +1,4 @@
-"""Effects that somebody declared: they are in the model from the start, beside scale factor, E and bias.
+"""Effects that somebody declared: they are in the model from the start, next to scale factor, E and bias.
 
 Their coefficients are held to zero by their plausible range, and what else is found is found in addition to them:
 they are parameters of the model. What a campaign cannot determine is not in the model, and reported.
@@ -14,7 +14,7 @@ from procedures.calibration.joint_calibration import CampaignFits, fit_reduced
 from procedures.calibration.reduced_steps import reduce_steps
 from procedures.calibration.solution_values import Solution
 from procedures.campaign.campaign import Campaign
-from procedures.diagnosis.caches import let_go_at_the_end
+from procedures.diagnosis.caches import clear_caches
 from procedures.effects.excitation import REFERENCE_C
 from procedures.effects.term.effect_of_term import TermEffect
 from procedures.errors import DoesNotFit
@@ -23,12 +23,12 @@ from procedures.evidence.linear_model import fit_linear
 from procedures.evidence.refit import Refit
 from procedures.evidence.residual_rows import KINDS, Evidence
 from procedures.frames import TRIADS
-from procedures.inference.base_model import BenchModel
+from procedures.inference.infer import BenchModel
 from procedures.inference.odds import gain
 from procedures.inference.result import DeclaredEffect, TableSensor
 from procedures.statistics.least_squares import left_singular
 
-SAME = 0.98  # correlation, beside the model, from which on two effects are one in a design
+SAME = 0.98  # correlation, in addition to the model, from which on two effects are one in a design
 ABSORBED = 1e-6  # of a column, below which the model holds it already
 
 
@@ -46,10 +46,16 @@ class DeclaredModel:
         more = [each for each in added if not each.is_of_model]
         found, first = self.bench.refit([*self.declared, *more]), len(self.declared)
         evidence = _with_parameters(found.evidence, found.added[:first])
-        beside = tuple(_at_rows(each, len(evidence.residual)) for each in found.added[first:])
-        linear = fit_linear(evidence, [each.term for each in beside])
+        undeclared = tuple(_at_rows(each, len(evidence.residual)) for each in found.added[first:])
+        linear = fit_linear(evidence, [each.term for each in undeclared])
         return Refit(
-            found.fits, evidence, linear, found.values[first:], beside, found.added[:first], found.values[:first]
+            found.fits,
+            evidence,
+            linear,
+            found.values[first:],
+            undeclared,
+            found.added[:first],
+            found.values[:first],
         )
 
     def report(self, found: Refit) -> Solution:
@@ -129,9 +135,9 @@ def _declared(bench: BenchModel, now: Refit, term: TermEffect) -> Refit | str:
 
 
 def _gain(evidence: Evidence, way: Candidate, now: Refit) -> tuple[float, Candidate] | None:
-    """Return the gain of a way in which an effect may act, beside those in the model; None where these take it."""
+    """Return the gain of a way in which an effect may act, added to those in the model; None if these take it."""
     white = evidence.A / evidence.sigma[:, None]
-    if not _beside(np.linalg.qr(white)[0], way.term.H / evidence.sigma[:, None]).shape[1]:
+    if not _complement(np.linalg.qr(white)[0], way.term.H / evidence.sigma[:, None]).shape[1]:
         return None
     try:
         with raising_does_not_fit():
@@ -143,10 +149,11 @@ def _gain(evidence: Evidence, way: Candidate, now: Refit) -> tuple[float, Candid
 
 
 def are_one(evidence: Evidence, one: Candidate, other: Candidate) -> bool:
-    """Say whether two effects are one in this design: whatever the one adds beside the model, the other can."""
+    """Say whether two effects are one in this design: whatever the one adds to the model, the other can."""
     Q, _ = np.linalg.qr(evidence.A / evidence.sigma[:, None])
     bases = [
-        _beside(Q, each.term.H[:, : len(each.term.plausible)] / evidence.sigma[:, None]) for each in (one, other)
+        _complement(Q, each.term.H[:, : len(each.term.plausible)] / evidence.sigma[:, None])
+        for each in (one, other)
     ]
     if not 0 < bases[0].shape[1] <= bases[1].shape[1]:
         return False
@@ -154,8 +161,8 @@ def are_one(evidence: Evidence, one: Candidate, other: Candidate) -> bool:
     return bool(common.min() > SAME)
 
 
-def _beside(Q: FloatArray, H: FloatArray) -> FloatArray:
-    """Return an orthonormal basis of what columns H (n, k) add beside the columns of Q (n, p)."""
+def _complement(Q: FloatArray, H: FloatArray) -> FloatArray:
+    """Return an orthonormal basis of what columns H (n, k) add to the columns of Q (n, p)."""
     size = np.linalg.norm(H, axis=0)
     left = H - Q @ (Q.T @ H)
     seen = np.linalg.norm(left, axis=0) > ABSORBED * np.maximum(size, 1e-300)
@@ -186,7 +193,7 @@ class DeclaredSolution:
     effects: tuple[DeclaredEffect, ...]
 
 
-@let_go_at_the_end()
+@clear_caches()
 def solve_declared(campaigns: Sequence[Campaign], terms: Sequence[TermEffect]) -> DeclaredSolution:
     """Solve one unit's campaigns with effects in the model.
 

@@ -2,7 +2,7 @@
 
     put right -> evidence -> causes with their probabilities -> parameters solved again with them -> what is left
 
-What is no column of a linear model (a wrong label, a knock, a clock) is put right first; `procedures.inference`
+What is no column of a linear model (a wrong label, a shock, a clock) is put right first; `procedures.inference`
 says what else acts; samples at rest are looked at last.
 """
 
@@ -15,12 +15,12 @@ import numpy as np
 from procedures.anomalies.checks import CheckedCampaigns, check_campaigns
 from procedures.anomalies.clock_rate_check import find_clock
 from procedures.anomalies.disturbances import find_disturbances, without_disturbances
-from procedures.anomalies.disturbed_soaks import without_knocks
+from procedures.anomalies.disturbed_soaks import without_shocks
 from procedures.calibration.joint_calibration import CampaignFits, fit_reduced
 from procedures.calibration.reduced_steps import ReducedSteps, reduce_steps
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.dead_channels import without_dead
-from procedures.diagnosis.caches import let_go_at_the_end
+from procedures.diagnosis.caches import clear_caches
 from procedures.diagnosis.declared_effects import declare, declared_effects
 from procedures.diagnosis.findings import findings_of
 from procedures.diagnosis.rate_tables import RateTables, SoaksAlone
@@ -32,9 +32,8 @@ from procedures.evidence.linear_model import LinearFit, fit_linear
 from procedures.evidence.refit import Refit
 from procedures.evidence.residual_patterns import global_log_p, left_patterns, within_dwells
 from procedures.free_positions.rest_detection import motion_within
-from procedures.inference.base_model import BaseModel, BenchModel
 from procedures.inference.held_out_errors import left_out_groups, residual_rms
-from procedures.inference.infer import Inferred, infer
+from procedures.inference.infer import BaseModel, BenchModel, Inferred, infer
 from procedures.inference.priors import PRESENT
 from procedures.inference.result import (
     UNEXPLAINED_LOG_P,
@@ -60,7 +59,7 @@ REPEAT_SOAK = (
 )
 
 
-@let_go_at_the_end()
+@clear_caches()
 def diagnose(
     campaigns: Sequence[Campaign], effects: Sequence[Effect] = EFFECTS, declared: Sequence[TermEffect] = ()
 ) -> Diagnosis:
@@ -75,7 +74,7 @@ def diagnose(
         If neither triad can be solved, no rate table's sensor either, and nothing rests long enough.
     """
     names = {one.effect().name for one in declared}
-    quiet = without_knocks(campaigns)
+    quiet = without_shocks(campaigns)
     found = _of_recordings(quiet.campaigns, [one for one in effects if one.name not in names], declared)
     found = replace(_with_found_before(found, quiet.findings, quiet.tests), looked_at=quiet.campaigns)
     return with_sample_effects(found, quiet.campaigns, known_scales(quiet.campaigns, found.solution))
@@ -102,11 +101,11 @@ def _of_recordings(
     try:
         found = _of_steps(campaigns, effects, declared)
     except NotObservable:
-        disturbed, knock_tests = find_disturbances(campaigns)
+        disturbed, disturbance_tests = find_disturbances(campaigns)
         campaigns = without_disturbances(campaigns, disturbed)
         if (soaks := SoaksAlone.of(campaigns)) is not None:
             found = _with_found_before(_closed(soaks, every), *find_clock(campaigns))
-            found = _with_found_before(found, [each.finding for each in disturbed], knock_tests)
+            found = _with_found_before(found, [each.finding for each in disturbed], disturbance_tests)
             found = replace(found, next_measurement=found.next_measurement.replace(REPEAT_CAMPAIGN, REPEAT_SOAK))
         elif of_tables is not None:
             return of_tables
@@ -122,10 +121,11 @@ def _of_steps(
     found_before, bench = put_right(campaigns)
     effects = [effect for effect in effects if effect.name not in found_before.settled]
     found = _with_clock(_closed(declare(bench, declared) if declared else bench, effects), found_before.clock)
-    findings, beside = (*found_before.findings, *found.findings), (*found.beside, *_moving_rests(found.before))
-    is_left = _is_left(found) or bool(beside)
+    findings = (*found_before.findings, *found.findings)
+    other_reasons = (*found.other_reasons, *_moving_rests(found.before))
+    is_left = _is_left(found) or bool(other_reasons)
     return replace(
-        found, verdict=verdict_of(findings, is_left=is_left), findings=findings, beside=beside,
+        found, verdict=verdict_of(findings, is_left=is_left), findings=findings, other_reasons=other_reasons,
         tried=(*found_before.tests, *found.tried), next_measurement=_measure_next(findings, is_left=is_left),
     )  # fmt: skip
 

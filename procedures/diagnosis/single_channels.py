@@ -44,7 +44,7 @@ class SingleChannel:
     ``noise`` is its random walk [output/s sqrt(s)], ``instability`` its bias instability [output/s]; ``drift`` a
     line over time [/h]; ``warming`` one over temperature [/K] that moved by ``kelvin``, None where it hardly did.
     ``correlation`` is that of temperature with time, 0 where there is no ``warming``.
-    ``scale`` [output/s per deg/s], 1 sigma beside it, is a gyroscope's along its own axis, None where no pair of
+    ``scale`` [output/s per deg/s], with its 1 sigma, is a gyroscope's along its own axis, None where no pair of
     turns tells it.
     """
 

@@ -16,7 +16,7 @@ from procedures.calibration.joint_calibration import fit_reduced
 from procedures.calibration.reduced_steps import reduce_steps
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.dead_channels import without_dead
-from procedures.diagnosis.caches import let_go_at_the_end
+from procedures.diagnosis.caches import clear_caches
 from procedures.diagnosis.rate_tables import SoaksAlone
 from procedures.errors import DoesNotFit, NotObservable
 from procedures.evidence.candidates import Candidate
@@ -27,7 +27,7 @@ from procedures.inference.held_out_errors import left_out_groups, residual_rms
 from procedures.inference.result import Diagnosis, ResidualRms
 
 
-@let_go_at_the_end()
+@clear_caches()
 def validate(diagnosis: Diagnosis, campaigns: Sequence[Campaign]) -> tuple[ResidualRms, ...]:
     """Return the errors that other campaigns of the unit show without and with the effects found.
 

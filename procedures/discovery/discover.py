@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.diagnosis.caches import let_go_at_the_end
+from procedures.diagnosis.caches import clear_caches
 from procedures.discovery.library import LibraryTerm, Rows, library
 from procedures.effects import EFFECTS
 from procedures.effects.effect import with_slope
@@ -50,7 +50,7 @@ class Reading:
     """
 
     term: TermEffect
-    likeness: float
+    similarity: float
     worse: float
 
 
@@ -86,7 +86,7 @@ class Discovery:
     others: tuple[Term, ...]
 
 
-@let_go_at_the_end()
+@clear_caches()
 def discover(found: Diagnosis, say: Say = lambda line: None) -> Discovery:
     """Search what a diagnosis of dwells, turns and rests leaves; ``say`` receives its progress."""
     evidence = found.evidence
@@ -224,12 +224,12 @@ def _proposal(
     evidence, terms = rows.evidence, [term for term, _ in found]
     columns = [way.term for _, way in found]
     does = [_does(evidence, others, each) for each in columns]
-    likeness = [float(does[0] @ each / (np.linalg.norm(does[0]) * np.linalg.norm(each))) for each in does]
+    similarity = [float(does[0] @ each / (np.linalg.norm(does[0]) * np.linalg.norm(each))) for each in does]
     term, value, std = _solved(evidence, terms[0], others, f"found_{number + 1}")
     before, after = _errors(evidence, columns[0], others, left_out_groups(evidence))
     readings = tuple(
         Reading(each.as_effect(f"reading_{i}", 1.0, "a reading"), same, less)
-        for i, (each, same, less) in enumerate(zip(terms, likeness, worse, strict=True))
+        for i, (each, same, less) in enumerate(zip(terms, similarity, worse, strict=True))
         if i
     )
     return Proposal(

@@ -115,13 +115,13 @@ def fitted(evidence: Evidence, terms: tuple[Term, ...], keep: bytes | None, wide
     """Return the fit of `fit_linear`, which one check after another asks for; arrays are given as bytes."""
     first = _with_terms(evidence, terms, keep)
     if widened_by is not None:
-        return _weighted_anew(first, np.frombuffer(widened_by))
+        return _reweighted(first, np.frombuffer(widened_by))
     shared, fit = variance_classes(evidence), first
     for _ in range(MAX_WEIGHTINGS - 1):
         factor, dof = _widened(shared, fit.white * fit.factor, 1 - fit.leverage)
         if np.array_equal(factor, fit.factor):
             break
-        fit = _weighted_anew(first, factor)
+        fit = _reweighted(first, factor)
     else:
         _, dof = _widened(shared, fit.white * fit.factor, 1 - fit.leverage)
     return replace(fit, dof=dof)
@@ -133,7 +133,7 @@ def _with_terms(evidence: Evidence, terms: tuple[Term, ...], keep: bytes | None)
     ``keep`` are the marks of A's columns as bytes.
     """
     if terms:
-        return _with_one_more(evidence, fit_beside(evidence, terms[:-1], keep), terms[-1])
+        return _with_one_more(evidence, fit_with(evidence, terms[:-1], keep), terms[-1])
     A = evidence.A if keep is None else evidence.A[:, np.frombuffer(keep, dtype=bool)]
     Q, R = np.linalg.qr(A / evidence.sigma[:, None])
     y = evidence.residual / evidence.sigma
@@ -143,7 +143,7 @@ def _with_terms(evidence: Evidence, terms: tuple[Term, ...], keep: bytes | None)
 
 
 @lru_cache(maxsize=8)
-def fit_beside(evidence: Evidence, terms: tuple[Term, ...], keep: bytes | None) -> LinearFit:
+def fit_with(evidence: Evidence, terms: tuple[Term, ...], keep: bytes | None) -> LinearFit:
     """Return the fit of what many terms are tried with; ``keep`` are the marks of A's columns as bytes."""
     return _with_terms(evidence, terms, keep)
 
@@ -180,7 +180,7 @@ def orthogonal(evidence: Evidence, fit: LinearFit, term: Term) -> tuple[FloatArr
     return taken, q, r
 
 
-def _weighted_anew(first: LinearFit, factor: FloatArray) -> LinearFit:
+def _reweighted(first: LinearFit, factor: FloatArray) -> LinearFit:
     """Return a fit, whose rows' sigmas are their own, with these ``factor`` (n,) times as large.
 
     With D the weights, ``D Q = (D Q L'^-1) L'`` where ``L L' = Q' D^2 Q``, whose condition is at most that of D^2;

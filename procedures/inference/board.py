@@ -1,4 +1,4 @@
-"""Hypotheses beside the evidence: columns in the complement of the model's own, and the prior of each."""
+"""Hypotheses on an evidence: columns in the complement of the model's own, and the prior of each."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -114,7 +114,7 @@ class Block:
 
 @dataclass(frozen=True, eq=False)
 class Board:
-    """The evidence with the model's own parameters integrated out, and every hypothesis beside it.
+    """The evidence with the model's own parameters integrated out, and every hypothesis next to it.
 
     ``y`` (m,) is the whitened residual in the complement of the model's columns, ``W`` (m, N) all columns there,
     the last of which is zero, ``H`` (n, N) the same on all rows. ``basis`` (n, m) spans the complement.
@@ -132,7 +132,7 @@ class Board:
     def not_separable(self) -> tuple[str, ...]:
         """The names that would show if the bench's parameters were known, and do not while these are free.
 
-        A quadratic term beside faces without a certificate is one. What the campaign does not excite is none.
+        A quadratic term next to faces without a certificate is one. What the campaign does not excite is none.
         """
         data = ~self.evidence.is_range
         A = (self.evidence.A / self.evidence.sigma[:, None])[data]
@@ -141,7 +141,7 @@ class Board:
         return tuple(each.name for each in self.hypotheses if each.name in known and each.name not in free)
 
     def _shown(self, data: BoolArray, A: FloatArray) -> set[str]:
-        """Return the names of which an option shows by a sigma in data beside parameters of columns A."""
+        """Return the names of which an option shows by a sigma in data next to parameters of columns A."""
         U, size = left_singular(A)
         Q = U[:, size > np.finfo(float).eps * len(A) * np.max(size, initial=0.0)]
         whole = np.linalg.norm(self.H[data], axis=0)

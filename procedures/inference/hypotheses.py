@@ -105,7 +105,7 @@ class Library:
         return Library(tuple(hypotheses), tuple(ways))
 
     def on(self, evidence: Evidence) -> Board:
-        """Return every hypothesis beside an evidence of the same rows."""
+        """Return every hypothesis on an evidence of the same rows."""
         white = evidence.A / evidence.sigma[:, None]
         Q, _ = np.linalg.qr(white, mode="complete")
         basis = Q[:, white.shape[1] :]
@@ -180,7 +180,7 @@ def _is_same(one: Candidate, other: Candidate) -> bool:
 
 
 def library_of(evidence: Evidence, pool: Mapping[str, Sequence[Candidate]]) -> Library:
-    """Return every hypothesis beside an evidence; ``pool`` are by name the ways in which effects may act."""
+    """Return every hypothesis on an evidence; ``pool`` are by name the ways in which effects may act."""
     walks = {f"a random walk of the bias, {triad}": walk(evidence, triad) for triad in TRIADS}
     found = named(evidence, pool).with_functions(functions(evidence) | walks)
     # what is known to act and was not recorded is as likely as what has a name

@@ -1,24 +1,64 @@
-"""From campaigns to causes: rows, hypotheses, search, and the model linearised again where it stands."""
+"""From a base model to causes: rows, hypotheses, search, and the model linearised again where it stands."""
 
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
+from procedures.calibration.joint_calibration import CampaignFits, report
+from procedures.calibration.reduced_steps import ReducedSteps
+from procedures.calibration.solution_values import Solution
 from procedures.effects.effect import Effect
 from procedures.errors import DoesNotFit
 from procedures.evidence.candidates import Candidate, Candidates
 from procedures.evidence.linear_model import Term
-from procedures.evidence.refit import Refit, terms_at
+from procedures.evidence.refit import Refit, refit, terms_at
 from procedures.inference import priors
-from procedures.inference.base_model import BaseModel
 from procedures.inference.board import Board
 from procedures.inference.hypotheses import Library, library_of
 from procedures.inference.marginal import Member, log_sum, tail
 from procedures.inference.nonlinear_constants import resolved
 from procedures.inference.posterior import Posterior, averaged_fits, posterior
+from procedures.inference.result import TableSensor
 from procedures.inference.search import Model, Search
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BenchModel:
+    """Dwells, turns and rests, reduced to rates and totals, and the fits to them without effects."""
+
+    steps: ReducedSteps
+    base: CampaignFits
+
+    def refit(self, added: Sequence[Candidate]) -> Refit:
+        """Solve both triads again."""
+        return refit(self.steps, self.base, added)
+
+    def report(self, found: Refit) -> Solution:
+        """Return both triads' solution."""
+        return report(found.fits)
+
+    def on_table(self, found: Refit) -> tuple[TableSensor, ...]:
+        """Return none: the bench is no table."""
+        return ()
+
+
+class BaseModel(Protocol):
+    """A base model with the data it is fitted to: `BenchModel`, one with declared effects, rate tables, soaks."""
+
+    def refit(self, added: Sequence[Candidate]) -> Refit:
+        """Solve with effects ``added``."""
+        ...
+
+    def report(self, found: Refit) -> Solution:
+        """Return what a refit solved."""
+        ...
+
+    def on_table(self, found: Refit) -> tuple[TableSensor, ...]:
+        """Return the gyroscopes that a rate table turned."""
+        ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,7 +100,7 @@ def infer(subject: BaseModel, effects: Sequence[Effect]) -> Inferred:
         best = search.run()
     found = posterior(search)
     for curved in [each for each in now.added if each.effect.added is not None]:
-        search, now, found = _beside_rivals(subject, pool, library, begin, (search, now, found), curved)
+        search, now, found = _with_alternatives(subject, pool, library, begin, (search, now, found), curved)
     best = search.best
     fits = now.fits if now.bare is None else averaged_fits(search, now.bare, found.causes)
     wanted = _candidates(search.board, best)
@@ -70,7 +110,7 @@ def infer(subject: BaseModel, effects: Sequence[Effect]) -> Inferred:
     return Inferred(found, search.board, first, replace(now, fits=fits), subject, pool)
 
 
-def _beside_rivals(
+def _with_alternatives(
     subject: BaseModel,
     pool: Candidates,
     library: Library,
@@ -85,18 +125,18 @@ def _beside_rivals(
     """
     search, now, found = held
     cause = next((each for each in posterior(begin).causes if curved.effect.name in each.shares), None)
-    rivals = (
+    alternatives = (
         [name for name in cause.shares if name in library.names and name != curved.effect.name] if cause else []
     )
     stands = {curved.effect.name: held}
-    for name in rivals:
+    for name in alternatives:
         number = library.names.index(name)
-        member = begin.beside(()).member(begin.board, number)
-        rival = _candidate(begin.board, member)
-        if rival is None:
+        member = begin.ranked_with(()).member(begin.board, number)
+        alternative = _candidate(begin.board, member)
+        if alternative is None:
             continue
         with suppress(DoesNotFit):
-            refit = subject.refit([*(each for each in now.added if each is not curved), rival])
+            refit = subject.refit([*(each for each in now.added if each is not curved), alternative])
             other = Search(library.with_adopted(refit.evidence, _bent(refit, pool)).on(refit.evidence))
             other.run()
             stands[name] = (other, refit, posterior(other))

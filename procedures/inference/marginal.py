@@ -34,7 +34,7 @@ class Member:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ranked:
-    """Every option beside some members.
+    """Every option with some members.
 
     ``gains`` (options,) is ln of the marginal likelihood over the amplitudes' prior, the option's share counted,
     ``best`` (options,) that at the best amplitude, ``amplitude`` (options,) which that is. ``total`` (hypotheses,)
@@ -65,7 +65,7 @@ class Held:
 
     ``Q1`` is (m, s), ``Q2`` (s, s), ``inverse`` (s, s) that of M, ``c`` (s,) M^-1 S'y, ``squares`` y' C^-1 y.
 
-    Large members that are nearly the same leave no digits of a difference of products. So what is beside them is
+    Large members that are nearly the same leave no digits of a difference of products. So what adds to them is
     projected out of the columns themselves.
     """
 
@@ -89,7 +89,7 @@ class Held:
         gain -= float(np.sum(np.log(np.abs(np.diag(R)))))
         return cls(Q[:m], Q[m:], back @ back.T, back @ along, squares, gain)
 
-    def beside(self, W: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def project_out(self, W: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return what members leave of columns W (m, n) and what they take, (m + s, n) and (s, n).
 
         The first one's square is W' C^-1 W.
@@ -115,7 +115,7 @@ def log_density(squares: FloatArray, rows: float, nu: float) -> FloatArray:
 
 
 def ranked(board: Board, members: Sequence[Member], only: int | None = None) -> Ranked:
-    """Return what every hypothesis, or ``only`` one, is worth beside members; nothing where these are its own."""
+    """Return what every hypothesis, or ``only`` one, is worth with members; nothing where these are its own."""
     held, n = Held.of(board, members), len(board.options)
     gains, best, amplitude = np.full(n, -np.inf), np.full(n, -np.inf), np.zeros(n)
     blocks = board.blocks if only is None else board.blocks_of[only]
@@ -124,7 +124,7 @@ def ranked(board: Board, members: Sequence[Member], only: int | None = None) -> 
     if only is not None:
         columns = np.unique(np.concatenate([board.options[i].columns for i in every.tolist()]))
         W = W[:, columns]
-    beyond, along = held.beside(W)
+    beyond, along = held.project_out(W)
     rest, left = np.ascontiguousarray(beyond.T), beyond[: len(board.y)].T @ board.y
     number = np.zeros(board.W.shape[1], dtype=np.int64)
     number[columns] = np.arange(len(columns))
@@ -200,7 +200,7 @@ def _amplitudes(board: Board, option: Option) -> FloatArray:
 
 
 def _gains_of_rows(board: Board, held: Held, option: Option, by_members: FloatArray, g: FloatArray) -> FloatArray:
-    """Return the gain (amplitudes,) of an option whose columns are single rows, beside what is held.
+    """Return the gain (amplitudes,) of an option whose columns are single rows, with what is held.
 
     Then G = I - U U' with few columns U: but for these directions it has the eigenvalue 1. ``by_members`` (k, s)
     is what the members take of the columns, ``g`` (k,) what they leave of W'y.

@@ -89,8 +89,8 @@ def posterior(search: Search) -> Posterior:
     best, causes = search.best, list[Cause]()
     for hypothesis, own in _acting(board, best.members):
         rest = [each for each in best.members if each not in own]
-        beside = search.beside(rest)
-        total = beside.total.copy()
+        ranking = search.ranked_with(rest)
+        total = ranking.total.copy()
         if len(own) > 1:  # together they are likelier than one of them
             total[hypothesis] = log_sum(
                 np.array([total[hypothesis], best.log_odds - search.polished(rest).log_odds])
@@ -103,7 +103,7 @@ def posterior(search: Search) -> Posterior:
             s * (1 - a) if h.is_named else s for s, a, h in zip(shares, alone, board.hypotheses, strict=True)
         ))  # fmt: skip
         top = named[0] if named else first
-        member = beside.member(board, top)
+        member = ranking.member(board, top)
         found = averaged(board, rest, top, member) if board.hypotheses[top].is_named else None
         if top == hypothesis and len(own) > 1:
             found = _together(board, best.members, own)
@@ -112,9 +112,9 @@ def posterior(search: Search) -> Posterior:
         causes.append(Cause(
             board.hypotheses[top], float(min(probabilities[top], shares[top])), of_group,
             {board.hypotheses[j].name: float(shares[j]) for j in order}, nameless, found,
-            board.hypotheses[form].curve, board.options[beside.member(board, form).option].note,
+            board.hypotheses[form].curve, board.options[ranking.member(board, form).option].note,
             float(log_sum(total)),
-            tuple(_places(board, beside, top)),
+            tuple(_places(board, ranking, top)),
         ))  # fmt: skip
     every = {h.name: float(p) for h, p in zip(board.hypotheses, probabilities, strict=True)}
     return Posterior(tuple(sorted(causes, key=lambda each: -each.evidence)), every, best)
@@ -123,7 +123,7 @@ def posterior(search: Search) -> Posterior:
 def _bent_further(board: Board, models: Sequence[Model], held: BoolArray) -> BoolArray:
     """Return in which models (m, h) a curve of the catalogue is not enough to follow what drives it.
 
-    Beside it stands a function of the same driver, or it acts more often than twice, as by many jumps. Together
+    Next to it stands a function of the same driver, or it acts more often than twice, as by many jumps. Together
     they are another curve: the name is not what acts, as its law does not hold alone.
     """
     nameless = np.array([not each.is_named for each in board.hypotheses])
@@ -147,10 +147,10 @@ def _acting(board: Board, members: Sequence[Member]) -> Iterator[tuple[int, list
         yield board.options[own[0].option].hypothesis, own
 
 
-def _places(board: Board, beside: Ranked, hypothesis: int) -> Iterator[tuple[Mapping[str, object], float]]:
+def _places(board: Board, ranking: Ranked, hypothesis: int) -> Iterator[tuple[Mapping[str, object], float]]:
     """Yield where a name may act and the share of it, the likeliest first; what is negligible is left out."""
     own = board.options_of[hypothesis]
-    shares = np.exp(beside.gains[own] - log_sum(beside.gains[own]))
+    shares = np.exp(ranking.gains[own] - log_sum(ranking.gains[own]))
     places, total = dict[str, Mapping[str, object]](), dict[str, float]()
     for number, share in zip(own.tolist(), shares.tolist(), strict=True):
         if (way := board.options[number].candidate) is not None:
@@ -162,7 +162,7 @@ def _places(board: Board, beside: Ranked, hypothesis: int) -> Iterator[tuple[Map
 
 
 def _together(board: Board, members: Sequence[Member], own: Sequence[Member]) -> Coefficients | None:
-    """Return the coefficients that several members make together, at their amplitudes, beside all others."""
+    """Return the coefficients that several members make together, at their amplitudes, with all others."""
     ways = [way for each in own if (way := board.options[each.option].candidate) is not None]
     candidate = max(
         ways, key=lambda each: len(each.columns.coefficients)
@@ -191,7 +191,7 @@ def _together(board: Board, members: Sequence[Member], own: Sequence[Member]) ->
 
 
 def averaged(board: Board, rest: Sequence[Member], hypothesis: int, member: Member) -> Coefficients:
-    """Return a name's coefficients, averaged over its amplitudes, masks and time constants, beside members."""
+    """Return a name's coefficients, averaged over its amplitudes, masks and time constants, with members."""
     held, best = Held.of(board, rest), board.options[member.option]
     candidate = best.candidate
     assert candidate is not None
@@ -213,7 +213,7 @@ def averaged(board: Board, rest: Sequence[Member], hypothesis: int, member: Memb
         ):
             continue
         W = board.W[:, option.columns]
-        beyond, _ = held.beside(W)
+        beyond, _ = held.project_out(W)
         G, g = beyond.T @ beyond, beyond[: len(W)].T @ board.y
         size, V = np.linalg.eigh(G)
         size, along = np.maximum(size, 0.0), V.T @ g
@@ -259,7 +259,7 @@ def averaged(board: Board, rest: Sequence[Member], hypothesis: int, member: Memb
 def averaged_fits(search: Search, fits: CampaignFits, causes: Sequence[Cause]) -> CampaignFits:
     """Return fits with parameters and covariance averaged over the models of what the causes may be.
 
-    What may act beside them unseen, as likely as before the data, is no part of the average.
+    What may act unseen in addition to them, as likely as before the data, is no part of the average.
 
     With A the model's own columns and S those of members, on all rows, and c the members' coefficients in units
     of their prior, the parameters are ``dx = A^+ (S c - y)``; their covariance is that of noise,

@@ -39,7 +39,7 @@ BENDS = (3.0, 10.0)
 KNEES = (0.3, 0.5, 0.7, 0.85)
 FINER = 3  # points in each interval of a time constant's grid: a third of 0.5 in its logarithm changes nothing
 
-# A time constant of which less than this share of the squares shows beside the effect without it is the plain
+# A time constant of which less than this share of the squares adds to the effect without it is the plain
 # effect, unless the data resolve it all the same: a lag shows where it shifts the response by a fifth.
 UNRESOLVED = 0.05
 

@@ -193,8 +193,8 @@ class Diagnosis:
     samples by the phase of each periodic finding. ``declared`` are the effects that were in the model from the
     start, ``declared_before`` the same without the findings; warnings of both solutions say which could not be.
     ``bench_alone`` is solved with what was found of bench and procedure, where an effect of the instrument is in
-    doubt beside it. ``looked_at`` are the campaigns without what was cut out of their soaks. ``beside`` are
-    reasons that are no cause in the model: rests that move, what periodic errors leave in the samples.
+    doubt next to it. ``looked_at`` are the campaigns without what was cut out of their soaks. ``other_reasons``
+    are no cause in the model: rests that move, what periodic errors leave in the samples.
     """
 
     verdict: Verdict
@@ -223,7 +223,7 @@ class Diagnosis:
     declared_before: tuple[DeclaredEffect, ...] = ()
     bench_alone: BenchAlone | None = None
     looked_at: tuple[Campaign, ...] = ()
-    beside: tuple[Reason, ...] = ()
+    other_reasons: tuple[Reason, ...] = ()
 
     @property
     def reasons(self) -> tuple[Reason, ...]:
@@ -232,7 +232,7 @@ class Diagnosis:
         if self.log_p < UNEXPLAINED_LOG_P:
             found.append(Reason(Because.RESIDUAL, value=self.log_p / log(10)))
         found += [Reason(Because.NAMELESS, each.what, each.joint) for each in self.unnamed]
-        found += self.beside
+        found += self.other_reasons
         for code, confidence in ((Because.AMBIGUOUS, "possible"), (Because.LIKELY, "likely")):
             if code is Because.AMBIGUOUS or not found:
                 such = [each for each in self.findings if each.confidence == confidence]
@@ -260,7 +260,7 @@ def combine_diagnoses(bench: Diagnosis, tables: Diagnosis) -> Diagnosis:
 
     The p-value is the smaller one times two (Bonferroni).
     """
-    findings = _told_once(bench.findings, tables.findings)
+    findings = _reported_once(bench.findings, tables.findings)
     is_left = bool({bench.verdict, tables.verdict} & {"partly", "unexplained"})
     next_measurement = "; ".join(filter(None, (bench.next_measurement, tables.next_measurement)))
     return replace(
@@ -268,7 +268,7 @@ def combine_diagnoses(bench: Diagnosis, tables: Diagnosis) -> Diagnosis:
         tried=(*bench.tried, *tables.tried), errors=(*bench.errors, *tables.errors),
         log_p=min(min(bench.log_p, tables.log_p) + log(2), 0.0),  # of two
         next_measurement=next_measurement, left=(*bench.left, *tables.left), on_table=tables.on_table,
-        unnamed=(*bench.unnamed, *tables.unnamed), beside=(*bench.beside, *tables.beside),
+        unnamed=(*bench.unnamed, *tables.unnamed), other_reasons=(*bench.other_reasons, *tables.other_reasons),
         probabilities={**tables.probabilities, **bench.probabilities},
     )  # fmt: skip
 
@@ -282,7 +282,7 @@ def with_file_names(tables: Diagnosis) -> Diagnosis:
     )
 
 
-def _told_once(bench: Sequence[Finding], tables: Sequence[Finding]) -> tuple[Finding, ...]:
+def _reported_once(bench: Sequence[Finding], tables: Sequence[Finding]) -> tuple[Finding, ...]:
     sure = {each.effect for each in bench if each.confidence != "possible"}
     added = [each for each in tables if each.effect not in sure]
     better = {each.effect for each in added if each.confidence != "possible"}

@@ -35,15 +35,15 @@ class Search:
     _ranked: dict[tuple[Member, ...], Ranked] = field(default_factory=dict)
     _alone: dict[tuple[tuple[Member, ...], int], Ranked] = field(default_factory=dict)
 
-    def beside(self, members: Sequence[Member]) -> Ranked:
-        """Return what every hypothesis is worth beside members."""
+    def ranked_with(self, members: Sequence[Member]) -> Ranked:
+        """Return what every hypothesis is worth with members."""
         key = tuple(sorted(members, key=lambda each: each.option))
         if key not in self._ranked:
             self._ranked[key] = ranked(self.board, key)
         return self._ranked[key]
 
     def alone(self, members: Sequence[Member], hypothesis: int) -> Ranked:
-        """Return what one hypothesis is worth beside members; nothing of all others."""
+        """Return what one hypothesis is worth with members; nothing of all others."""
         key = tuple(sorted(members, key=lambda each: each.option))
         if key in self._ranked:
             return self._ranked[key]
@@ -68,7 +68,7 @@ class Search:
         return self.best
 
     def widen(self) -> None:
-        """Look at everything that may act unseen beside each of the likeliest models, not of the best alone."""
+        """Look at everything that may act unseen with each of the likeliest models, not of the best alone."""
         for model in self.window[: priors.BREADTH**2]:
             for child in self._children(model):
                 self._keep(child)
@@ -89,11 +89,11 @@ class Search:
         found, best = list[Model](), self.best
         for i, member in enumerate(best.members):
             rest, option = best.members[:i] + best.members[i + 1 :], self.board.options[member.option]
-            beside = self.beside(rest)
+            ranking = self.ranked_with(rest)
             for number in self.board.options_of[option.hypothesis].tolist():
-                less = float(beside.best[number] - beside.best[member.option])
+                less = float(ranking.best[number] - ranking.best[member.option])
                 if less > -priors.WINDOW and self.board.options[number].place != option.place:
-                    moved = Member(number, float(beside.amplitude[number]))
+                    moved = Member(number, float(ranking.amplitude[number]))
                     found.append(Model((*rest, moved), best.log_odds + less, best.names))
         return found
 
@@ -121,11 +121,11 @@ class Search:
         """Yield a model with each hypothesis more, while it is no larger than may be."""
         if len(parent.members) >= priors.LARGEST:
             return
-        beside = self.beside(parent.members)
-        for i, total in enumerate(beside.total.tolist()):
+        ranking = self.ranked_with(parent.members)
+        for i, total in enumerate(ranking.total.tolist()):
             again = self._again(i) if i in parent.names else 0.0
             if np.isfinite(total + again):
-                member = beside.member(self.board, i)
+                member = ranking.member(self.board, i)
                 names = tuple(sorted((*parent.names, i)))
                 yield Model((*parent.members, member), parent.log_odds + total + again, names)
 
@@ -135,7 +135,7 @@ class Search:
         return -np.inf if one.log_again is None else one.log_again - one.log_odds
 
     def polished(self, members: Sequence[Member]) -> Model:
-        """Return a model with every member's option and amplitude the best beside the others."""
+        """Return a model with every member's option and amplitude the best with the others."""
         now, of = list(members), [self.board.options[each.option].hypothesis for each in members]
         for _ in range(priors.LARGEST):  # each change is likelier than what was, but for rounding
             before = list(now)
@@ -145,9 +145,9 @@ class Search:
                 break
         log_odds = Held.of(self.board, now).gain
         for i, hypothesis in enumerate(of):
-            beside = self.alone(now[:i] + now[i + 1 :], hypothesis)
-            at = beside.best[now[i].option]
-            volume = beside.total[hypothesis] - at + self.board.options[now[i].option].log_share
+            ranking = self.alone(now[:i] + now[i + 1 :], hypothesis)
+            at = ranking.best[now[i].option]
+            volume = ranking.total[hypothesis] - at + self.board.options[now[i].option].log_share
             log_odds += float(volume) + (self._again(hypothesis) if hypothesis in of[:i] else 0.0)
         return Model(tuple(now), log_odds, tuple(sorted(of)))
 
@@ -167,7 +167,7 @@ class Search:
                     self._keep(child)
             if len(gone) == 1 and self.board.hypotheses[_of(self.board, model.members[gone[0]])].takes_any_shape:
                 self._two_for_one(smaller, least)
-            # of options that overlap, those that were the best beside what is gone may be so again
+            # of options that overlap, those that were the best with what is gone may be so again
             as_it_stood = Model(rest, smaller.log_odds, smaller.names)
             for base in [smaller] if set(rest) == set(smaller.members) else [smaller, as_it_stood]:
                 for child in sorted(self._children(base), key=lambda each: -each.log_odds)[: priors.BREADTH]:
@@ -179,7 +179,7 @@ class Search:
         own = _of(self.board, model.members[i])
         if self.board.hypotheses[own].takes_any_shape:
             return True
-        total = self.beside(model.members[:i] + model.members[i + 1 :]).total
+        total = self.ranked_with(model.members[:i] + model.members[i + 1 :]).total
         return bool(np.any(np.delete(total, own) > total[own] - 2 * priors.WINDOW))
 
     def _two_for_one(self, smaller: Model, least: float) -> None:

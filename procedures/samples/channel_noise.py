@@ -33,7 +33,7 @@ class ChannelNoise:
     """A channel's noise in ``seconds`` of a recording, in g, deg/s, or outputs where ``is_scaled`` is False.
 
     ``curve`` is that of the samples that are analysed, ``fit`` the terms of what it is without its ``lines``;
-    ``conditions`` are what the samples are beside a sensor's noise.
+    ``conditions`` are what the samples are in addition to a sensor's noise.
     """
 
     triad: str
@@ -91,7 +91,7 @@ def noise_of(channel: HeldChannel, is_scaled: bool) -> ChannelNoise:
     return replace(noise_as_is(channel), is_scaled=is_scaled)
 
 
-@lru_cache(maxsize=len(TRIADS) * len(AXES))  # single channels ask for it, and the noise beside a diagnosis
+@lru_cache(maxsize=len(TRIADS) * len(AXES))  # single channels ask for it, and the noise with a diagnosis
 def noise_as_is(channel: HeldChannel) -> ChannelNoise:
     """Return the same, whether its unit is known or not."""
     raw, part = channel.rate[channel.longest], channel.longest

@@ -26,17 +26,20 @@ from procedures.inference.result import (
 )
 from procedures.samples.held_samples import Scales, records_at_rest
 from procedures.samples.sample_blocks import Columns, SampleBlocks, detrended, fit_scores, sample_blocks, scores_of
-from procedures.samples.sample_candidates import (
+from procedures.samples.sample_findings import (
     MIN_LINE_SHARE,
     Candidate,
     SampleFinding,
+    findings_of_samples,
+    folded_by_phase,
     harmonics,
     line_in_time,
     periodic,
+    recordings,
+    sample_errors,
     without_finding,
 )
-from procedures.samples.sample_findings import findings_of_samples, folded_by_phase, recordings, sample_errors
-from procedures.samples.sample_lines import coherent_line, repeated_lines
+from procedures.samples.sample_lines import coherent_line, repeated_lines, without_slow_lines
 from procedures.samples.sample_phases import (
     Phase,
     channel_phases,
@@ -48,10 +51,9 @@ from procedures.samples.sample_phases import (
 )
 from procedures.samples.sample_rectification import by_variance, rectified
 from procedures.samples.sample_turns import periodic_in_turns
-from procedures.samples.slow_lines import without_slow_lines
 from procedures.statistics.spectrum import lines_of
 
-BESIDE_A_LINE = 0.005  # of its frequency
+SIDEBAND = 0.005  # of a line's frequency
 ROUNDS = 5
 MAX_LAG = 64  # samples, either way
 
@@ -81,7 +83,7 @@ def with_sample_effects(found: Diagnosis, campaigns: Sequence[Campaign], scales:
         findings=findings,
         errors=(*found.errors, *seen.errors),
         folded=seen.folded,
-        beside=(*found.beside, *seen.left),
+        other_reasons=(*found.other_reasons, *seen.left),
     )
 
 
@@ -174,10 +176,10 @@ def _best(blocks: SampleBlocks, is_usable: Sequence[bool], known: Sequence[Candi
 
 
 def _is_stated(one: Candidate, known: Candidate) -> bool:
-    """Say whether a candidate is known, or a line beside a known one: a line that comes and goes has such."""
+    """Say whether a candidate is known, or a line next to a known one: a line that comes and goes has such."""
     if one.phase is None or known.phase is None or not (one.is_line and known.is_line):
         return one.about == known.about
-    return abs(one.phase.period / known.phase.period - 1) < BESIDE_A_LINE
+    return abs(one.phase.period / known.phase.period - 1) < SIDEBAND
 
 
 def _candidates(blocks: SampleBlocks) -> Iterator[Candidate]:

@@ -125,7 +125,7 @@ def _groups(
 
 
 def _stretches(rate: FloatArray, stretch: int) -> tuple[FloatArray, FloatArray]:
-    """Return means and variances (m, 2) of stretches: of even samples beside those of odd ones, and crosswise."""
+    """Return means and variances (m, 2) of stretches: of even samples next to those of odd ones, and crosswise."""
     pairs = rate[: len(rate) // stretch * stretch].reshape(-1, stretch)[:, : stretch // 2 * 2]
     even, odd = pairs[:, ::2], pairs[:, 1::2]
     mean = np.stack((even.mean(axis=1), odd.mean(axis=1)), axis=1)

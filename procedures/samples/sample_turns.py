@@ -4,7 +4,7 @@ The rate is far larger, and the Earth's rate and gravity turn with it. What is k
 turn first, and off the candidate's columns alike, psi being the angle turned:
 
     the sensor about the axis:  the rate of an angle that turns along; a line in time, cos psi, sin psi, rate^2
-    the two beside it:          the rate that the first one saw; a line in time, cos psi, sin psi, rate^2
+    the two next to it:         the rate that the first one saw; a line in time, cos psi, sin psi, rate^2
 
 A noisy angle's rate as a column would come out too small, so its factor is that of the whole turn. What stays is
 averaged over as many samples as the angle's highest harmonic allows: an encoder's noise falls by their number.

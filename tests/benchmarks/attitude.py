@@ -1,4 +1,4 @@
-"""Roll and pitch errors of the station beside vqf, imufusion and ahrs, all in one run.
+"""Roll and pitch errors of the station compared with vqf, imufusion and ahrs, all in one run.
 
 Logs with truth are recorded; the paper's flight and simulated vehicles are drawn. Peers are the extra `peers`, at
 their defaults, in the same axes and from the same first sample.
@@ -98,7 +98,7 @@ def proof(size: int, seed: int) -> dict[str, Figure]:
 
 
 def vehicles(size: int, seed: int) -> dict[str, Figure]:
-    """Return errors without aid on simulated vehicles, beside VQF's, and the error over the stated sigma."""
+    """Return errors without aid on simulated vehicles, next to VQF's, and the error over the stated sigma."""
     result = dict[str, Figure]()
     for kind in VEHICLES:
         for grade, sensors in (("MEMS", MEMS), ("FOG", FOG)):

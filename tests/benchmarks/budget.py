@@ -1,4 +1,4 @@
-"""The uncertainty budget beside a Monte Carlo of the whole chain (JCGM 101:2008).
+"""The uncertainty budget next to a Monte Carlo of the whole chain (JCGM 101:2008).
 
 Everything the budget has as uncertain is drawn (counts, headings, closures, gravity, certificates, the cube,
 latitude and time base where they are in), integer counts are simulated and solved.
@@ -26,7 +26,7 @@ ASKED = 0.05
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of campaign: dwells, noise of a sample [g], certificate [rad], what is drawn beside them."""
+    """A kind of campaign: dwells, noise of a sample [g], certificate [rad], what is drawn with them."""
 
     dwell_s: float = 100.0
     noise_g: float = 1e-5
@@ -94,7 +94,7 @@ class Comparison:
 
 
 def compare(rows: Sequence[np.ndarray]) -> Comparison:
-    """Set the budgets beside the scatter of the errors."""
+    """Set the budgets next to the scatter of the errors."""
     error, u, U = np.stack(rows, axis=1)
     std = np.sqrt(np.mean(error**2, axis=0))
     covered = np.mean(np.abs(error) <= U, axis=0)

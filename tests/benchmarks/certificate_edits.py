@@ -24,7 +24,7 @@ from tests.station.results.certificate.signing import pdf_edits, xml_edits
 from tests.station.results.certificate.signing.signed_files import signed_files, trusted
 
 
-def is_told(content: bytes, look: Callable[..., Any], trust: Trust) -> bool:
+def is_detected(content: bytes, look: Callable[..., Any], trust: Trust) -> bool:
     """Return whether a file is refused or found faulty; anything else that is raised is a bug."""
     try:
         return bool(look(content, "edited", trust).faults)
@@ -61,7 +61,7 @@ def missed(count: int, seed: int, files: tuple[bytes, bytes]) -> tuple[Counter[s
         before = files[form == "PDF"]
         after = edited_xml(before, kind, chance) if form == "XML" else pdf_edits.EDITS[kind](before, chance)
         made[f"{form} {kind}"] += 1
-        if not is_told(after, verify_xml if form == "XML" else verify_pdf, trust):
+        if not is_detected(after, verify_xml if form == "XML" else verify_pdf, trust):
             lost.append(f"{form} {kind} {number}")
     return made, lost
 
@@ -69,7 +69,7 @@ def missed(count: int, seed: int, files: tuple[bytes, bytes]) -> tuple[Counter[s
 def false_alarms(count: int, seed: int, files: tuple[bytes, bytes]) -> int:
     """Return how many documents that say the same were said to be faulty."""
     chance, trust = random.Random(seed), trusted()
-    return sum(is_told(unchanged_xml(files[0], chance), verify_xml, trust) for _ in range(count))
+    return sum(is_detected(unchanged_xml(files[0], chance), verify_xml, trust) for _ in range(count))
 
 
 def own_certificate(folder: Path) -> bytes:

@@ -1,7 +1,7 @@
 """How a stream of frames is damaged, and what came of it: shared by the proofs with damaged bytes.
 
 Every damaged frame is followed by an intact one with chance 1/8. Counted are crashes, accepted frames that equal
-none that was sent, and intact frames not found. Beside the wrong ones stands what the width of the check allows:
+none that was sent, and intact frames not found. Next to the wrong ones stands what the width of the check allows:
 2^-bits per frame whose check was computed and failed. A control has its check cut to 8 bits: there wrong frames
 must come out at about the rate expected, or the proof could not see any.
 """

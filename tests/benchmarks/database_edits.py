@@ -46,12 +46,12 @@ class Tally:
         self.alone += other.alone
         self.missed += other.missed
 
-    def tell(self, kind: str, said: str, is_alone: bool, is_anchored: bool) -> None:
+    def record(self, kind: str, edit: str, is_alone: bool, is_anchored: bool) -> None:
         """Count an edit."""
         self.made[kind] += 1
         self.alone[kind] += is_alone
         if not is_anchored and "read as before" not in kind:
-            self.missed.append(f"{kind}: {said}")
+            self.missed.append(f"{kind}: {edit}")
 
 
 def try_edits(database: Database, count: int, seed: int) -> Tally:
@@ -66,16 +66,16 @@ def try_edits(database: Database, count: int, seed: int) -> Tally:
         kind = OTHERS[number // 10 % len(OTHERS)] if number % 10 == 9 else name
         with database.engine.connect() as connection:
             try:
-                said = _edited(connection, kind, table, column, chance)
+                edit = _edited(connection, kind, table, column, chance)
             except DBAPIError:
-                tally.tell(f"{kind}, refused", f"{table.name}.{column.key}", True, True)
+                tally.record(f"{kind}, refused", f"{table.name}.{column.key}", True, True)
                 continue
-            if said is None:
+            if edit is None:
                 continue
             with Session(bind=connection) as session:
                 found = alterations(session)
                 session.expire_all()
-                tally.tell(kind, said, bool(found), bool(found or alterations(session, anchor)))
+                tally.record(kind, edit, bool(found), bool(found or alterations(session, anchor)))
     return tally
 
 
@@ -88,13 +88,13 @@ def _edited(
         return edit_declaration(connection, chance)
     free_to_write(connection)
     if kind == CUT:
-        said: str | None = cut(connection, chance)
+        edit: str | None = cut(connection, chance)
     elif kind == REWRITTEN:
-        said = rewrite(connection, table, column, chance)
+        edit = rewrite(connection, table, column, chance)
     else:
-        said = EDITS[kind](connection, table, column, chance)
+        edit = EDITS[kind](connection, table, column, chance)
     put_back(connection)
-    return said
+    return edit
 
 
 def filled(where: str | Path) -> AbstractContextManager[Database]:
@@ -112,7 +112,7 @@ def proof(size: int, seed: int) -> dict[str, Figure]:
         for where, count in ((Path(folder) / "station.db", size), *([(server, size // 5)] if server else [])):
             with filled(where) as database:
                 tally.add(try_edits(database, count, seed))
-        try_file_edits(Path(folder), max(size // 20, 7), random.Random(seed), tally.tell)
+        try_file_edits(Path(folder), max(size // 20, 7), random.Random(seed), tally.record)
         alarms = false_alarms(Path(folder), max(size // 50, 4), random.Random(seed))
     return {
         "edits": Figure(tally.made.total()),

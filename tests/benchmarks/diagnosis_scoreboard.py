@@ -27,7 +27,7 @@ from procedures.evidence.linear_model import Term
 from procedures.evidence.residual_rows import Evidence
 from tests.benchmarks.diagnosing.coefficients import Cause, errors_of
 from tests.benchmarks.diagnosing.planted_worlds import APART, HELD_BY_THE_MODEL, World, worlds
-from tests.benchmarks.discovering.judged import SAME, likeness
+from tests.benchmarks.discovering.judged import SAME, similarity
 from tests.proof.evidence import Figure, spread, zero
 
 KINDS: dict[str, str] = {each.name: each.kind for each in EFFECTS}
@@ -93,11 +93,11 @@ def _alike(world: World, answer: Answer, causes: Sequence[Cause]) -> list[bool]:
         return found
     does, sure = world.does(answer.evidence), [t for c in causes if c.probability >= 0.5 for t in c.terms]
     fits = [t for t in sure if len(t.H) == len(does)]
-    together = bool(fits) and likeness(answer.evidence, fits, does) >= SAME
+    together = bool(fits) and similarity(answer.evidence, fits, does) >= SAME
     for i, cause in enumerate(causes):
         own = [t for t in cause.terms if len(t.H) == len(does)]
         found[i] = found[i] or (together and cause.probability >= 0.5)
-        found[i] = found[i] or (bool(own) and likeness(answer.evidence, own, does) >= SAME)
+        found[i] = found[i] or (bool(own) and similarity(answer.evidence, own, does) >= SAME)
     return [bool(each) for each in found]
 
 

@@ -57,8 +57,8 @@ def freeze(journal: Path, speed: float = 1.0) -> Outcome:
             while hands.time() < end:
                 pass
             os.kill(station.pid, signal.SIGCONT)
-            told = json.loads(station.communicate("enough\n")[0])
-    return Outcome(Seen(**told["seen"]), seen(Chunk(*raw) for raw in read_step(journal).raw), told["blind_s"])
+            found = json.loads(station.communicate("enough\n")[0])
+    return Outcome(Seen(**found["seen"]), seen(Chunk(*raw) for raw in read_step(journal).raw), found["blind_s"])
 
 
 def seen(items: Iterable[Chunk | StreamGap]) -> Seen:

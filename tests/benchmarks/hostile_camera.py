@@ -1,7 +1,7 @@
 """Feed damaged parts of MJPEG to the camera's decoder.
 
 JPEG has no check: wrong are accepted images whose length is no image's (cut, spliced, with bytes lost or added);
-one of the right length may be altered within, and is counted beside. Without Content-Length, or any header, only
+one of the right length may be altered within, and is counted apart. Without Content-Length, or any header, only
 markers are left to say what is whole: there images of wrong length must come out, or this proof could see none.
 """
 

@@ -165,28 +165,28 @@ def reference(steps: int) -> tuple[str, float]:
 def run(kills: int, seed: int, steps: int = len(STEPS)) -> Counter[str]:
     """Kill ``kills`` times, over as many campaigns as that takes; return what was counted."""
     rng, (expected, seconds) = random.Random(seed), reference(steps)
-    told = Counter[str]()
-    while told["kills"] < kills:
-        told["campaigns"] += 1
+    tally = Counter[str]()
+    while tally["kills"] < kills:
+        tally["campaigns"] += 1
         with tempfile.TemporaryDirectory() as name:
             folder, accepted, is_done = Path(name), list[str](), False
             while not is_done:
                 is_done, more = killed_once(folder, steps, rng, seconds / 3)
-                told["kills"] += not is_done
+                tally["kills"] += not is_done
                 accepted += more
                 for fault in faults(folder, accepted):
                     print("FAULT", fault)
-                    told["faults"] += 1
-            told["other_solutions"] += (folder / "solution.json").read_text() != expected
-    return told
+                    tally["faults"] += 1
+            tally["other_solutions"] += (folder / "solution.json").read_text() != expected
+    return tally
 
 
 def proof(size: int, seed: int) -> dict[str, Figure]:
     """Return what ``size`` kills, over as many campaigns as that takes, did."""
-    told = run(size, seed)
+    tally = run(size, seed)
     return {
-        "kills": Figure(told["kills"]),
-        "campaigns": Figure(told["campaigns"]),
-        "accepted steps lost or doubled, broken databases": zero(told["faults"]),
-        "solutions that differ in a bit from the uninterrupted campaign's": zero(told["other_solutions"]),
+        "kills": Figure(tally["kills"]),
+        "campaigns": Figure(tally["campaigns"]),
+        "accepted steps lost or doubled, broken databases": zero(tally["faults"]),
+        "solutions that differ in a bit from the uninterrupted campaign's": zero(tally["other_solutions"]),
     }

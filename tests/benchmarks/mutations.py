@@ -66,8 +66,8 @@ class Station:
         is_reordered = file.name == "SHA256SUMS" and how == self._swapped_lines
         found = quietly("verify", what, "--db", self.home / "station.db")[0] != 0
         file.write_bytes(content)
-        said = f"MISSED in {file.name}, {how.__name__ if how else 'dropped'}"
-        return "found" if found else "harmless" if is_same or is_reordered else said
+        missed = f"MISSED in {file.name}, {how.__name__ if how else 'dropped'}"
+        return "found" if found else "harmless" if is_same or is_reordered else missed
 
     def _byte(self, content: bytes) -> bytes:
         at = self.chance.randrange(len(content))

@@ -1,4 +1,4 @@
-"""How fast bytes become samples and samples attitudes, each beside a peer in the same process on the same data.
+"""How fast bytes become samples and samples attitudes, each next to a peer in the same process on the same data.
 
 By processor time, the shortest of some runs in turn, so that what else the machine does counts little. For the
 serial formats no decoder is published as a package: bytes a second stand there.
@@ -62,7 +62,7 @@ def wires(frames: int) -> dict[str, Figure]:
 
 
 def can(frames: int, seed: int) -> dict[str, Figure]:
-    """Return the rate of frames to checked, joined samples beside cantools, which only decodes."""
+    """Return the rate of frames to checked, joined samples next to cantools, which only decodes."""
     wire, database = can_format(), load_dbc(OWN_DBC)
     stream = wire.encode(block_of(frames, 0, np.random.default_rng(seed)))
     every = unpack(stream)
@@ -75,7 +75,7 @@ def can(frames: int, seed: int) -> dict[str, Figure]:
 
 
 def mavlink(frames: int, seed: int) -> dict[str, Figure]:
-    """Return the rate of MAVLink messages beside pymavlink, in reads of 4 KiB."""
+    """Return the rate of MAVLink messages next to pymavlink, in reads of 4 KiB."""
     stream = b"".join(some_frames(random.Random(seed), a_sender(), frames))
     reads = [stream[at : at + 4096] for at in range(0, len(stream), 4096)]
 
@@ -92,7 +92,7 @@ def mavlink(frames: int, seed: int) -> dict[str, Figure]:
 
 
 def attitudes(seed: int) -> dict[str, Figure]:
-    """Return the samples a second of the attitude filters, beside vqf's."""
+    """Return the samples a second of the attitude filters, next to vqf's."""
     log = paper_flight(seed, 1750.0)
     works: list[Callable[[], object]] = [
         lambda: ComplementaryFilter().run(log),

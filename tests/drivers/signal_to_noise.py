@@ -21,7 +21,7 @@ FREE = 1e3  # prior of what a calibration is free to take, far beyond any
 
 @dataclass(frozen=True, slots=True)
 class Shown:
-    """Signal to noise of a kind in one campaign: in its best row, in all rows, and beside what is absorbed."""
+    """Signal to noise of a kind in one campaign: in its best row, in all rows, and next to what is absorbed."""
 
     kind: str
     seed: int

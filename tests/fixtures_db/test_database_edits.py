@@ -25,7 +25,7 @@ def test_edits_of_any_table_and_column_are_noticed(db_url: str) -> None:
 
 def test_edits_of_the_file_are_noticed_against_an_anchor(tmp_path: Path) -> None:
     tally = Tally()
-    try_file_edits(tmp_path, len(HOW), random.Random(1), tally.tell)
+    try_file_edits(tmp_path, len(HOW), random.Random(1), tally.record)
     assert tally.missed == []
     assert sum(tally.made.values()) == len(HOW)
 

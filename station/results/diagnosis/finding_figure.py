@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
-from procedures.diagnosis.caches import let_go_at_the_end
+from procedures.diagnosis.caches import clear_caches
 from procedures.discovery.discover import Discovery, Proposal
 from procedures.effects import EFFECTS
 from procedures.effects.excitation import TAU, Excitation
@@ -204,7 +204,7 @@ class ResidualPanel:
     place: str = ""
 
 
-@let_go_at_the_end()
+@clear_caches()
 def residual_panels(diagnosis: Diagnosis) -> list[ResidualPanel]:
     """Return a panel for every finding that can still be separated in the evidence."""
     ways = [_way(diagnosis, finding) for finding in diagnosis.findings]

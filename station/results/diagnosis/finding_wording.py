@@ -81,7 +81,7 @@ EQUATIONS = {  # of what acts sample by sample, a the channel, the count or the 
     "accelerometer.vibration_rectification": "K (a - mean)^2",
     "gyroscope.vibration_rectification": "K (sum of (a - mean)^2 over the accelerometers)",
     "auxiliary.channel": "c a(t - lag)",
-    "disturbance.line": "sum of cos_h cos(2 pi h f t) + sin_h sin(2 pi h f t), or a sine whose phase wanders",
+    "disturbance.line": "sum of cos_h cos(2 pi h f t) + sin_h sin(2 pi h f t), or a sine whose phase drifts",
 }  # fmt: skip
 
 

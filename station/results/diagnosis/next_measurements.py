@@ -128,7 +128,7 @@ OTHER_ORDER = always(
 )
 STEADY_ROOM = always(
     "steady_room",
-    "Record the same rest again with the air conditioning off, and with the temperature recorded beside the unit: "
+    "Record the same rest again with the air conditioning off, and with the temperature recorded at the unit: "
     "a cycle of the bias then goes, or follows that temperature.",
     soak=[{"position": 9, "seconds": SOAK_S}],
 )
@@ -277,10 +277,10 @@ def write_plans(path: Path, wanted: Sequence[Measurement]) -> list[Path]:
         If a file cannot be written.
     """
     with_steps = [one for one in wanted if one.steps] or list(wanted[:1])
-    besides = [f"Besides: {one.say}" for one in wanted if one not in with_steps]
+    further = [f"Also: {one.say}" for one in wanted if one not in with_steps]
     files = [path, *(path.with_name(f"{path.stem}_{i}{path.suffix}") for i in range(2, len(with_steps) + 1))]
     for file, one in zip(files, with_steps, strict=True):
-        wording = [one.say, *(besides if file == path else [])]
+        wording = [one.say, *(further if file == path else [])]
         remarks = "".join(f"# {line}\n" for text in wording for line in wrap(text, WIDTH))
         replace_file(file, (remarks + toml_text(_tables(one))).encode())
     return files

@@ -104,7 +104,7 @@ def _finding(one: Proposal, best: NextMeasurement | None) -> dict[str, Any]:
         "term": list(one.term.terms), "latex": latex_of_law(one.term),
         "readings": [
             {"term": list(each.term.terms), "unit": each.term.unit, "latex": latex_of_law(each.term),
-             "correlation": float(each.likeness), "worse_by": float(each.worse),
+             "correlation": float(each.similarity), "worse_by": float(each.worse),
              **({"expected_chi2": best.expected[i]} if best else {})}
             for i, each in enumerate(one.readings[:MAX_READINGS])
         ],

@@ -105,7 +105,7 @@ def population(model: str, runs: Sequence[Run]) -> Population:
     """Return the population of all runs of a model; recordings that were solved again count once."""
     distinct = turn_ons(runs)
     held, left_out = by_parameter(runs)
-    groups, untold = _groups(held)
+    groups, undetermined = _groups(held)
     return Population(
         format="population/1",
         model=model,
@@ -115,7 +115,7 @@ def population(model: str, runs: Sequence[Run]) -> Population:
         left_out=left_out,
         parameters={name: _parameter(one, len(held)) for name, one in held.items()},
         groups=groups,
-        cannot_tell=untold,
+        cannot_tell=undetermined,
     )
 
 
@@ -151,11 +151,11 @@ def _groups(held_of: dict[str, list[RunParameter]]) -> tuple[list[GroupDeviation
     found = {key: one for key in every if (one := _shift(held_of, key, frozenset())) is not None}
     adjusted = _without_those_off(held_of, found)
     significant = {(key.kind, key.name) for key in found}
-    untold = sorted(
+    undetermined = sorted(
         {(key.kind, key.name) for key in every} - significant, key=lambda one: (MADE_WITH.index(one[0]), one[1])
     )
     rows = [_row(key, one, held_of[key.parameter][-1][1].unit, adjusted[key]) for key, one in found.items()]
-    return sorted(rows, key=attrgetter("p_value")), [f"{kind} {name}" for kind, name in untold]
+    return sorted(rows, key=attrgetter("p_value")), [f"{kind} {name}" for kind, name in undetermined]
 
 
 def _without_those_off(
@@ -243,8 +243,8 @@ def _group_lines(found: Population) -> Iterator[str]:
         if one.stands_out
     ]
     yield from _listed("cubes, surface plates, sites and operators", rows)
-    if untold := found.cannot_tell:
-        yield f"  not determined: {', '.join(untold)}"
+    if undetermined := found.cannot_tell:
+        yield f"  not determined: {', '.join(undetermined)}"
         yield f"  (it takes {MIN_UNITS_IN_BOTH} units calibrated with it and without it)"
 
 

@@ -76,7 +76,7 @@ def _drawn(campaign: Campaign, seed: int) -> Campaign:
 
 
 def with_free(truth: Truth, seed: int, also: Planted = ()) -> Made:
-    """Beside the twelve, sixteen rests near 45 deg between the faces."""
+    """In addition to the twelve, sixteen rests near 45 deg between the faces."""
     free = _between_faces(seed)[:16]
     return (simulate_campaign(truth, seed, draw_stated=False, free=free, also=also),)
 
@@ -112,7 +112,7 @@ def two_speeds(truth: Truth, seed: int, also: Planted = ()) -> Made:
 
 
 def turned_thrice(truth: Truth, seed: int, also: Planted = ()) -> Made:
-    """The usual plan, its turns three times over: fifteen numbers beside three scale factors."""
+    """The usual plan, its turns three times over: fifteen numbers in addition to three scale factors."""
     turns = [replace(each, speed_deg_s=SPEED) for each in 3 * turn_steps()]
     return (simulate_campaign(truth, seed, draw_stated=False, repeats=1, turns=turns, also=also),)
 
@@ -139,7 +139,7 @@ def _moved(truth: Truth, seed: int, also: Planted, turns: Sequence[Turn]) -> Mad
 
 
 def timed(truth: Truth, seed: int, also: Planted = ()) -> Made:
-    """With reference time beside the counts, true to `JITTER`."""
+    """With reference time in addition to the counts, true to `JITTER`."""
     ppm = truth.effects.get("clock.rate", {}).get("value", 0.0)
     return tuple(with_reference_time(campaign, ppm, seed, JITTER) for campaign in plain(truth, seed, also))
 
@@ -151,7 +151,7 @@ def clock_sigma(campaign: Campaign) -> float:
 
 
 def with_auxiliary(truth: Truth, seed: int, also: Planted = ()) -> Made:
-    """With an auxiliary channel beside the counts."""
+    """With an auxiliary channel in addition to the counts."""
     return tuple(_auxiliary(campaign) for campaign in plain(truth, seed, also))
 
 

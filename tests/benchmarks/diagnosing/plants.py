@@ -16,7 +16,7 @@ SWING = (
     1.5,
     4.0,
 )  # counts, by which a disturbance swings the running count: it is no column and has no such sigma
-CLOSURE_DEG, HEADING_DEG = (0.028, 0.059), (0.14, 0.30)  # beside 0.01 and 0.05 stated: 3 to 6 times that in all
+CLOSURE_DEG, HEADING_DEG = (0.028, 0.059), (0.14, 0.30)  # next to 0.01 and 0.05 stated: 3 to 6 times that in all
 XYZ = ("x", "y", "z")
 MATRIX = tuple(a + b for a in XYZ for b in XYZ)
 Sizes = Mapping[str, float]

@@ -11,7 +11,7 @@ from procedures.effects.effect import INSTRUMENT
 from procedures.evidence.linear_model import Term, fit_linear
 from procedures.evidence.residual_rows import Evidence
 from tests.benchmarks.discovering.laws import Law
-from tests.benchmarks.discovering.planting import beside_model, with_law
+from tests.benchmarks.discovering.planting import outside_model, with_law
 from tests.benchmarks.undeclared_kinds.literature import Kind
 
 SAME = 0.98  # correlation of what was planted with what the term can do at its best
@@ -41,7 +41,7 @@ def trial(law: Law, seed: int) -> Outcome:
     does = drawn.done(more.evidence)
     own = [each for each in found.findings if each.kind == "instrument"]
     added = [each.term for each in found.added if each.effect.name.split(".")[0] in INSTRUMENT]
-    is_same = bool(added) and likeness(more.evidence, added, does) > SAME
+    is_same = bool(added) and similarity(more.evidence, added, does) > SAME
     sure = [word for word in SURE if any(each.confidence == word for each in own)]
     return Outcome(law.name, found.verdict, is_same, "" if is_same or not sure else sure[0], _word(more, does))
 
@@ -58,21 +58,21 @@ def _word(more: Discovery, does: np.ndarray) -> str:
     if not more.proposals:
         return "nothing"
     own = [each.columns[0] for each in more.proposals]
-    if likeness(more.evidence, own, does) > SAME:
+    if similarity(more.evidence, own, does) > SAME:
         return "named"
     for i, each in enumerate(more.proposals):
         for reading in each.columns[1:]:
-            if likeness(more.evidence, [*own[:i], reading, *own[i + 1 :]], does) > SAME:
+            if similarity(more.evidence, [*own[:i], reading, *own[i + 1 :]], does) > SAME:
                 return "a reading"
     return "other"
 
 
-def likeness(evidence: Evidence, terms: Sequence[Term], does: np.ndarray) -> float:
-    """Return how much of what was planted (n,) terms can do, beside the model, as a correlation."""
+def similarity(evidence: Evidence, terms: Sequence[Term], does: np.ndarray) -> float:
+    """Return how much of what was planted (n,) terms can do in addition to the model, as a correlation."""
     fit = fit_linear(evidence, [], factor=np.ones(len(evidence.residual)))
     H = np.hstack([each.H for each in terms]) / evidence.sigma[:, None]
-    left = np.column_stack([beside_model(fit.Q, column) for column in H.T])
+    left = np.column_stack([outside_model(fit.Q, column) for column in H.T])
     U, s, _ = np.linalg.svd(left, full_matrices=False)
     U = U[:, s > 1e-9 * s[0]]
-    wanted = beside_model(fit.Q, does)
+    wanted = outside_model(fit.Q, does)
     return float(np.linalg.norm(U.T @ wanted) / np.linalg.norm(wanted))

@@ -123,14 +123,14 @@ def bare_evidence(campaigns: tuple[Campaign, ...]) -> Evidence:
 
 
 def size_of(drawn: Drawn, evidence: Evidence, seed: int) -> float:
-    """Return a size of 8 to 20 sigmas beside all that the model absorbs."""
+    """Return a size of 8 to 20 sigmas in addition to all that the model absorbs."""
     fit = fit_linear(evidence, [], factor=np.ones(len(evidence.residual)))
-    left = beside_model(fit.Q, drawn.done(evidence))
+    left = outside_model(fit.Q, drawn.done(evidence))
     return float(np.random.default_rng([seed, 43]).uniform(LEAST, MOST) / np.linalg.norm(left))
 
 
-def beside_model(Q: np.ndarray, does: np.ndarray) -> np.ndarray:
-    """Return what rows (n,) do beside the columns of Q."""
+def outside_model(Q: np.ndarray, does: np.ndarray) -> np.ndarray:
+    """Return what rows (n,) do in addition to the columns of Q."""
     wide = np.zeros(len(Q))
     wide[: len(does)] = does
     return wide - Q @ (Q.T @ wide)

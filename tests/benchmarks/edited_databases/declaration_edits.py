@@ -94,7 +94,7 @@ def rebuilt(connection: Connection, table: Table, how: str) -> str | None:
 
 
 def edit_trigger(connection: Connection, chance: random.Random) -> str:
-    """Drop a trigger that keeps rows from being changed, weaken it, switch it off, or put another beside it."""
+    """Drop a trigger that keeps rows from being changed, weaken it, switch it off, or put another next to it."""
     table = chance.choice(append_only_tables())
     is_sqlite = connection.dialect.name == "sqlite"
     name, statement = chance.choice(list((on_sqlite if is_sqlite else on_postgresql)(table).items()))

@@ -88,7 +88,7 @@ def look(file: Path, anchor: Anchor) -> tuple[bool, bool]:
 
 
 def try_file_edits(
-    home: Path, count: int, chance: random.Random, tell: Callable[[str, str, bool, bool], None]
+    home: Path, count: int, chance: random.Random, record: Callable[[str, str, bool, bool], None]
 ) -> None:
     """Edit files ``count`` times, and tell each kind with what it did and whether it was found."""
     (home / "copies").mkdir()
@@ -101,8 +101,8 @@ def try_file_edits(
         where = home / f"file_{number}"
         where.mkdir()
         copies.edited(where, how, chance)
-        said = f"{how} {number}"
+        edit = f"{how} {number}"
         alone, anchored = look(where / NAMES[0], copies.anchor)
         is_same = not anchored and meaning(where / NAMES[0]) == before
-        tell(how if not is_same else f"{how}, read as before", said, alone, anchored)
+        record(how if not is_same else f"{how}, read as before", edit, alone, anchored)
         shutil.rmtree(where)

@@ -24,11 +24,11 @@ def rewrite(connection: Connection, table: Table, column: Column[Any], chance: r
     """Change a value, then every hash that follows from it: of its own chain and of the journal."""
     if table is JOURNAL or column.key in BY_HASH or column.primary_key:
         return None
-    if (said := row_edits.change(connection, table, column, chance)) is None:
+    if (edit := row_edits.change(connection, table, column, chance)) is None:
         return None
     fit_chains(connection)
     fit_journal(connection)
-    return f"{said}, all hashes made to fit"
+    return f"{edit}, all hashes made to fit"
 
 
 def cut(connection: Connection, chance: random.Random) -> str:
@@ -93,12 +93,12 @@ def _back(connection: Connection, table: Table, key: str, then: str) -> None:
     if not then:
         connection.execute(table.delete().where(where))
         return
-    said = json.loads(then)
-    values = {each.key: _value(each, said.get(each.key)) for each in table.columns
-              if not str(said.get(each.key, "")).startswith("sha256 ")}  # fmt: skip
+    stored = json.loads(then)
+    values = {each.key: _value(each, stored.get(each.key)) for each in table.columns
+              if not str(stored.get(each.key, "")).startswith("sha256 ")}  # fmt: skip
     connection.execute(table.update().where(where).values(values))
 
 
-def _value(column: Column[Any], said: Any) -> Any:
+def _value(column: Column[Any], stored: Any) -> Any:
     kind = datetime if isinstance(column.type, UtcDateTime) else column.type.python_type
-    return kind.fromisoformat(said) if isinstance(said, str) and hasattr(kind, "fromisoformat") else said
+    return kind.fromisoformat(stored) if isinstance(stored, str) and hasattr(kind, "fromisoformat") else stored

@@ -24,8 +24,8 @@ def main() -> None:
     for job in JOBS:
         for fault in FAULTS:
             found = tried(job, fault, asked.scratch, asked.every)
-            said = {"calls": found.trials, "refused": found.refused, "wrong": found.wrong}
-            print(json.dumps({"job": job, "fault": fault, **said}), flush=True)
+            result = {"calls": found.trials, "refused": found.refused, "wrong": found.wrong}
+            print(json.dumps({"job": job, "fault": fault, **result}), flush=True)
 
 
 if __name__ == "__main__":

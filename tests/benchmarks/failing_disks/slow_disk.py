@@ -47,8 +47,8 @@ def station(home: Path, delay_s: float, *arguments: object) -> tuple[int, str]:
 def record(home: Path, delay_s: float) -> Wrong:
     """Record a device that goes on sending; no sample lacks, and the journal of raw bytes is whole."""
     with SimulatedDevice(replace(Truth.example(5), sample_period_s=PERIOD_S), 5) as device:
-        code, said = station(home, delay_s, "record", device.url, "--seconds", RECORDED_S, "--out", home / "r")
-    wrong = [] if (code, said) == (0, "") else [f"record: code {code}, {said}"]
+        code, output = station(home, delay_s, "record", device.url, "--seconds", RECORDED_S, "--out", home / "r")
+    wrong = [] if (code, output) == (0, "") else [f"record: code {code}, {output}"]
     for path in sorted((home / "r").glob("*.mcap")):
         step = read_step(path)
         wrong += [f"{path.name}: {step.damage}"] if step.damage else []

@@ -163,9 +163,9 @@ def apply(home: Path, disk: FailingDisk, arm: Callable[[], None]) -> Wrong:
 
 
 def _run(arguments: list[str]) -> None:
-    code, said = quietly(*arguments)
+    code, output = quietly(*arguments)
     if code:
-        raise Refused(code, "\n".join(x for x in said.splitlines() if not x.startswith("inferred")))
+        raise Refused(code, "\n".join(x for x in output.splitlines() if not x.startswith("inferred")))
 
 
 def _with(error: Exception, wrong: Wrong) -> Exception:
@@ -201,10 +201,10 @@ def _came(outcome: Outcome, job: str, fault: str, home: Path, nth: int) -> bool:
     finally:
         disk.heal()
     if disk.has_failed:
-        said = line.replace(str(home), "").strip()
-        if said and (code == BUG or "\n" in said):
-            wrong.append(f"code {code}: {said}")
+        output = line.replace(str(home), "").strip()
+        if output and (code == BUG or "\n" in output):
+            wrong.append(f"code {code}: {output}")
         outcome.trials += 1
-        outcome.refused += bool(said)
+        outcome.refused += bool(output)
         outcome.wrong.update(one[:300] for one in wrong)
     return disk.has_failed

@@ -49,13 +49,13 @@ def judged(kind: Kind, path: Path) -> tuple[int, str]:
             return BUG, f"{type(error).__name__}: {error}"[:200]
         finally:
             signal.alarm(0)
-    said = out.getvalue() + err.getvalue()
+    output = out.getvalue() + err.getvalue()
     if code == BUG:
         return code, err.getvalue()[-300:]
     if warned:
         return code, f"warning {warned[0].message}"[:200]
     if bad := sorted(
-        {f"U+{ord(c):04X}" for c in said if c != "\n" and unicodedata.category(c) in ("Cc", "Cf", "Cs")}
+        {f"U+{ord(c):04X}" for c in output if c != "\n" and unicodedata.category(c) in ("Cc", "Cf", "Cs")}
     ):
         return code, f"control characters {bad}"
     if code and err.getvalue().count("\n") != 1:

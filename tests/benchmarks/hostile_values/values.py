@@ -51,8 +51,8 @@ def mutants(table: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
     """Yield what was done, and the file with it done: each value in each place, each place left out."""
     for at in places(table):
         for value in (LEFT_OUT, *VALUES):
-            said = "left out" if value is LEFT_OUT else repr(value)[:40]
-            yield f"{'.'.join(map(str, at))} = {said}", altered(table, at, value)
+            shown = "left out" if value is LEFT_OUT else repr(value)[:40]
+            yield f"{'.'.join(map(str, at))} = {shown}", altered(table, at, value)
 
 
 def toml_of(tables: Any) -> str:

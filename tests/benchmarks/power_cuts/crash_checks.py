@@ -31,16 +31,16 @@ from tests.benchmarks.power_cuts.workloads import CAMPAIGN, DATABASE, GUIDED, sh
 from tests.station.commands.program import quietly
 from tests.station.guide.recorded import TAPE, step
 
-Said = list[dict[str, Any]]
+Reports = list[dict[str, Any]]
 Wrong = list[str]
 
 
 @dataclass(frozen=True, slots=True)
 class Known:
-    """What a check may know beside the folder: what was said by the cut, in the end, and what was synced."""
+    """What a check knows with the folder: what was reported by the cut, in the end, and what was synced."""
 
-    said: Said
-    in_the_end: Said
+    reported: Reports
+    in_the_end: Reports
     synced: Mapping[str, bytes]
     goes_on: bool = False
 
@@ -65,8 +65,8 @@ def check_campaign(
     home: Path, known: Known, wrong: Wrong, go_on: Callable[[CampaignRecorder], str] = _from_tape
 ) -> None:
     """No accepted step is lost or there twice, and the campaign goes on, by ``go_on``."""
-    folder, accepted = home / CAMPAIGN, [one for one in known.said if "step" in one]
-    begun = any("begun" in one for one in known.said)
+    folder, accepted = home / CAMPAIGN, [one for one in known.reported if "step" in one]
+    begun = any("begun" in one for one in known.reported)
     if not (home / DATABASE).exists() or not folder.exists():
         if begun:
             wrong.append("lost: no database or no folder")
@@ -91,7 +91,7 @@ def check_campaign(
         _steps(database, folder, accepted, wrong, full=known.goes_on)
 
 
-def _steps(database: Database, folder: Path, accepted: Said, wrong: Wrong, *, full: bool) -> None:
+def _steps(database: Database, folder: Path, accepted: Reports, wrong: Wrong, *, full: bool) -> None:
     with database.read() as session:
         rows = [(one.name, one.file, one.sha256, one.superseded) for one in campaign(session, str(folder)).steps]
         faults = verify_steps(session, str(folder))
@@ -119,15 +119,15 @@ def _steps(database: Database, folder: Path, accepted: Said, wrong: Wrong, *, fu
 
 def _whole(database: Database, wrong: Wrong) -> None:
     with database.read() as session:
-        said = session.execute(text("PRAGMA integrity_check")).scalar()
-        if said != "ok":
-            wrong.append(f"integrity_check: {said}")
+        integrity = session.execute(text("PRAGMA integrity_check")).scalar()
+        if integrity != "ok":
+            wrong.append(f"integrity_check: {integrity}")
         wrong += [f"chain: {fault.row}: {fault.found}" for fault in alterations(session, None)]
 
 
 def check_recording(home: Path, known: Known, wrong: Wrong) -> None:
     """What was synced is read, and nothing that was not recorded."""
-    final = {name: one for said in known.in_the_end for name, one in said.get("files", {}).items()}
+    final = {name: one for report in known.in_the_end for name, one in report.get("files", {}).items()}
     for path, content in known.synced.items():
         if not path.endswith(".mcap"):
             continue
@@ -170,7 +170,7 @@ def check_files(home: Path, known: Known, wrong: Wrong) -> None:
     for one in known.in_the_end:
         for name, sha in one.get("files", {}).items():
             ever.setdefault(name, []).append(sha)
-    must = {name: sha for one in known.said for name, sha in one.get("files", {}).items()}
+    must = {name: sha for one in known.reported for name, sha in one.get("files", {}).items()}
     there = {path.name: sha256(path) for path in _final_files(home) if path.name in ever}
     for name, sha in there.items():
         if name == SHA256SUMS:
@@ -182,9 +182,9 @@ def check_files(home: Path, known: Known, wrong: Wrong) -> None:
             wrong.append(f"{name} is an old one")
     wrong += [f"{name} is lost" for name in must if name not in there and not _is_on_its_way(name, ever)]
     for name in there:
-        beside = f"{name}.json"
-        if beside in there and ever[name].index(there[name]) != ever[beside].index(there[beside]):
-            wrong.append(f"{beside} is not of {name}")
+        sidecar = f"{name}.json"
+        if sidecar in there and ever[name].index(there[name]) != ever[sidecar].index(there[sidecar]):
+            wrong.append(f"{sidecar} is not of {name}")
 
 
 def _is_on_its_way(name: str, ever: Mapping[str, list[str]]) -> bool:
@@ -198,8 +198,8 @@ def _final_files(home: Path) -> Iterable[Path]:
 
 
 def check_database(home: Path, known: Known, wrong: Wrong) -> None:
-    """What was stored is there, whole, at the newest schema; files beside it as in `check_files`."""
-    rows = {table: number for one in known.said for table, number in one.get("rows", {}).items()}
+    """What was stored is there, whole, at the newest schema; files next to it as in `check_files`."""
+    rows = {table: number for one in known.reported for table, number in one.get("rows", {}).items()}
     if not (home / DATABASE).exists():
         if rows:
             wrong.append("lost: no database")
@@ -218,7 +218,7 @@ def check_database(home: Path, known: Known, wrong: Wrong) -> None:
 
 def check_upgrade(home: Path, known: Known, wrong: Wrong, before: Mapping[str, int]) -> None:
     """As `check_database`; the rows that the old database held are there in any case."""
-    check_database(home, replace(known, said=[{"rows": before}, *known.said]), wrong)
+    check_database(home, replace(known, reported=[{"rows": before}, *known.reported]), wrong)
 
 
 CHECKS: dict[str, Callable[[Path, Known, Wrong], None]] = {
@@ -232,7 +232,7 @@ CHECKS: dict[str, Callable[[Path, Known, Wrong], None]] = {
 }
 
 
-def read_said(texts: Iterable[str]) -> Said:
-    """Return what was said, a line of JSON each; other lines are left out."""
+def read_reports(texts: Iterable[str]) -> Reports:
+    """Return what was reported, a line of JSON each; other lines are left out."""
     lines = (line for one in texts for line in one.splitlines())
     return [json.loads(line) for line in lines if line.startswith('{"')]

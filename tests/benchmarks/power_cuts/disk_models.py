@@ -153,7 +153,7 @@ class CrashState:
     model: str
     kept: str
     files: dict[str, bytes | None]
-    said: tuple[str, ...]
+    reported: tuple[str, ...]
     synced: dict[str, bytes]
 
 
@@ -162,13 +162,13 @@ def crash_states(log: FileLog, seed: int, draws: int, every: int = 1) -> Iterato
 
     Of the cuts only each ``every``-th, from where the program says that all is settled, if it does.
     """
-    disk, said, rng = Disk(), list[str](), random.Random(seed)
+    disk, reported, rng = Disk(), list[str](), random.Random(seed)
     begins = next((n for n, one in enumerate(log.operations) if isinstance(one, Say) and SETTLED in one.text), 0)
     offset = rng.randrange(every)
     for number, operation in enumerate(log.operations):
         disk.take(number, operation, log.folders)
         if isinstance(operation, Say):
-            said.append(operation.text)
+            reported.append(operation.text)
         if number < begins:
             continue
         if number == begins and begins:
@@ -180,7 +180,7 @@ def crash_states(log: FileLog, seed: int, draws: int, every: int = 1) -> Iterato
         for model in MODELS:
             for kept in ("all", "none", *("some" for _ in range(0 if disk.is_settled else draws))):
                 files = _files(disk, model, kept, log.folders, rng)
-                yield CrashState(number, model, kept, files, tuple(said), synced)
+                yield CrashState(number, model, kept, files, tuple(reported), synced)
 
 
 def _paths(names: Names, folders: frozenset[int]) -> Iterator[tuple[str, int]]:

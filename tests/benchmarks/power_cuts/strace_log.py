@@ -30,23 +30,23 @@ SET_PTRACER, ANYBODY = 0x59616D61, ctypes.c_ulong(-1)  # prctl(2): a sibling may
 
 def traced(do: Callable[[], None], log: Path) -> None:
     """Run ``do`` in a child, its calls noted in ``log``; raise `ChildProcessError` if it fails."""
-    go, told = os.pipe()
+    go, starter = os.pipe()
     child = os.fork()
     if not child:
-        _run_when_told(go, do)
+        _run_when_started(go, do)
     how = ["strace", "-f", "-qq", "-xx", "-s", "1000000000", "-o", str(log), "-e", f"trace={CALLS}"]
     with subprocess.Popen([*how, "-p", str(child)]) as tracer:
         while not _is_traced(child) and tracer.poll() is None:
             time.sleep(0.005)
-        os.write(told, b"!")
-        os.close(told)
+        os.write(starter, b"!")
+        os.close(starter)
         os.close(go)
         _, status = os.waitpid(child, 0)
     if status or tracer.returncode:
         raise ChildProcessError(f"the child ended with {status}, strace with {tracer.returncode}")
 
 
-def _run_when_told(go: int, do: Callable[[], None]) -> None:
+def _run_when_started(go: int, do: Callable[[], None]) -> None:
     code = 1
     try:
         ctypes.CDLL(None).prctl(SET_PTRACER, ANYBODY, 0, 0, 0)

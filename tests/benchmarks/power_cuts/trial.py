@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 
-from tests.benchmarks.power_cuts.crash_checks import CHECKS, Known, Wrong, read_said
+from tests.benchmarks.power_cuts.crash_checks import CHECKS, Known, Wrong, read_reports
 from tests.benchmarks.power_cuts.disk_models import MODELS, CrashState, FileLog, Say, crash_states
 from tests.benchmarks.power_cuts.strace_log import read_log, traced
 from tests.benchmarks.power_cuts.workloads import WORKLOADS
@@ -64,7 +64,7 @@ def place(files: Mapping[str, bytes | None], home: Path) -> None:
 
 def state_key(state: CrashState, digests: dict[int, tuple[bytes, bytes]]) -> bytes:
     """Return a state's hash; ``digests`` keeps those of contents by their identity."""
-    whole = hashlib.blake2b(str(len(state.said)).encode(), digest_size=16)
+    whole = hashlib.blake2b(str(len(state.reported)).encode(), digest_size=16)
     for name in sorted(state.files):
         content = state.files[name]
         whole.update(name.encode() + b"\0")
@@ -93,7 +93,7 @@ class Meaning:
 
     def of(self, state: CrashState) -> bytes:
         """Return a hash of a state's meaning."""
-        whole = hashlib.blake2b(f"{len(state.said)}".encode(), digest_size=16)
+        whole = hashlib.blake2b(f"{len(state.reported)}".encode(), digest_size=16)
         database = {
             name: content for name, content in state.files.items() if name.startswith(DATA) and content is not None
         }
@@ -160,7 +160,7 @@ class Trial:
         self.operations, self.states, self.kinds = len(log.operations), 0, 0
         self.wrong, self.first = Counter[str](), dict[str, str]()
         self._check, self._home, self._meaning = CHECKS[workload], home, Meaning(home)
-        self._in_the_end = read_said(one.text for one in log.operations if isinstance(one, Say))
+        self._in_the_end = read_reports(one.text for one in log.operations if isinstance(one, Say))
         self._seen, self._checked = set[bytes](), set[bytes]()
         self._digests: dict[int, tuple[bytes, bytes]] = {}
 
@@ -180,14 +180,16 @@ class Trial:
         goes_on = self.kinds % GOES_ON_EVERY == 0
         wrong: Wrong = []
         try:
-            self._check(self._home, Known(read_said(state.said), self._in_the_end, state.synced, goes_on), wrong)
+            self._check(
+                self._home, Known(read_reports(state.reported), self._in_the_end, state.synced, goes_on), wrong
+            )
         except Exception as error:
             at = traceback.extract_tb(error.__traceback__)[-1]
             wrong.append(f"{type(error).__name__}: {error} ({Path(at.filename).name}:{at.lineno})")
         for one in wrong:
-            said = re.sub(r"[0-9a-f]{12,}", "...", one.replace(str(self._home), ""))[:200]
-            self.wrong[said] += 1
-            self.first.setdefault(said, f"cut {state.cut}, {state.model}, {state.kept}")
+            fault = re.sub(r"[0-9a-f]{12,}", "...", one.replace(str(self._home), ""))[:200]
+            self.wrong[fault] += 1
+            self.first.setdefault(fault, f"cut {state.cut}, {state.model}, {state.kept}")
 
 
 def proof(size: int, seed: int) -> dict[str, Figure]:

@@ -57,9 +57,9 @@ def sha256(path: Path) -> str:
 
 def station(*arguments: object) -> None:
     """Run a command; leave with what it says if it fails."""
-    code, said = quietly(*arguments)
+    code, output = quietly(*arguments)
     if code:
-        raise SystemExit(f"station {arguments[0]}: exit code {code}, {said}")
+        raise SystemExit(f"station {arguments[0]}: exit code {code}, {output}")
 
 
 def written(*paths: Path) -> None:
@@ -110,7 +110,7 @@ class _Journalled(Source):
 
 
 def recording(home: Path) -> None:
-    """Record plainly from a device in memory, its journal beside, both synced often."""
+    """Record plainly from a device in memory, its journal next to it, both synced often."""
     raw_journal.FLUSH_S, raw_journal.SYNC_S, plain_recording.FLUSH_S = 0.0, 0.0, 0.0
     source = _Journalled(Truth.example(5))
     with new_folder(home / "records" / "drive", plain_recording.RECORDING_FILE) as folder:

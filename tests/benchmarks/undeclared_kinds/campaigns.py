@@ -31,7 +31,7 @@ SPEEDS = (12.0, 35.0, 80.0)  # deg/s
 
 @dataclass(frozen=True, slots=True)
 class Design:
-    """What a campaign has beside the twelve positions, and what of the truth it needs."""
+    """What a campaign has in addition to the twelve positions, and what of the truth it needs."""
 
     truth: Mapping[str, float] = field(default_factory=dict)
     speeds: tuple[float | None, ...] = (None,)

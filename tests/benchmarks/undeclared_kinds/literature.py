@@ -266,8 +266,8 @@ def floor_tilts(drawn: Drawn) -> Adds:
         size = np.linalg.norm(seen.f, axis=1, keepdims=True)
         north, east = level_axes(seen.f, seen.magnetic, drawn.truth.magnetic_enu_ut)
         swing = np.sin(2 * np.pi * (seen.t / DAY_S + phase)) - np.sin(2 * np.pi * phase)
-        leans = drawn.size * URAD * swing * size * (np.sin(azimuth) * east + np.cos(azimuth) * north)
-        return np.asarray(leans @ drawn.truth.accel_e.T)
+        tilts = drawn.size * URAD * swing * size * (np.sin(azimuth) * east + np.cos(azimuth) * north)
+        return np.asarray(tilts @ drawn.truth.accel_e.T)
 
     return {"accel": add}
 
@@ -304,7 +304,7 @@ _KINDS = (
          "(correlation above 0.998), and what one of them leaves (the rate alone: 0.92) may stay nameless."),
     Kind("dead time of a converter", "Scheeline, V-to-F converters, asdlib.org; 1293 8.3, odd quadratic K_oq",
          "free", (2.0, 20.0), "ns", dead_time, (), ("accelerometer.cubic",),
-         "-k td u abs(u): beside a scale factor it correlates with u^3 by 0.995 at the inputs of free positions."),
+         "-k td u abs(u): with a scale factor it correlates with u^3 by 0.995 at the inputs of free positions."),
     Kind("scale factor hysteresis over temperature", "1293 5.3, hysteresis over temperature", "warm",
          (10.0, 60.0), "ppm", scale_hysteresis, (), (),
          "The play of the catalogue is a bias, which has one sign on a face and on its opposite; three powers of "

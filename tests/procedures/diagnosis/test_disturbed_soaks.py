@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from procedures.anomalies.disturbed_soaks import QuietSoaks, without_knocks
+from procedures.anomalies.disturbed_soaks import QuietSoaks, without_shocks
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, Site, SoakRecord
 from procedures.counts.sample_records import RateSeries
@@ -36,7 +36,7 @@ def lost(found: QuietSoaks) -> int:
 def test_a_shock_of_a_second_is_cut_and_reported() -> None:
     accel, gyro = noise(1)
     accel[AT : AT + RATE] += 20 * np.random.default_rng(2).standard_normal((RATE, 3))
-    found = without_knocks([soak(accel, gyro)])
+    found = without_shocks([soak(accel, gyro)])
     (finding,) = found.findings
     assert (finding.effect, finding.confidence, finding.unit) == ("disturbance.dwell", "established", "g")
     assert float(str(finding.where["from_s"])) <= 401.0
@@ -49,7 +49,7 @@ def test_a_shock_of_a_second_is_cut_and_reported() -> None:
 def test_a_wrong_row_is_named_with_its_channel_time_and_size(size: float) -> None:
     accel, gyro = noise(3)
     gyro[AT, 1] += size
-    found = without_knocks([soak(accel, gyro)])
+    found = without_shocks([soak(accel, gyro)])
     (finding,) = found.findings
     assert finding.shape == "a wrong row"
     assert (finding.where["channel"], finding.where["at_s"]) == ("gy", pytest.approx(400.02))
@@ -62,7 +62,7 @@ def test_a_wrong_row_is_named_with_its_channel_time_and_size(size: float) -> Non
 def test_what_one_sensor_alone_does_for_a_while_may_be_its_own() -> None:
     accel, gyro = noise(5)
     gyro[AT : AT + 3 * RATE, 2] += 6.0
-    (finding,) = without_knocks([soak(accel, gyro)]).findings
+    (finding,) = without_shocks([soak(accel, gyro)]).findings
     assert finding.confidence == "possible"
     assert finding.aliases == ("gyroscope.jump",)
 
@@ -85,7 +85,7 @@ def test_noise_steps_and_states_are_left_in(kind: str, seed: int) -> None:
         accel[AT : AT + 300 * RATE] *= 4.0
     elif kind == "walk":
         gyro += 0.02 * np.cumsum(rng.standard_normal((N, 3)), axis=0)
-    found = without_knocks([soak(accel, gyro)])
+    found = without_shocks([soak(accel, gyro)])
     assert not found.findings
     assert not lost(found)
 
@@ -93,14 +93,14 @@ def test_noise_steps_and_states_are_left_in(kind: str, seed: int) -> None:
 def test_a_channel_that_is_dead_or_coarse_is_no_disturbance() -> None:
     accel, gyro = noise(6)
     accel[:, 0], gyro[:, 2] = 0.0, np.round(0.2 * gyro[:, 2])
-    found = without_knocks([soak(accel, gyro)])
+    found = without_shocks([soak(accel, gyro)])
     assert not found.findings
 
 
 def test_a_channel_that_stands_still_for_a_while_is_cut_and_reported() -> None:
     accel, gyro = noise(7)
     gyro[AT : AT + 60 * RATE, 1] = gyro[AT, 1]
-    found = without_knocks([soak(accel, gyro)])
+    found = without_shocks([soak(accel, gyro)])
     (finding,) = found.findings
     assert finding.shape == "frozen at one value"
     assert (finding.where["channel"], finding.where["from_s"]) == ("gy", pytest.approx(400.02))
@@ -109,7 +109,7 @@ def test_a_channel_that_stands_still_for_a_while_is_cut_and_reported() -> None:
     assert finding.std[0] / finding.value[0] == pytest.approx(others.std() / gyro[AT, 1], rel=1e-6)
     assert lost(found) == 60 * RATE
     gyro[AT:, 1] = gyro[AT, 1]  # for good: it is dead, which is said; it is left out elsewhere
-    found = without_knocks([soak(accel, gyro)])
+    found = without_shocks([soak(accel, gyro)])
     assert [each.where["to_s"] for each in found.findings] == [pytest.approx(900.0)]
     assert not lost(found)
 
@@ -117,7 +117,7 @@ def test_a_channel_that_stands_still_for_a_while_is_cut_and_reported() -> None:
 def test_noise_that_grows_for_good_is_reported_with_the_moment_and_left_in() -> None:
     accel, gyro = noise(11)
     gyro[AT:, 2] *= 3.0
-    found = without_knocks([soak(accel, gyro)])
+    found = without_shocks([soak(accel, gyro)])
     (finding,) = found.findings
     assert (finding.confidence, finding.aliases) == ("possible", ("gyroscope.noise",))
     assert finding.where["from_s"] == pytest.approx(400.0, abs=10.0)
@@ -129,7 +129,7 @@ def test_a_saturated_output_is_reported() -> None:
     accel, gyro = noise(12)
     accel[:, 2] = np.minimum(accel[:, 2], 1.5)
     gyro[:, 0] = np.round(3 * gyro[:, 0])  # coarse, which is no end
-    (finding,) = without_knocks([soak(accel, gyro)]).findings
+    (finding,) = without_shocks([soak(accel, gyro)]).findings
     assert finding.where["channel"] == "az"
     assert finding.shape.startswith("clipped: 6.")
     assert finding.value[0] == pytest.approx(1.5 * SIGMA)
@@ -170,7 +170,7 @@ def test_a_wrong_row_is_cut_out_of_its_own_soak_of_its_own_campaign() -> None:
     accel, gyro = drawn(2)
     gyro[SMALL_AT, 1] = 100.0
     quiet = small_soak(*drawn(3), "quiet.csv")
-    found = without_knocks([campaign(quiet), campaign(quiet, small_soak(accel, gyro, "knocked.csv"))])
+    found = without_shocks([campaign(quiet), campaign(quiet, small_soak(accel, gyro, "knocked.csv"))])
     (finding,) = found.findings
     assert (finding.where["file"], finding.where["channel"]) == ("knocked.csv", "gy")
     assert finding.where["at_s"] == pytest.approx(SMALL_PERIOD * (SMALL_AT + 1))
@@ -185,7 +185,7 @@ def test_a_wrong_row_is_cut_out_of_its_own_soak_of_its_own_campaign() -> None:
 def test_a_wrong_row_is_as_large_as_its_scale_factor_says(triad: str, unit: str, per: float, sign: int) -> None:
     accel, gyro = drawn(4)
     (accel if triad == "accelerometer" else gyro)[SMALL_AT, 2] = sign * 1000.0
-    (finding,) = without_knocks([campaign(small_soak(accel, gyro))]).findings
+    (finding,) = without_shocks([campaign(small_soak(accel, gyro))]).findings
     assert (finding.unit, finding.shape, finding.coefficients) == (unit, "a wrong row", ("x", "y", "z"))
     assert finding.value[2] == pytest.approx(sign * 1000.0 / per, rel=1e-2)
     assert finding.std == pytest.approx(np.ones(3) / per, rel=0.25)
@@ -193,7 +193,7 @@ def test_a_wrong_row_is_as_large_as_its_scale_factor_says(triad: str, unit: str,
 
 @pytest.mark.parametrize(("seconds", "is_cut"), [(20.0, True), (45.0, False)])
 def test_a_shock_is_cut_and_what_lasts_longer_is_a_state_that_stays(seconds: float, is_cut: bool) -> None:
-    found = without_knocks([campaign(shaken(seconds, 30.0))])
+    found = without_shocks([campaign(shaken(seconds, 30.0))])
     (finding,) = found.findings
     assert (finding.effect, finding.unit) == ("disturbance.dwell", "g")
     assert finding.probability > 0.9  # a thirteenth of the soak: noise in bursts is the other explanation

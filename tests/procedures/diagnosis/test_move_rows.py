@@ -19,7 +19,7 @@ from procedures.effects import EFFECTS
 from procedures.evidence.candidates import Candidates
 from procedures.evidence.linear_model import LinearFit, fit_linear
 from procedures.evidence.residual_rows import Evidence, evidence_of
-from procedures.inference.base_model import BenchModel
+from procedures.inference.infer import BenchModel
 
 PERIOD = 0.02
 

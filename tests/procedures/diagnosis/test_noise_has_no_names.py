@@ -8,7 +8,7 @@ import pytest
 
 from procedures.anomalies.clock_rate_check import find_clock
 from procedures.anomalies.disturbances import find_disturbances
-from procedures.anomalies.disturbed_soaks import without_knocks
+from procedures.anomalies.disturbed_soaks import without_shocks
 from procedures.anomalies.wrong_positions import find_wrong_labels, label_findings
 from procedures.arrays import FloatArray
 from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord, Site, SoakRecord, TurnRecord
@@ -60,7 +60,7 @@ def in_several_recordings(rng: np.random.Generator) -> Iterable[Finding]:
 
 
 def in_soaks(rng: np.random.Generator) -> Iterable[Finding]:
-    return without_knocks([campaign(soaks=(soak(series(rng, 2400)),))]).findings
+    return without_shocks([campaign(soaks=(soak(series(rng, 2400)),))]).findings
 
 
 def in_rests(rng: np.random.Generator) -> Iterable[Finding]:

@@ -10,7 +10,7 @@ from procedures.discovery.discover import discover
 from procedures.discovery.library import LibraryTerm, Rows, library
 from procedures.effects.excitation import Columns, per_axis
 from procedures.evidence.residual_rows import Evidence, evidence_of
-from tests.benchmarks.discovering.judged import likeness
+from tests.benchmarks.discovering.judged import similarity
 from tests.benchmarks.discovering.laws import LAWS
 from tests.benchmarks.discovering.planting import Drawn, bare_evidence, size_of
 from tests.benchmarks.undeclared_kinds.campaigns import campaigns_of, truth_of
@@ -49,7 +49,7 @@ def test_a_law_that_no_catalogue_holds_is_proposed() -> None:
     more = discover(found)
     (one,) = more.proposals
     does = drawn.done(more.evidence)
-    assert max(likeness(more.evidence, [each], does) for each in one.columns) > 0.98
+    assert max(similarity(more.evidence, [each], does) for each in one.columns) > 0.98
     assert one.probability > 0.9
     assert one.held_out[1] < one.held_out[0]
     assert one.share > 0.5

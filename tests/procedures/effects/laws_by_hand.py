@@ -14,7 +14,7 @@ class Felt:
     """What a triad felt at n moments: vectors (n, 3) in g, deg/s, uT, g^2; all else (n,), K above 25 degC, s.
 
     ``behind`` is a temperature that follows with a lag, ``branch`` where a hysteresis with a play is, ``tau``,
-    ``period`` [s], ``knee`` [deg/s] what an effect has beside its coefficients.
+    ``period`` [s], ``knee`` [deg/s] what an effect has in addition to its coefficients.
     """
 
     u: FloatArray

@@ -2,8 +2,16 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from procedures.statistics.sampled_sine import sine, sine_sum, slowed
-from procedures.statistics.spectrum import lines_of, spectrum_of, welch, without_lines, without_straight_line
+from procedures.statistics.spectrum import (
+    lines_of,
+    sine,
+    sine_sum,
+    slowed,
+    spectrum_of,
+    welch,
+    without_lines,
+    without_straight_line,
+)
 
 N, PERIOD = 20_000, 0.01
 

@@ -25,7 +25,7 @@ from station.results.history.population import (
     UnitValue,
 )
 from station.results.report.noise_page import noise_svg
-from station.results.report.report_figures import residual_svg
+from station.results.report.report import residual_svg
 
 NUMBER = re.compile(r"-?\d+\.\d+(?:e-?\d+)?|-?\d+")
 
