@@ -37,7 +37,7 @@ def until(feed: CameraFeed, holds: Callable[[], bool]) -> list[CameraImage]:
     found, deadline = list[CameraImage](), time.monotonic() + HANG_S
     while not holds():
         assert time.monotonic() < deadline, feed.summary
-        feed.advance()
+        feed.advance(0.02)
         found.extend(feed.take(feed.up_to_ns))
     return found
 
@@ -81,13 +81,15 @@ def test_what_is_wrong_is_reported_and_over(camera: SimulatedCamera, tmp_path: P
             clock.on = 2.0
             assert "no bytes for 1.8 s, expected images; check the camera" in feed.trouble
             clock.on = 0.0
-            camera.plant("cut", 1.0)
+            camera.plant("cut", HANG_S)
             until(feed, lambda: feed.decoder.counters.cut > 2)
             clock.on = 1.5  # bytes come all the time, the last image is as old
             until(feed, lambda: "hold no whole image" in feed.trouble)
+            camera.faults.clear()
             until(feed, lambda: feed.trouble == "")
-            camera.plant("unplug", 0.3)
+            camera.plant("unplug", HANG_S)
             until(feed, lambda: "tried again and again: check cable and power" in feed.trouble)
+            camera.faults.clear()
             until(feed, lambda: feed.trouble == "" and feed.decoder.counters.images > 3)
 
 
