@@ -19,6 +19,8 @@ from pytest_regressions.common import perform_regression_check
 from pytest_regressions.data_regression import RegressionYamlDumper
 
 RELATIVE, OF_LARGEST = 1e-5, 1e-8  # of the number; of the largest number of its list
+OF_PROBABILITY = 1e-9  # absolute: less is what rounding leaves of 1 - p
+PROBABILITIES = {"share", "shares", "probability", "probabilities"}
 DIGITS = 8
 LONG = (
     12  # of a longer list of numbers: how many, RMS, and two means with weights that no single change leaves alone
@@ -117,17 +119,17 @@ def _is_sentence(value: object) -> bool:
     return isinstance(value, str) and " " in value
 
 
-def _differences(found: Any, stored: Any, path: str) -> Iterable[str]:
+def _differences(found: Any, stored: Any, path: str, floor: float = 0.0) -> Iterable[str]:
     if isinstance(found, dict) and isinstance(stored, dict) and found.keys() == stored.keys():
         for key in stored:
-            yield from _differences(found[key], stored[key], f"{path}.{key}")
+            least = OF_PROBABILITY if key in PROBABILITIES else floor
+            yield from _differences(found[key], stored[key], f"{path}.{key}", least)
     elif isinstance(found, list) and isinstance(stored, list) and len(found) == len(stored):
         floats = [abs(each) for each in stored if isinstance(each, float) and np.isfinite(each)]
-        floor = OF_LARGEST * max(floats, default=0.0)
+        least = max(floor, OF_LARGEST * max(floats, default=0.0))
         for i, (now, then) in enumerate(zip(found, stored, strict=True)):
-            if not _close(now, then, floor):
-                yield from _differences(now, then, f"{path}[{i}]")
-    elif not _close(found, stored, 0.0):
+            yield from _differences(now, then, f"{path}[{i}]", least)
+    elif not _close(found, stored, floor):
         yield f"{path}: found {found}, stored {stored}"
 
 

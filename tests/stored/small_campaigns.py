@@ -183,12 +183,14 @@ def some_effects(*names: str) -> list[Effect]:
 
 def outcome(found: Diagnosis) -> dict[str, Any]:
     """Return what a diagnosis says, not the rows and fits that it says it of."""
-    rows = {"before", "after", "evidence", "added", "solution_before", "looked_at"}
+    rows = {"before", "after", "evidence", "added", "values", "solution_before", "looked_at"}
     reported = {each.name: getattr(found, each.name) for each in fields(found) if each.name not in rows}
     kept = ("accelerometer", "gyroscope", "slab_tilt", "parallelism", "quality")
     reported["solution"] = {name: getattr(found.solution, name) for name in kept}
     reported["probabilities"] = {name: p for name, p in found.probabilities.items() if p > 0.01}
-    return reported | {"values": found.values, "added": [each.effect.name for each in found.added]}
+    pairs = [(each.effect.name, v) for each, v in zip(found.added, found.values, strict=True)]
+    pairs.sort(key=lambda pair: (pair[0], np.argmax(np.abs(pair[1]))))  # rounding orders those that tie
+    return reported | {"added": [{"effect": name, "values": v} for name, v in pairs]}
 
 
 def stated(budgets: tuple[ParameterBudget, ...]) -> list[dict[str, Any]]:
