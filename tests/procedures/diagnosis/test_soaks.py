@@ -12,8 +12,8 @@ from procedures.campaign.campaign import Campaign, Site, SoakRecord
 from procedures.counts.sample_records import RateSeries
 from procedures.diagnosis.diagnose import diagnose
 from procedures.inference.result import Diagnosis
-from station import cli
-from station.files.campaign_folder.campaign_reading import read_campaign
+from station.files.logs.log_campaign import LogOptions, campaign_of_logs
+from station.files.logs.log_columns import ColumnOptions
 
 SECONDS, RATE = 900.0, 10
 ARW = 0.67 / 60  # deg/sqrt(s)
@@ -26,9 +26,12 @@ def diagnosed(folder: Path, of_y: FloatArray, seed: int = 1) -> Diagnosis:
     gyro = ARW * np.sqrt(RATE) * np.random.default_rng(seed).standard_normal((len(TIME), 3))
     gyro[:, 1] += of_y
     np.savetxt(folder / "log.csv", gyro, "%.9g", ",", header="gx,gy,gz", comments="")
-    options = ["--rate", str(RATE), "--unit-gyro", "deg/s", "--as", "soak", "--campaign", str(folder / "c")]
-    assert cli.run(["diagnose", str(folder / "log.csv"), *options]) == 0
-    return diagnose([read_campaign(folder / "c").campaign])
+    return diagnose([read_soaks([folder / "log.csv"], ColumnOptions(rate_hz=RATE, unit_gyro="deg/s"))])
+
+
+def read_soaks(logs: list[Path], columns: ColumnOptions) -> Campaign:
+    """Return logs of a unit at rest as ``station diagnose --as soak`` reads them."""
+    return campaign_of_logs(logs, LogOptions(columns, ("soak",))).loaded.campaign
 
 
 @pytest.mark.parametrize("at_s", [210.0])
@@ -73,10 +76,8 @@ def test_a_tilt_is_not_sure_to_be_a_jump_of_the_accelerometers(tmp_path: Path) -
         table = noise.copy()
         table[TIME > 450, axis] += 1e-3
         np.savetxt(tmp_path / "log.csv", table, "%.9g", ",", header="ax,ay,az", comments="")
-        folder = tmp_path / f"c{axis}"
-        options = ["--rate", str(RATE), "--unit-accel", "g", "--as", "soak", "--campaign", str(folder)]
-        assert cli.run(["diagnose", str(tmp_path / "log.csv"), *options]) == 0
-        (finding,) = diagnose([read_campaign(folder).campaign]).findings
+        columns = ColumnOptions(rate_hz=RATE, unit_accel="g")
+        (finding,) = diagnose([read_soaks([tmp_path / "log.csv"], columns)]).findings
         assert {finding.effect, *finding.aliases} == names
         assert (finding.confidence == "established") == (len(names) == 1)
 
@@ -99,9 +100,7 @@ def soak(folder: Path, accel: FloatArray, *, temperature: FloatArray | None = No
     if temperature is not None:
         columns, names = [accel, temperature[:, None]], f"{names},temperature"
     np.savetxt(folder / "log.csv", np.hstack(columns), "%.9g", ",", header=names, comments="")
-    options = ["--rate", str(WALK_RATE), "--unit-accel", "g", "--as", "soak", "--campaign", str(folder / "c")]
-    assert cli.run(["diagnose", str(folder / "log.csv"), *options]) == 0
-    return read_campaign(folder / "c").campaign
+    return read_soaks([folder / "log.csv"], ColumnOptions(rate_hz=WALK_RATE, unit_accel="g"))
 
 
 def noise(seed: int) -> FloatArray:
@@ -122,12 +121,13 @@ NOISES = {  # of a bias, by coefficient: g, g in an hour's root
 }  # fmt: skip
 
 
+@pytest.mark.parametrize("draws", [4, pytest.param(8, marks=pytest.mark.proof)])
 @pytest.mark.parametrize("name", NOISES)
-def test_noise_of_a_bias_is_named_and_its_coefficient_is_within_its_uncertainty(name: str) -> None:
-    """Eight draws of the simulator, which knows no covariance: it adds sines."""
+def test_noise_of_a_bias_is_named_and_its_coefficient_is_within_its_uncertainty(name: str, draws: int) -> None:
+    """Draws of the simulator, which knows no covariance: it adds sines."""
     sigmas, named = list[float](), list[float]()
     t = (np.arange(WALK_SECONDS * WALK_RATE) + 0.5) / WALK_RATE
-    for seed in range(8):
+    for seed in range(draws):
         sizes = {"value": NOISES[name], "seed": float(seed)}
         seen = Stimulus(*np.zeros((3, 1, 3)), t[:, None], *np.zeros((3, 1, 1)), 0, np.zeros_like)
         added = EFFECTS[name].accel(seen, TriadInput(np.zeros((1, 3)), np.zeros(3)), sizes)
@@ -137,7 +137,7 @@ def test_noise_of_a_bias_is_named_and_its_coefficient_is_within_its_uncertainty(
         own = [each for each in found.findings if each.effect == name and "channel" not in each.where]
         sigmas += [float((each.value[0] - NOISES[name]) / each.std[0]) for each in own]
     assert np.median(named) > 0.5
-    assert len(sigmas) >= 4
+    assert len(sigmas) >= draws / 2
     assert np.sqrt(np.mean(np.square(sigmas))) < 2.0
     assert abs(np.mean(sigmas)) < 1.2
 
@@ -165,7 +165,7 @@ def diagnosed_levels(
     folder: Path, biases: FloatArray, *, moved: bool = False, accel_z: FloatArray | None = None
 ) -> Diagnosis:
     """Diagnose a log for each of the gyroscopes' biases (m, 3) [deg/h], at an attitude of its own if ``moved``."""
-    rng, files = np.random.default_rng(7), list[str]()
+    rng, files = np.random.default_rng(7), list[Path]()
     for i, bias in enumerate(biases):
         up = rng.standard_normal(3) if moved else np.array([0.02, -0.01, 1.0])
         earth = 15.04 * (rng.standard_normal(3) if moved else np.array([0.5, 0.5, 0.7]))
@@ -174,12 +174,13 @@ def diagnosed_levels(
         accel[:, 2] += 0.0 if accel_z is None else accel_z[i]
         temperature = TEMPERATURES[i] + 0.02 * rng.standard_normal(LEVEL_N)
         table = np.column_stack([gyro, accel, temperature])
-        files.append(str(folder / f"log{i}.csv"))
+        files.append(folder / f"log{i}.csv")
         np.savetxt(files[-1], table, "%.9g", ",", header="gx,gy,gz,ax,ay,az,T", comments="")
-    options = ["--gyro", "gx,gy,gz", "--accel", "ax,ay,az", "--unit-gyro", "deg/s", "--unit-accel", "g"]
-    options += ["--rate", str(LEVEL_RATE), "--temperature", "T", "--as", "soak", "--campaign", str(folder / "c")]
-    assert cli.run(["diagnose", *files, *options]) == 0
-    return diagnose([read_campaign(folder / "c").campaign])
+    columns = ColumnOptions(
+        gyro=("gx", "gy", "gz"), accel=("ax", "ay", "az"), unit_gyro="deg/s", unit_accel="g", temperature="T",
+        rate_hz=LEVEL_RATE,
+    )  # fmt: skip
+    return diagnose([read_soaks(files, columns)])
 
 
 @pytest.mark.parametrize("moved", [True])
