@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 HANG_S = 900.0  # a wait as long as this has failed; pytest's own timeout is the last resort
 WORK_S = 0.01  # of a core: three turns of a busy machine's scheduler
-NAP_S, NAPS = 0.005, 4
+NAP_S, TRIES = 0.005, 4
 OWN_S = 0.02  # a nap may end so late on a machine of its own
 NOT_REAL = 0.85
 FULL = 1.5  # processes that want to run on each core and still get along
@@ -21,14 +21,11 @@ def slowness() -> float:
     """Return how many times longer things take here and now than on a machine of one's own; at least 1.
 
     The greatest of how long some work takes, how late a nap ends, and how far the load that each core has had goes
-    beyond `FULL`.
+    beyond `FULL`. Of several tries the slowest is left out: one that waited for seconds says nothing of the next.
     """
-    began, used = time.perf_counter(), time.thread_time()
-    while time.thread_time() < used + WORK_S:
-        pass
-    share = (time.perf_counter() - began) / WORK_S
-    late = max(_nap() for _ in range(NAPS)) / OWN_S
-    return max(1.0, share, late, os.getloadavg()[0] / (os.cpu_count() or 1) / FULL)
+    work, late = zip(*((_work(), _nap()) for _ in range(TRIES)), strict=True)
+    share, nap = (sorted(each)[-2] for each in (work, late))
+    return max(1.0, share / WORK_S, nap / OWN_S, os.getloadavg()[0] / (os.cpu_count() or 1) / FULL)
 
 
 def paced(speed: float) -> float:
@@ -51,6 +48,13 @@ def until(holds: Callable[[], object], act: Callable[[], object] = lambda: time.
     while not holds():
         assert time.monotonic() < deadline, f"not within {HANG_S:g} s"
         act()
+
+
+def _work() -> float:
+    began, used = time.perf_counter(), time.thread_time()
+    while time.thread_time() < used + WORK_S:
+        pass
+    return time.perf_counter() - began
 
 
 def _nap() -> float:
