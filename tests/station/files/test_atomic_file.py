@@ -43,7 +43,7 @@ needs_compiler = pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc 
 
 
 @needs_compiler
-@pytest.mark.parametrize("every", [101, pytest.param(5, marks=pytest.mark.proof)])
+@pytest.mark.parametrize("every", [401, pytest.param(5, marks=pytest.mark.proof)])
 def test_wherever_the_disk_fails_nothing_accepted_is_lost_and_a_line_says_it(every: int) -> None:
     rows = failing_disks.tried("--every", str(every))
     assert not [row for row in rows if row["wrong"]]
