@@ -16,7 +16,7 @@ from tests.refusals import refused
 
 SITE = Site(0.7, 9.8, 1e-3)
 RATES = np.concatenate((np.arange(0, 101, 5), -np.arange(0, 101, 5)))
-SWEEPS, NOISE = 9, 2e-3  # deg/s
+SWEEPS, NOISE = 5, 1.5e-3  # deg/s
 NONLINEAR = {"gyroscope.scale_nonlinearity", "gyroscope.sagnac_sine"}
 
 
