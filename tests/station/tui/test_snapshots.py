@@ -12,7 +12,7 @@ LOOKS = [  # the usual ones are the pictures of docs/how-to/guided-calibration.m
     ("start", SMALL, "ctrl+s"),
     ("warming", SMALL, ""),
     ("silent", SMALL, ""),
-    ("leaning", SMALL, ""),
+    ("tilted", SMALL, ""),
     ("asking", SMALL, ""),
     ("holding", SMALL, "question_mark"),
     ("turning", SMALL, "c"),
