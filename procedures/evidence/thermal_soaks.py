@@ -120,11 +120,13 @@ def _of_lines(whole: Series, triad: str, blocks: tuple[Series, ...]) -> FloatArr
     added, samples = np.zeros((len(blocks), 3)), channel(whole, triad)
     if samples is None or len(whole.starts) > 1:
         return added
-    sizes = np.array([len(each) for each in blocks])
+    sizes, quantum = np.array([len(each) for each in blocks]), 1.0 if isinstance(whole, CountSeries) else 0.0
     middles, fastest = np.cumsum(sizes) - (sizes + 1) / 2, most_cycles(len(blocks)) / (len(whole) * whole.period)
     for axis, rate in enumerate(samples.T / (whole.period if isinstance(whole, CountSeries) else 1.0)):
         for line in lines_of(rate, whole.period):
-            if line.hertz > fastest and not has_line(whole.temperature, whole.period, line.hertz):
+            if line.amplitude * whole.period < quantum or line.hertz < fastest:
+                continue  # what rounding makes cancels from count to count
+            if not has_line(whole.temperature, whole.period, line.hertz):
                 turns = line.hertz * whole.period
                 mean = np.sinc(turns * sizes) / np.sinc(turns) * np.exp(2j * np.pi * turns * middles)
                 added[:, axis] += np.real(sine_at(rate, turns) * mean)

@@ -97,10 +97,15 @@ def sample_effects(campaigns: Sequence[Campaign], scales: Scales, named: Sequenc
     if blocks is None:
         return SampleEffects((), ())
     is_usable = [not is_rounded(blocks, sensor) for sensor in range(len(blocks.sensors))]
-    blocks, slow, of_slow = without_slow_lines(blocks, is_usable, named)
     whole, found, before = blocks, list[SampleFinding](), list[SampleBlocks]()
-    for _ in range(ROUNDS):
+    slow, of_slow = list[SampleFinding](), list[FoldedResidual]()
+    is_searched = False  # for slow lines, before lines of blocks and after what goes with a channel
+    while len(found) < ROUNDS:
         best = _best(blocks, is_usable, [one.candidate for one in found])
+        if not is_searched and (best is None or best.candidate.is_line):
+            blocks, slow, of_slow = without_slow_lines(blocks, is_usable, named, found)
+            is_searched = True
+            continue
         if best is None:
             break
         best = _with_order(blocks, best)
@@ -114,6 +119,8 @@ def sample_effects(campaigns: Sequence[Campaign], scales: Scales, named: Sequenc
         found.append(SampleFinding(candidate, line.fitted))
         before.append(blocks)
         blocks = without_finding(blocks, found[-1])
+    for one in slow:
+        whole = without_finding(whole, one)
     findings = [each for one in (*slow, *found) for each in findings_of_samples(whole, one)]
     of_vibration = list(rectified(whole, is_usable, recordings(whole)))
     findings += of_vibration

@@ -326,9 +326,11 @@ def _refined(blocks: SampleBlocks, sensors: Sequence[int], hertz: float, span: i
 
 
 def without_slow_lines(
-    blocks: SampleBlocks, is_usable: Sequence[bool], named: Sequence[Finding]
+    blocks: SampleBlocks, is_usable: Sequence[bool], named: Sequence[Finding], known: Sequence[SampleFinding]
 ) -> tuple[SampleBlocks, list[SampleFinding], list[FoldedResidual]]:
     """Return blocks less the lines that are slower than they are, and those that no finding in ``named`` is.
+
+    What is ``known`` of the samples is taken off first: it may be slower than a block as well.
 
     The last are the means of the recording by the phase of each.
     """
@@ -337,6 +339,8 @@ def without_slow_lines(
         return blocks, found, folded
     level = np.stack([without_straight_line(each.rate) for each in blocks.sensors], axis=1)
     whole = replace(blocks, blocks=((0, slice(0, len(level))),), rates=level[None])
+    for one in known:
+        whole = without_finding(whole, one)
     for one in list(_slow_lines(blocks, whole, is_usable)):
         before, blocks, whole = whole, without_finding(blocks, one), without_finding(whole, one)
         if not all(_has_name(one, whole, sensor, named) for sensor in one.fitted):
