@@ -17,9 +17,8 @@ from procedures.diagnosis.caches import clear_caches
 from procedures.discovery.library import LibraryTerm, Rows, library
 from procedures.effects import EFFECTS
 from procedures.effects.effect import with_slope
-from procedures.effects.excitation import Columns
+from procedures.effects.excitation import LOG_RANGE, Columns
 from procedures.effects.term.effect_of_term import TermEffect
-from procedures.effects.time_constant import LOG_RANGE
 from procedures.evidence.candidates import Candidate, Candidates
 from procedures.evidence.linear_model import LinearFit, Term, fit_linear, predict_left_out
 from procedures.evidence.residual_rows import Evidence

@@ -8,9 +8,8 @@ from typing import Any, Literal
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.effects.excitation import Columns, Excitation
+from procedures.effects.excitation import STEP, Columns, Excitation
 from procedures.effects.term.law import Law
-from procedures.effects.time_constant import STEP
 
 Kind = Literal["instrument", "bench", "procedure"]
 INSTRUMENT = ("accelerometer", "gyroscope")

@@ -176,3 +176,36 @@ def turned_columns(excitation: Excitation, columns: Columns, c: FloatArray) -> t
     whole[at, :, 0] = vectors
     exact = Columns(("",), accel=added[0], gyro=added[1], rotation=whole)
     return exact, replace(columns, accel=slopes[0], gyro=slopes[1])
+
+
+# Time constants and what else is not linear: the search begins at steps too small for a minimum to hide between.
+# From the best one on they are fitted with the coefficients, by their logarithms (Golub and Pereyra 1973).
+TAU_RATIO = 1.7  # between neighbours, at most
+LONGEST_TAU = 3.0  # times what was recorded: beyond it an exponential is a straight line
+LOG_RANGE = 3.0  # plausible change of a logarithm from where the search begins
+STEP = 1e-3  # of a logarithm, over which a slope is taken
+
+
+def search(shortest_s: float, recorded_s: float) -> tuple[float, ...]:
+    """Return time constants [s] to begin with, from the shortest to several times what was recorded."""
+    longest = LONGEST_TAU * recorded_s
+    if not 0 < shortest_s < longest:
+        return ()
+    count = 1 + int(np.ceil(np.log(longest / shortest_s) / np.log(TAU_RATIO)))
+    return tuple(np.geomspace(shortest_s, longest, count).tolist())
+
+
+def with_nonlinear(way: Columns, plausible: tuple[float, ...]) -> Columns:
+    """Return a way with what is not linear as its last coefficients, of which nothing is known yet: zero.
+
+    ``plausible`` are 1 sigma of the others, each in its unit.
+    """
+    names, more = tuple(way.nonlinear), len(way.nonlinear)
+    return replace(
+        way, coefficients=(*way.coefficients, *names), plausible=(*plausible, *(LOG_RANGE,) * more),
+        accel=_appended(way.accel, more), gyro=_appended(way.gyro, more),
+    )  # fmt: skip
+
+
+def _appended(part: FloatArray | None, more: int) -> FloatArray | None:
+    return None if part is None else np.concatenate((part, np.zeros((*part.shape[:2], more))), axis=2)

@@ -6,11 +6,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from procedures.effects.effect import effect_of, twins
-from procedures.effects.excitation import PERIOD, TAU, Columns, Excitation
+from procedures.effects.excitation import PERIOD, TAU, Columns, Excitation, search
 from procedures.effects.jump import block_times, soak_of
 from procedures.effects.temperature_history import since_begun
 from procedures.effects.term.law import Law, Parameter
-from procedures.effects.time_constant import search
 from procedures.statistics.spectrum import MIN_PERIODS
 
 SHORTEST_S, SHORTEST_AT_REST_S = 30.0, 3.0  # s, of a time constant to begin with

@@ -10,10 +10,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from procedures.effects.effect import twins
-from procedures.effects.excitation import PLAY, TAU, Columns, Excitation
+from procedures.effects.excitation import PLAY, TAU, Columns, Excitation, search
 from procedures.effects.temperature_history import ranged_k, recorded_s
 from procedures.effects.term.law import Law, Parameter
-from procedures.effects.time_constant import search
 from procedures.frames import AXES
 
 FIRST_ORDERS = (1, 2, 3)  # with which a search begins

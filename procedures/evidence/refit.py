@@ -19,8 +19,7 @@ from procedures.campaign.campaign import Campaign, MoveRecord
 from procedures.campaign.observations import TriadRests
 from procedures.counts.sample_records import CountSeries
 from procedures.effects.effect import with_slope
-from procedures.effects.excitation import Columns, turned_columns
-from procedures.effects.time_constant import LOG_RANGE
+from procedures.effects.excitation import LOG_RANGE, Columns, turned_columns
 from procedures.errors import DoesNotFit
 from procedures.evidence.candidates import Candidate, raising_does_not_fit
 from procedures.evidence.linear_model import LinearFit, Term, fit_linear

@@ -1,8 +1,4 @@
-"""Two processes write to one database at once: SQLite, and the PostgreSQL of STATION_TEST_POSTGRES.
-
-Each transaction accepts a calibration and appends a level of the surface plate: two chains that must not be
-crossed.
-"""
+"""Two processes write to one database at once, each to two chains that must not cross; SQLite and PostgreSQL."""
 
 import os
 import subprocess

@@ -15,14 +15,13 @@ from math import inf, isclose, isfinite, pi
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.effects.excitation import Columns, Excitation
+from procedures.effects.excitation import Columns, Excitation, with_nonlinear
 from procedures.effects.term.dimensions import COEFFICIENT, CONSTANTS
 from procedures.effects.term.functions import OPERATORS
 from procedures.effects.term.grammar import Call, Name, Node, Number, Operation, calls, names, parse
 from procedures.effects.term.inputs import known_input
 from procedures.effects.term.units import parse_unit, power_of
 from procedures.effects.term.values import Values
-from procedures.effects.time_constant import with_nonlinear
 from procedures.frames import AXES
 
 OUTPUT_UNITS = {"accelerometer": "g", "gyroscope": "deg/s"}
