@@ -17,7 +17,7 @@ from typing import Self
 
 import numpy as np
 
-from procedures.arrays import FloatArray
+from procedures.arrays import BoolArray, FloatArray
 from procedures.calibration.joint_calibration import CampaignFits
 from procedures.calibration.solution_values import FitQuality, Solution
 from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord, SoakRecord
@@ -88,7 +88,7 @@ class RateTables:
     def _seen(self) -> Excitation:
         p, n = self.points, len(self.points.omega)
         output = p.omega + self.inside
-        about_offset = np.where(p.parameters[:, 1] < 0, 0.0, self.x)
+        about_offset = np.where(_is_offset(p, self.x), 0.0, self.x)
         base = p.design() @ about_offset / p.scale(self.x)[p.sensor]
         output[p.at, p.sensor] = base + self.inside[p.at, p.sensor]
         unknown, none = np.full((n, 3), np.nan), np.full(n, np.nan)
@@ -142,6 +142,14 @@ class RateTables:
         return tuple(_sensor(p, x, C, int(sensor)) for sensor in np.unique(p.sensor))
 
 
+def _is_offset(points: RatePoints, x: FloatArray) -> BoolArray:
+    """Say of every parameter (p,) whether it is an analogue output's zero point, which no rate gives."""
+    sensor, is_bias = points.parameters[:, 0], points.parameters[:, 1] < 0
+    fastest = np.array([np.max(np.abs(points.omega[points.at[points.sensor == i]])) for i in sensor.tolist()])
+    found: BoolArray = is_bias & (np.abs(x) > OFFSET_SHARE * fastest * np.abs(points.scale(x)[sensor]))
+    return found
+
+
 def _sensor(points: RatePoints, x: FloatArray, C: FloatArray, sensor: int) -> TableSensor:
     k = float(points.scale(x)[sensor])
     own = points.parameters[:, 0] == sensor
@@ -150,10 +158,9 @@ def _sensor(points: RatePoints, x: FloatArray, C: FloatArray, sensor: int) -> Ta
     of_k = np.where(rate, x / k, 0.0)
     of_D = (bias - D * of_k) / k
     std = [float(np.sqrt(g @ C @ g)) for g in (of_k, of_D)]
-    fastest = float(np.max(np.abs(points.omega[points.at[points.sensor == sensor]])))
     return TableSensor(
         AXES[sensor], k, std[0], DEG_H_PER_DEG_S * D, DEG_H_PER_DEG_S * std[1], float(x[bias][0]),
-        float(np.sqrt(C[bias][:, bias][0, 0])), abs(D) > OFFSET_SHARE * fastest,
+        float(np.sqrt(C[bias][:, bias][0, 0])), bool(_is_offset(points, x)[bias][0]),
     )  # fmt: skip
 
 

@@ -1,12 +1,14 @@
 """What a sensor's own input does beyond the scale factor: powers, asymmetry, products, lost counts."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from procedures.effects.effect import effect_of, twins
 from procedures.effects.excitation import KNEE, Columns, Excitation
 from procedures.effects.term.law import Law, Parameter
+from procedures.units import PPM_PER_ONE
 
 QUADRATIC = effect_of(
     "accelerometer.quadratic",
@@ -85,23 +87,28 @@ def _knees(seen: Excitation) -> Iterator[Columns]:
     if fastest > MIN_FASTEST:
         count = 1 + int(np.ceil(np.log(FASTEST / SLOWEST) / np.log(RATIO)))
         for knee in np.geomspace(SLOWEST * fastest, FASTEST * fastest, count).tolist():
-            yield Columns((), nonlinear={KNEE: knee})
+            yield from (Columns((), shape=shape, nonlinear={KNEE: knee}) for shape in ("", SATURATION))
 
 
+SATURATION = "saturation"
+ABOVE = f"-sign(out) * max(0, abs(out) - {KNEE})"
+LOST = Law(terms=(ABOVE,), parameters={KNEE: Parameter("deg/s", MIN_FASTEST, 1e4)})
 COUNTS_LOST = effect_of(
     "gyroscope.counts_lost",
-    Law(terms=(f"-sign(u) * max(0, abs(u) - {KNEE})",), parameters={KNEE: Parameter("deg/s", MIN_FASTEST, 1e4)}),
+    LOST,
+    replace(LOST, shape=SATURATION, plausible=PPM_PER_ONE),
     unit="ppm",
     plausible=1000.0,
     starts=_knees,
     meaning="Counts lost at rate",
     about="A counter or a loop that no longer follows loses a share of its pulses from a rate on; where it loses "
-    "all of them, c of 1e6, the range ends at the knee. The knee is fitted. Turns at one speed put it into the "
-    "scale factor, and where a single speed lies above the knee its share and its knee are one. Plausible: 1000 "
-    "ppm.",
+    "all of them, c of 1e6, the range ends at the knee: saturation. The knee is fitted. Turns at one speed put it "
+    "into the scale factor, and where a single speed lies above the knee its share and its knee are one. "
+    "Plausible: 1000 ppm, or all of them.",
     source="IEEE Std 952, maximum input rate; saturation of a counter or loop",
     separate_by="turns at four speeds in each direction, or a rate table",
     is_loss=True,
     driver="input",
+    multiplies_output=True,
     not_corrected="counts lost above a rate cannot be restored",
 )

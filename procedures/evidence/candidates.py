@@ -21,7 +21,7 @@ from procedures.evidence.linear_model import LinearFit, Term, fit_linear
 from procedures.evidence.rate_points import STD_PER_MAD
 from procedures.evidence.residual_rows import Evidence
 from procedures.twelve_positions.bench_parameters import BenchParameters, tilt_names
-from procedures.units import DEG_H_PER_DEG_S, UG_PER_G
+from procedures.units import DEG_H_PER_DEG_S, PPM_PER_ONE, UG_PER_G
 
 # g, deg/s: 1 sigma of a dwell of the grade the ranges are for
 NAVIGATION_GRADE_STD = (1 / UG_PER_G, 0.5 / DEG_H_PER_DEG_S)
@@ -234,7 +234,10 @@ def term_of(evidence: Evidence, effect: Effect, columns: Columns) -> Term:
     ranges, H = effect.plausible_of(columns)[kept], evidence.column(columns)[:, kept]
     if effect.is_scatter and effect.kind != "instrument":
         return Term(H, ranges)
-    return Term(H, np.maximum(ranges * grade_factor(evidence, effect), as_it_drifts(evidence, effect, H)))
+    widened = ranges * grade_factor(evidence, effect)
+    if (columns.unit or effect.unit) == "ppm":  # of no grade does a scale factor lack more than all of it
+        widened = np.minimum(widened, np.maximum(ranges, PPM_PER_ONE))
+    return Term(H, np.maximum(widened, as_it_drifts(evidence, effect, H)))
 
 
 def _of_model(fits: CampaignFits, width: int) -> dict[str, tuple[Columns, IntArray]]:

@@ -77,10 +77,11 @@ def _less(
     return replace(record, series=replace(series, gyro=less))
 
 
-MAX_ITERATIONS = 6
+MAX_ITERATIONS = 20  # where a range ends for most of the rates, each leaves half of what the bias is off by
 ITERATIONS_WITH_GIVEN_VALUES = 3  # what an effect adds hangs on the fit by its misalignment alone
 LARGEST_STEP = 1.0  # of a time constant's logarithm in one round
 CONVERGED_SIGMAS = 1e-3  # sigma by which the last round still moved a coefficient
+BASE_CONVERGED_SIGMAS = 0.05  # the same of a parameter of the base model, which follows
 
 Model = TypeVar("Model")
 
@@ -147,13 +148,20 @@ def iterate(
         ]
         added = [replace(each, term=term) for each, term in zip(added, terms, strict=True)]
         values = [c for c, _ in found]
-        if max(moved, default=0.0) < CONVERGED_SIGMAS:
+        if max(moved, default=0.0) < CONVERGED_SIGMAS and _base_step(linear) < BASE_CONVERGED_SIGMAS:
             break
         pairs = [_with_nonlinear(each, c) for each, c in zip(added, values, strict=True)]
         added, values = [each for each, _ in pairs], [c for _, c in pairs]
         model = without(model, evidence, added, values)
     bare = model if isinstance(model, CampaignFits) else None
     return Refit(fits_of(model, evidence, linear), evidence, linear, tuple(values), tuple(added), bare=bare)
+
+
+def _base_step(linear: LinearFit) -> float:
+    """Return by how many sigmas the base model's parameters would still move, of the one that moves most."""
+    size = len(linear.theta) - sum(linear.sizes)
+    std = np.sqrt(np.diag(linear.covariance)[:size])
+    return float(np.max(np.abs(linear.theta[:size]) / std, initial=0.0))
 
 
 def _within_ranges(

@@ -125,8 +125,9 @@ def _deg_s(sizes: Sizes) -> FloatArray:
 
 
 def _counts_lost(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
-    above = np.abs(triad.raw) - sizes["knee_deg_s"]
-    return np.where(above > 0, -1e-6 * vector(sizes) * above * np.sign(triad.raw), 0.0)
+    out = triad.raw + triad.bias
+    above = np.abs(out) - sizes["knee_deg_s"]
+    return np.where(above > 0, -1e-6 * vector(sizes) * above * np.sign(out), 0.0)
 
 
 GYROSCOPE = (
