@@ -129,7 +129,6 @@ def _gain_of_jump(t: FloatArray, y: FloatArray, at: slice) -> float:
 
 MAX_SHOCK_S = 30.0  # that is cut as one
 MAX_CUT_SHARE = 0.2  # of a soak
-MAX_NAMED = 3  # of a soak, each for itself; of more the surest, and how many others there are
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -214,13 +213,10 @@ def _is_step(rest: RestRecord, found: Disturbance) -> bool:
 
 
 def _named(soaks: Sequence[Campaign], kept: Sequence[Disturbance]) -> Iterator[Finding]:
-    """Yield a finding for each of a soak's disturbances, of many the surest for all."""
+    """Yield a finding for each of a soak's disturbances, the surest first."""
     for campaign, rest, here in _by_soak(soaks, kept):
-        here.sort(key=lambda one: -one.log_odds)
-        others: dict[str, object] = {"others": len(here) - 1} if len(here) > MAX_NAMED else {}
-        for each in here[: 1 if others else MAX_NAMED]:
-            finding = _finding_of(campaign, rest, each)
-            yield replace(finding, where={**finding.where, **others})
+        for each in sorted(here, key=lambda one: -one.log_odds):
+            yield _finding_of(campaign, rest, each)
 
 
 def _narrowed(rest: RestRecord, found: Disturbance) -> Disturbance:
