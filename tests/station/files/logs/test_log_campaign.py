@@ -32,7 +32,7 @@ def save(file: Path, columns: dict[str, FloatArray], header: bool = True) -> Pat
 
 def test_a_log_with_a_header_needs_no_option_and_every_guess_is_shown(tmp_path: Path) -> None:
     found = campaign_of_logs([save(tmp_path / "log.csv", soak())], LogOptions())
-    assert len(found.guesses) == 7
+    assert len(found.guesses) == 8
     imu = found.loaded.tables.imu
     assert (imu.unit_accel, imu.unit_gyro, imu.sample_period_s) == ("m/s2", None, pytest.approx(PERIOD))
     assert found.loaded.tables.site is None
