@@ -17,7 +17,6 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 from numpy.lib.stride_tricks import sliding_window_view
-from scipy.fft import rfft, rfftfreq
 
 from procedures.arrays import FloatArray
 
@@ -75,10 +74,10 @@ def welch(rate: FloatArray, period: float, segment: int) -> tuple[FloatArray, Fl
     window = 0.5 + 0.5 * np.cos(np.linspace(-np.pi, np.pi, segment + 1)[:-1])
     window *= 1 / np.sqrt(np.cumsum(window**2)[-1] / (1 / (1 / period)))
     parts = sliding_window_view(rate, segment)[:: segment - segment // 2]
-    found = rfft(without_straight_line(parts) * window)
+    found = np.fft.rfft(without_straight_line(parts) * window)
     power = np.ascontiguousarray((found.real**2 + found.imag**2).T)
     power[1 : None if segment % 2 else -1] *= 2
-    return rfftfreq(segment, 1 / (1 / period)), power.mean(axis=-1)
+    return np.fft.rfftfreq(segment, 1 / (1 / period)), power.mean(axis=-1)
 
 
 def lines_of(rate: FloatArray, period: float) -> list[Line]:
@@ -89,7 +88,7 @@ def lines_of(rate: FloatArray, period: float) -> list[Line]:
     level = without_straight_line(rate)
     window = 0.5 - 0.5 * np.cos(2 * np.pi * (np.arange(n) + 0.5) / n)
     weighed, mean_square = level * window / window.sum(), float(np.mean(level**2))
-    power = np.abs(rfft(level * window)) ** 2 / float(window @ window)  # mean: the variance, of white noise
+    power = np.abs(np.fft.rfft(level * window)) ** 2 / float(window @ window)  # mean: the variance, of white noise
     begin = int(MIN_PERIODS)
     background = background_of(power, begin)
     ratio = power / background
