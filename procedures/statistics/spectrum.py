@@ -77,7 +77,8 @@ def welch(rate: FloatArray, period: float, segment: int) -> tuple[FloatArray, Fl
     found = np.fft.rfft(without_straight_line(parts) * window)
     power = np.ascontiguousarray((found.real**2 + found.imag**2).T)
     power[1 : None if segment % 2 else -1] *= 2
-    return np.fft.rfftfreq(segment, 1 / (1 / period)), power.mean(axis=-1)
+    hertz: FloatArray = np.fft.rfftfreq(segment, 1 / (1 / period)).astype(np.float64)
+    return hertz, power.mean(axis=-1)
 
 
 def lines_of(rate: FloatArray, period: float) -> list[Line]:
