@@ -102,7 +102,7 @@ def diagnosis_json(
     recording = recording_of(campaigns)
     findings = [
         fitted_to(recording, finding_document(finding) | own_definition(finding.effect, files))
-        for finding in sorted(diagnosis.findings, key=lambda each: -each.probability)
+        for finding in diagnosis.findings
     ]
     if not diagnosis.is_calibrated:
         findings = [in_specified_unit(finding, finding["effect"], campaigns) for finding in findings]
