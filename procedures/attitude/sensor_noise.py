@@ -204,7 +204,7 @@ def white_noise(samples: FloatArray, period: float, *, window_s: float = 1.0, qu
     samples : (n, 3) float64, any unit, sensor axes
     period : s, between samples
     window_s : s, of which the quietest count; infinity takes all samples together
-    quantum : what one count is, in the unit of the samples, where counting is to be taken off
+    quantum : what one count is, in the unit of the samples, where counting is to be subtracted
     """
     rows = max(round(window_s / period), 8) if math.isfinite(window_s) else len(samples) - 2
     windows = (len(samples) - 2) // rows if rows > 0 else 0

@@ -104,7 +104,7 @@ class RateTables:
         )  # fmt: skip
 
     def refit(self, added: Sequence[Candidate]) -> Refit:
-        """Fit line and effects together; what an effect adds beyond its columns is taken off.
+        """Fit line and effects together; what an effect adds beyond its columns is subtracted.
 
         Raises
         ------

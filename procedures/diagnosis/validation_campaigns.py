@@ -1,7 +1,7 @@
 """Findings put to the test on other campaigns of the unit, which had no part in choosing them.
 
 The coefficients stay as the diagnosis found them; k, E, D and the bench are solved again, without the effects and
-with what they add taken off. Carried over is what belongs to the unit, and to the cube where it is the same one:
+with what they add subtracted. Carried over is what belongs to the unit, and to the cube where it is the same one:
 a seating, a heading or a slab was that campaign's alone.
 """
 

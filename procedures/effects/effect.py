@@ -121,7 +121,7 @@ def effect_of(
     is_fitted = any(law.parameters or law.is_polynomial for law in laws)
     made: dict[str, Any] = {
         "columns": columns, "at": at if is_fitted else None,
-        "physics": ", or ".join(law.equation for law in own.values()),
+        "physics": ", or ".join(dict.fromkeys(law.equation for law in own.values())),
         "ranges": {key: ends for law in laws for key, ends in law.ranges.items()},
         "not_corrected": OF_CAMPAIGN if any(law.looks_back for law in own.values()) else "",
     }  # fmt: skip

@@ -70,9 +70,7 @@ ACCELEROMETER_BIAS, GYROSCOPE_BIAS = twins(
 
 MIN_BLOCKS = 2 * int(MIN_PERIODS)  # of a soak: of fewer a cycle that no spectrum shows would look like a slow one
 MIN_CYCLES = 1.5  # in what was recorded: less is a drift
-PER_CYCLE = (
-    2  # steps of a frequency in 1 / T: of a sine between two of them the nearer one keeps 81 % of the power
-)
+PER_CYCLE = 2  # steps of a frequency in 1 / T: between two of them a sine keeps 81 % of its power
 MAX_PERIODS = 50  # to begin with, to 26 cycles: from 16 on the spectrum of the samples shows lines
 
 

@@ -1,6 +1,6 @@
 """The loop closed: the parameters solved again with the adopted effects in the model.
 
-What an effect adds is taken off every rate and total, the base model is fitted to what is left, and the
+What an effect adds is subtracted from every rate and total, the base model is fitted to what is left, and the
 coefficients are solved again where that fit stands (Gauss-Newton). The parameters' covariance is that of the whole
 model: it holds what the coefficients leave open.
 """
@@ -268,7 +268,7 @@ def _bent(
 def beyond_linear(
     evidence: Evidence, terms: Sequence[Term], values: Sequence[FloatArray], beyond: Sequence[FloatArray]
 ) -> Evidence:
-    """Return the residual as if only what is beyond linear had been taken off.
+    """Return the residual as if only what is beyond linear had been subtracted.
 
     ``values`` (k,) are each effect's coefficients, in its unit; ``beyond`` (n,) [g, deg/s] is what each adds
     beyond its columns times them. Means, totals, norms and moves come from a fit to them without the whole effect,

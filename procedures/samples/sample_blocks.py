@@ -1,8 +1,8 @@
 """The samples of recordings in blocks, each less its own line, and regressions on them that know of correlation.
 
 What acts sample by sample vanishes in means over 100 s. So every channel is cut into blocks of some thousand
-samples; what is slower than a block is taken off the channel and off every column alike. Columns are judged by
-their scores ``H_b' e_b`` of every block b: under noise of whatever correlation within a block, and whatever
+samples; what is slower than a block is subtracted from the channel and from every column alike. Columns are judged
+by their scores ``H_b' e_b`` of every block b: under noise of whatever correlation within a block, and whatever
 variance, they scatter about zero, and how much is known to as many degrees of freedom as there are blocks. So
 their sum is Student t, and `procedures.inference.odds` says how much likelier the columns make it. A share is that
 of the variance within blocks, on groups of blocks left out in turn.

@@ -1,6 +1,6 @@
 """What acts sample by sample: periodic errors, lines, channels that act at once or lagged, rectified vibration.
 
-They have no columns at the nodes of a step, since they vanish in its mean. The likeliest is taken off, and the
+They have no columns at the nodes of a step, since they vanish in its mean. The likeliest is subtracted, and the
 rest looked at again, until nothing is likelier than not. Every candidate, lag and sensor has its share of the
 prior.
 """

@@ -330,7 +330,7 @@ def without_slow_lines(
 ) -> tuple[SampleBlocks, list[SampleFinding], list[FoldedResidual]]:
     """Return blocks less the lines that are slower than they are, and those that no finding in ``named`` is.
 
-    What is ``known`` of the samples is taken off first: it may be slower than a block as well.
+    What is ``known`` of the samples is subtracted first: it may be slower than a block as well.
 
     The last are the means of the recording by the phase of each.
     """

@@ -1,7 +1,7 @@
 """Errors of the gyroscopes that are periodic in an auxiliary angle while the cube or a table turns.
 
-The rate is far larger, and the Earth's rate and gravity turn with it. What is known of both is taken off every
-turn first, and off the candidate's columns alike, psi being the angle turned:
+The rate is far larger, and the Earth's rate and gravity turn with it. What is known of both is subtracted from
+every turn first, and off the candidate's columns alike, psi being the angle turned:
 
     the sensor about the axis:  the rate of an angle that turns along; a line in time, cos psi, sin psi, rate^2
     the two next to it:         the rate that the first one saw; a line in time, cos psi, sin psi, rate^2

@@ -1,6 +1,6 @@
 """What locating reaches on real recordings of IMU and camera odometry, with GNSS drawn from their truth.
 
-GNSS is drawn anew for every seed: white, 0.2 m per axis and 0.05 m/s at 20 Hz, as Han 2022 has it. Errors are
+GNSS is drawn again for every seed: white, 0.2 m per axis and 0.05 m/s at 20 Hz, as Han 2022 has it. Errors are
 position errors of the IMU without any alignment, over the poses later than `WARM_UP`.
 """
 
@@ -32,7 +32,7 @@ SECOND, EDGE = 1.0, 1.0  # s, each of a recording; at either end of a truth, whe
 def drawn(
     log: FusionLog, seed: int, outliers: float = 0.0, gap: tuple[float, float] = (np.inf, np.inf)
 ) -> FusionLog:
-    """Return a folder with GNSS drawn anew from its truth, but for a ``gap`` [s]."""
+    """Return a folder with GNSS drawn again from its truth, but for a ``gap`` [s]."""
     rng, path = np.random.default_rng(seed), CubicSpline(log.truth.t, log.truth.p)
     t = np.arange(0.2, log.truth.t[-1], 0.05)
     t = t[(t < gap[0]) | (t > gap[1])]

@@ -1,4 +1,4 @@
-"""JCGM 101 on the observations: the fit's rows are drawn anew and minimised anew, by the model itself.
+"""JCGM 101 on the observations: the fit's rows are drawn and minimised again, by the model itself.
 
 The residuals are written here a second time, from the model in docs/explanation/solving.md: those of the fits
 are tested too.

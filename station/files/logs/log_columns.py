@@ -123,7 +123,7 @@ def choose_columns(
     unit_gyro = stated.unit_gyro or _unit(gyro, guesses, "gyroscopes", list(GYRO_UNITS))
     unit_gyro = unit_gyro or unit_by_logger(names, gyro, "gyro", guesses)
     if unit_gyro is None and any(gyro):
-        guesses.append("gyroscopes in no unit: their values are outputs (--unit-gyro)")
+        guesses.append("gyroscopes have no unit: their values are outputs. Name it with --unit-gyro.")
     unit_accel = stated.unit_accel or _unit(accel, guesses, "accelerometers", list(ACCEL_UNITS))
     unit_accel = unit_accel or unit_by_logger(names, accel, "accel", guesses)
     if angle is not None:

@@ -1,8 +1,8 @@
 """A simulated camera: tracks of features along a known path, for recordings that have none.
 
 At any time ``features`` points stand within ``depths`` of the view, as in the reference recordings:
-one is drawn anew, anywhere in the image, when another leaves the view or reaches the end of its life. Image points
-have white noise; some are displaced, as by a wrong match.
+one is drawn again, anywhere in the image, when another leaves the view or reaches the end of its life. Image
+points have white noise; some are displaced, as by a wrong match.
 """
 
 from collections.abc import Callable

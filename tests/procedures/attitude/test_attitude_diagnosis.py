@@ -1,4 +1,4 @@
-"""The loop closed for attitude: what is planted in a drive is found, named, taken off, and nothing else."""
+"""The loop closed for attitude: what is planted in a drive is found, named, corrected, and nothing else."""
 
 from dataclasses import replace
 from functools import cache

@@ -72,7 +72,7 @@ def test_without_the_disturbed_stretch_or_its_line_the_solution_is_the_quiet_one
     assert expected is not None
     assert shaken is not None
     assert np.all(np.abs(got.bias.value - expected.bias.value) < 4 * got.bias.std)
-    assert np.all(np.abs(shaken.bias.value - expected.bias.value) < 4 * shaken.bias.std)  # its line is taken off
+    assert np.all(np.abs(shaken.bias.value - expected.bias.value) < 4 * shaken.bias.std)  # its line is subtracted
 
 
 @pytest.mark.parametrize("seed", range(10))

@@ -74,7 +74,7 @@ def test_the_sigmas_are_honest_over_many_units() -> None:
 
 
 def disturbed(seed: int, *, rest_g: float = 0.0, rest_deg_s: float = 0.0, move_rad: float = 0.0) -> Case:
-    """A campaign with what is not noise: 1 sigma of each axis, drawn anew at each rest of 4 s and move of 2 s.
+    """A campaign with what is not noise: 1 sigma of each axis, drawn again at each rest of 4 s and move of 2 s.
 
     The gyroscopes' bias during a move is the mean of what it is at the rests next to it.
     """

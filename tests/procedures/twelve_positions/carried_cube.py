@@ -1,7 +1,7 @@
 """A cube carried by hand from placing to placing: made by scipy's rotations, without `procedures.frames`.
 
 The hand trembles by 20 to 60 deg/s at 2 to 8 Hz. The gyroscopes integrate fine steps of the attitude relative to
-inertial space and count; nothing here is shared with the solve. Of a step's rotation vector is taken off what the
+inertial space and count; nothing here is shared with the solve. Of a step's rotation vector is subtracted what the
 rate's own turning adds to it, a twelfth of the rate across its change: 400 steps a second are then within 0.006
 arcsec of 9600 over a move of 25 s.
 """

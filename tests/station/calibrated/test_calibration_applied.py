@@ -1,4 +1,4 @@
-"""A calibration applied to rates gives back what the sensors went through, its effects taken off."""
+"""A calibration applied to rates gives back what the sensors went through, its effects corrected."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""A calibration as it is applied, on a few samples by hand: what is taken off, what is left in, what is absent."""
+"""A calibration as it is applied, on a few samples by hand: what is corrected, what is not, what is absent."""
 
 from typing import Any
 

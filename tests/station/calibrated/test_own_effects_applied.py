@@ -1,4 +1,4 @@
-"""An effect/1 of a calibration taken off samples: its lag of the temperature goes on from block to block."""
+"""An effect/1 of a calibration corrected in samples: its lag of the temperature goes on from block to block."""
 
 import hashlib
 from typing import Any

@@ -136,7 +136,7 @@ class DriveRig:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DrivenAlong:
-    """A drive that is over: all its views, the last one, and ``restarted`` that of a unit begun anew.
+    """A drive that is over: all its views, the last one, and ``restarted`` that of a unit restarted.
 
     The window has images of the camera up to ``seen_until`` [s] and waits for those of so many keyframes. Without
     one they are nan and -1.
@@ -152,7 +152,7 @@ class DrivenAlong:
 def driven_along(
     seconds: float, track: VehicleTrack, autopilot: AutopilotTruth, truth: Truth, **options: Any
 ) -> DrivenAlong:
-    """Drive for so long, by what `DriveRig` takes, and another second after the unit has begun anew."""
+    """Drive for so long, by what `DriveRig` takes, and another second after the unit has restarted."""
     rig = DriveRig(truth, track, autopilot, **options)
     rig.run(seconds)
     lines, view = list(rig.lines), rig.view
