@@ -174,7 +174,7 @@ def test_a_knee_in_the_scale_factor_is_found_where_it_is() -> None:
     assert abs(knee[0] - 20) < 4 * knee[1]
 
 
-@pytest.mark.parametrize("knee", [62.0, 87.0])
+@pytest.mark.parametrize("knee", [37.0, 62.0, 87.0])
 @pytest.mark.parametrize("lost", [0.3, 1.0])
 def test_a_range_that_ends_is_named_with_its_end(knee: float, lost: float) -> None:
     """Of what lies above the knee a part is lost, or all: a million sigmas, between the points of any grid.
@@ -186,6 +186,21 @@ def test_a_range_that_ends_is_named_with_its_end(knee: float, lost: float) -> No
     at = dict(zip(finding.coefficients, zip(finding.value, finding.std, strict=True), strict=True))
     assert abs(at["knee_deg_s"][0] - knee) < 4 * at["knee_deg_s"][1]
     assert at["knee_deg_s"][1] < 0.01
+
+
+@pytest.mark.parametrize("knee", [37.0, 62.0])
+def test_what_bends_the_input_of_a_saturating_sensor_shows_below_its_range_alone(knee: float) -> None:
+    """Asymmetry before the end of the range; scale factor, bias and asymmetry come from the rates within it."""
+    plain = table(1)
+    bend = 0.5 * ASYMMETRY * np.abs(plain.reference)
+    o = np.clip(plain.reference + BIAS + bend, -knee, knee)
+    output = plain.output - 2e4 * (o - plain.reference - BIAS)[:, None]
+    diagnosis = diagnose([campaign(replace(plain, output=output))])
+    assert {each.effect for each in diagnosis.findings} == {LOST, "gyroscope.scale_asymmetry"}
+    asymmetry, std = value(diagnosis, "gyroscope.scale_asymmetry")
+    assert abs(asymmetry - 900) < 4 * std < 200
+    (sensor,) = diagnosis.on_table
+    assert abs(sensor.bias - 3600 * BIAS) < 4 * sensor.bias_std
 
 
 def test_what_explains_less_than_half_is_not_named() -> None:
