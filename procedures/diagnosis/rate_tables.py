@@ -69,7 +69,15 @@ class RateTables:
         fitted = np.linalg.lstsq(design * root[:, None], points.output * root, rcond=None)[0]
         x = np.asarray(fitted, dtype=np.float64)
         nothing = np.zeros_like(points.omega)
-        return cls(tuple(campaigns), points, *noise_of(points, points.output - design @ x), x, nothing, nothing, np.ones_like(nothing))
+        return cls(
+            tuple(campaigns),
+            points,
+            *noise_of(points, points.output - design @ x),
+            x,
+            nothing,
+            nothing,
+            np.ones_like(nothing),
+        )
 
     def evidence(self) -> Evidence:
         """Return a row an output, less what effects added."""

@@ -37,6 +37,13 @@ def _lags(seen: Excitation) -> Iterator[Columns]:
                 yield Columns((), orders=(order,) * len(AXES), nonlinear={TAU: tau})
 
 
+def _rate_lags(seen: Excitation) -> Iterator[Columns]:
+    """Yield time constants of a first search; none of an unknown temperature."""
+    if np.isfinite(seen.temperature).all():
+        for tau in search(SHORTEST_S, recorded_s(seen)):
+            yield Columns((), nonlinear={TAU: tau})
+
+
 def _plays(seen: Excitation) -> Iterator[Columns]:
     """Yield the direction alone, and half widths of a play that a search begins with."""
     yield Columns(())
@@ -98,6 +105,24 @@ ACCELEROMETER_RATE, GYROSCOPE_RATE = twins(
         "D. M. Shupe, Thermally induced nonreciprocity, Appl. Opt. 19 (1980) 654",
     ),
     separate_by="a heating run with ramps of different steepness, up and down, to the same temperature",
+    driver="temperature",
+)
+
+ACCELEROMETER_RATE_LAG, GYROSCOPE_RATE_LAG = twins(
+    "temperature_rate_lag",
+    Law(terms=(f"(T - lag(T, {TAU})) / {TAU}",), parameters=LAGGED),
+    unit=("g/(K/min)", "deg/h/(K/min)"),
+    plausible=(2e-5, 3.0),
+    starts=_rate_lags,
+    meaning="Bias while the sensor's own temperature changes",
+    about="The coil follows the thermometer by tau dT_s/dt = T - T_s, and the Shupe effect goes by dT_s/dt. It is a "
+    "temperature coefficient less one that lags, of equal size: (T - T_s) / tau. Two of them, of the coil and of its "
+    "spool, are the usual thermal model of a FOG. Plausible: as without a lag.",
+    source=(
+        "IEEE Std 1293, temperature-rate sensitivity of bias; heat conduction, first order",
+        "D. M. Shupe, Thermally induced nonreciprocity, Appl. Opt. 19 (1980) 654; heat conduction, first order",
+    ),
+    separate_by="a heating run with ramps of different steepness and long plateaus, up and down",
     driver="temperature",
 )
 

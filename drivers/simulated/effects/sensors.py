@@ -38,7 +38,7 @@ from drivers.simulated.effects.planted_effect import (
 )
 from drivers.simulated.truth import Sizes
 from procedures.arrays import FloatArray
-from procedures.units import DEG_H_PER_DEG_S, S_PER_H
+from procedures.units import DEG_H_PER_DEG_S, S_PER_H, S_PER_MIN
 
 HIGHEST = 5  # order that can be planted
 POLYNOMIAL_KEYS = (*AXES, *(f"{axis}.{n}" for axis in AXES for n in range(1, HIGHEST + 1)))
@@ -66,6 +66,12 @@ def polynomial(sizes: Sizes, temperature: FloatArray) -> FloatArray:
 def polynomial_of_lag(sizes: Sizes, seen: Stimulus) -> FloatArray:
     """Return the same (n, 3) of the temperature that a sensor has come to with the time constant ``tau_s`` [s]."""
     return polynomial(sizes, sensor_temperature(seen, sizes["tau_s"]))
+
+
+def rate_of_lag(sizes: Sizes, seen: Stimulus) -> FloatArray:
+    """Return c dT_s/dt (n, 3), in K/min, of the temperature that a sensor has come to with ``tau_s`` [s]."""
+    ahead = np.reshape(seen.temperature, -1) - sensor_temperature(seen, sizes["tau_s"])
+    return vector(sizes) * S_PER_MIN * ahead[:, None] / sizes["tau_s"]
 
 
 def scale_temperature(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
@@ -149,6 +155,8 @@ GYROSCOPE = (
                   gyro=lambda seen, triad, sizes: _deg_s(sizes) * direction(seen, sizes)),
     PlantedEffect("gyroscope.temperature_rate", "deg/h/(K/min)", VECTOR_KEYS,
                   gyro=lambda seen, triad, sizes: _deg_s(sizes) * seen.temperature_rate),
+    PlantedEffect("gyroscope.temperature_rate_lag", "deg/h/(K/min)", VECTOR_KEYS, LAG_OPTIONS,
+                  gyro=lambda seen, triad, sizes: rate_of_lag(sizes, seen) / DEG_H_PER_DEG_S),
     PlantedEffect("gyroscope.bias_drift", "deg/h/h", VECTOR_KEYS,
                   gyro=lambda seen, triad, sizes: _deg_s(sizes) * seen.t / S_PER_H),
     PlantedEffect("gyroscope.magnetic", "deg/h/uT", MATRIX_KEYS,
@@ -195,6 +203,8 @@ ACCELEROMETER = (
     PlantedEffect("accelerometer.scale_temperature", "ppm/K", POLYNOMIAL_KEYS, accel=scale_temperature),
     PlantedEffect("accelerometer.temperature_rate", "g/(K/min)", VECTOR_KEYS,
                   accel=lambda seen, triad, sizes: vector(sizes) * seen.temperature_rate),
+    PlantedEffect("accelerometer.temperature_rate_lag", "g/(K/min)", VECTOR_KEYS, LAG_OPTIONS,
+                  accel=lambda seen, triad, sizes: rate_of_lag(sizes, seen)),
     PlantedEffect("accelerometer.temperature_lag", "g/K", POLYNOMIAL_KEYS, LAG_OPTIONS,
                   accel=lambda seen, triad, sizes: polynomial_of_lag(sizes, seen)),
     PlantedEffect("accelerometer.scale_temperature_lag", "ppm/K", POLYNOMIAL_KEYS, LAG_OPTIONS,

@@ -299,7 +299,8 @@ _KINDS = (
     Kind("Shupe effect of coil and spool",
          "Shupe 1980, Appl. Opt. 19, 654: integral of (L - 2 z) dT/dt along the fibre; Lefevre, ch. 6", "soak",
          (0.5, 4.0), "deg/h/(K/min)", shupe_of_two,
-         ("gyroscope.temperature_rate", "gyroscope.temperature_lag"), ("gyroscope.bias_temperature",),
+         ("gyroscope.temperature_rate_lag", "gyroscope.temperature_rate", "gyroscope.temperature_lag"),
+         ("gyroscope.bias_temperature",),
          "dT1/dt = (T - T1) / tau1 is a bias over temperature less one that lags: these names build it together "
          "(correlation above 0.998), and what one of them leaves (the rate alone: 0.92) may stay nameless."),
     Kind("dead time of a converter", "Scheeline, V-to-F converters, asdlib.org; 1293 8.3, odd quadratic K_oq",

@@ -130,6 +130,7 @@ BY_HAND: Mapping[tuple[str, str], Value] = {
             ("bias_temperature", "", powers(lambda felt: felt.T, per)),
             ("scale_temperature", "", powers(lambda felt: felt.T, PPM, of_output=True)),
             ("temperature_rate", "", of(lambda felt: felt.rate, per)),
+            ("temperature_rate_lag", "", of(lambda felt: 60 * (felt.T - felt.behind) / felt.tau, per)),
             ("temperature_lag", "", powers(lambda felt: felt.behind, per)),
             ("scale_temperature_lag", "", powers(lambda felt: felt.behind, PPM, of_output=True)),
             ("temperature_hysteresis", "", of(lambda felt: felt.direction, per)),

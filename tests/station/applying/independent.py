@@ -107,6 +107,8 @@ def evaluated(document: dict[str, Any], rates: np.ndarray, t: np.ndarray, T: np.
                     added[triad] += 1e-6 * c * warm[:, None] * (v @ E.T + D)
                 case "temperature_rate", _:
                     added[triad] += per * c * rate[:, None]
+                case "temperature_rate_lag", _:
+                    added[triad] += per * c * (60 * (T - lag(t, T, of["tau_s"])) / of["tau_s"])[:, None]
                 case "temperature_lag", _:
                     added[triad] += per * c * (lag(t, T, of["tau_s"]) - 25.0)[:, None]
                 case "scale_temperature_lag", _:
