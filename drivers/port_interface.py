@@ -1,6 +1,6 @@
 """What every port of bytes does, whatever is behind it; the simplest is a file of recorded bytes."""
 
-from typing import BinaryIO, Protocol
+from typing import IO, Protocol
 
 from drivers.errors import LinkLost, ReplayEnded
 
@@ -29,7 +29,7 @@ class Port(Protocol):
 class ReplayPort:
     """An open file of bytes as a device sent them."""
 
-    def __init__(self, file: BinaryIO, path: str) -> None:
+    def __init__(self, file: IO[bytes], path: str) -> None:
         self.path = path
         self._file, self._size = file, 0
 

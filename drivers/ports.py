@@ -25,7 +25,7 @@ from drivers.camera.http_port import open_http_camera
 from drivers.errors import PortNotFound
 from drivers.network_ports import TcpPort, open_tcp
 from drivers.port_interface import Port, ReplayPort
-from drivers.serial_port import PortInfo, SerialPort, list_ports, open_serial
+from drivers.serial_port import SerialPort, open_serial
 from drivers.wire import FORMATS, WireFormat
 
 
@@ -46,9 +46,11 @@ def open_port(url: str | DeviceAddress, timeout_s: float = 0.05) -> Port:
         case TriadAddress():
             return _open_triad(address, timeout_s)
         case CanAddress():
-            return _open_can(address, timeout_s)
+            from drivers.can.can_port import open_can
+
+            return open_can(address.interface, address.channel, dict(address.options), timeout_s)
         case WheelAddress():
-            return _open_can(address.bus, timeout_s)
+            return open_port(address.bus, timeout_s)
         case ReplayAddress():
             return _open_replay(address)
         case MavlinkAddress():
@@ -61,12 +63,6 @@ def open_port(url: str | DeviceAddress, timeout_s: float = 0.05) -> Port:
             from drivers.camera.v4l2_port import open_v4l2
 
             return open_v4l2(address, timeout_s)
-
-
-def _open_can(address: CanAddress, timeout_s: float) -> Port:
-    from drivers.can.can_port import open_can
-
-    return open_can(address.interface, address.channel, dict(address.options), timeout_s)
 
 
 def _open_replay(address: ReplayAddress) -> Port:
@@ -123,15 +119,3 @@ def frame_descriptions(address: DeviceAddress) -> dict[str, str]:
 
         return {"dbc": text_of(address.dbc or OWN_DBC), "map": text_of(address.map or OWN_MAP)}
     return {}
-
-
-__all__ = [
-    "DeviceAddress",
-    "Port",
-    "PortInfo",
-    "frame_descriptions",
-    "list_ports",
-    "open_port",
-    "parse_device_url",
-    "wire_of",
-]

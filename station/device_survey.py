@@ -17,7 +17,8 @@ from drivers.errors import DriverError
 from drivers.framing import sniff
 from drivers.network_ports import open_udp
 from drivers.port_interface import Port
-from drivers.ports import list_ports, open_port, wire_of
+from drivers.ports import open_port, wire_of
+from drivers.serial_port import list_ports
 from drivers.wire import FORMATS
 from procedures.gnss_records import GnssFix, averaged_site
 from station.device_probe import FORMAT, probe_bytes, probe_camera, read_for

@@ -63,20 +63,16 @@ def can_format(dbc: str = "", mapping: str = "", period: float | None = None) ->
 
 
 def _decode(can_map: CanMap, frames: Frames) -> SampleBlock:
-    return CanJoiner(can_map, FrameCounters()).take(frames, frame_record.RECORD.itemsize * np.arange(len(frames)))[
-        0
-    ]
+    at = frame_record.RECORD.itemsize * np.arange(len(frames))
+    return CanJoiner(can_map, FrameCounters()).take(frames, at)[0]
 
 
 def _example(can_map: CanMap) -> bytes:
     if can_map.output != "increments":
         return b""
-    counts = np.array([[1, -2, 3]])
-    return encode(
-        can_map,
-        CountBlock(np.ones(1, np.int64), np.array([0.5]), counts, -counts, np.array([25.0]), np.zeros(1, np.int64),
-                   np.ones(1, np.bool_)),
-    )  # fmt: skip
+    counts, one = np.array([[1, -2, 3]]), np.ones(1, np.int64)
+    block = CountBlock(one, one / 2, counts, -counts, 25.0 * one, 0 * one, one == 1)
+    return encode(can_map, block)
 
 
 def encode(can_map: CanMap, block: SampleBlock) -> bytes:
@@ -101,7 +97,9 @@ def encode(can_map: CanMap, block: SampleBlock) -> bytes:
     ids, sizes = (np.array([getattr(slot, name) for slot in can_map.slots]) for name in ("identifier", "size"))
     row, slots = place[by_time, 0], place[by_time, 2]
     host = np.rint(block.device_time[row] * 1e9).astype(np.int64)
-    return frame_record.pack_all(ids[slots], host, np.concatenate(payloads)[by_time], sizes[slots])
+    octets = np.concatenate(payloads)[by_time]
+    sent = zip(ids[slots].tolist(), host.tolist(), octets, sizes[slots].tolist(), strict=True)
+    return b"".join(frame_record.pack(each, at, data.tobytes()[:size]) for each, at, data, size in sent)
 
 
 def _payloads(can_map: CanMap, slot: Slot, block: SampleBlock, rows: IntArray) -> NDArray[np.uint8]:

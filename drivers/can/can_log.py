@@ -6,12 +6,12 @@ how the file begins. The time of the log becomes the records' host time, as a li
 
 import re
 import tempfile
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from io import StringIO
 from itertools import islice, product
-from typing import IO
 
 import can
 import numpy as np
@@ -20,7 +20,8 @@ from can.io import ASCReader, BLFReader, CanutilsLogReader, CSVReader, TRCReader
 from drivers.addresses import ReplayAddress
 from drivers.can.frame_record import ERROR, EXTENDED, REMOTE, WIDE, SenderWatch, pack
 from drivers.can.mapping_file import CanMap, load_map
-from drivers.errors import BadCanFile, ReplayEnded, reason_of
+from drivers.errors import BadCanFile, reason_of
+from drivers.port_interface import ReplayPort
 from drivers.text_decoding import decoded_text
 
 FIRST_LINES = 20
@@ -114,22 +115,12 @@ def _as_log_line(text: str) -> str | None:
 FORMS = (
     LogForm("candump", lambda head: _has_lines(head, _CANDUMP_L) or _has_lines(head, _CANDUMP), _candump),
     LogForm("Vector BLF", lambda head: head.startswith(b"LOGG"), _blf),
-    LogForm(
-        "Vector ASC",
-        lambda head: bool(re.search(rb"(?im)^\s*base\s+(?:hex|dec)\b", head)),
-        _asc,
-    ),
-    LogForm(
-        "PEAK TRC",
-        lambda head: b";$FILEVERSION" in head or b";   Start time:" in head,
-        partial(_text, TRCReader),
-    ),
-    LogForm(
-        "python-can CSV",
-        lambda head: head.startswith(b"timestamp,arbitration_id,"),
-        partial(_text, CSVReader),
-    ),
-)
+    LogForm("Vector ASC", lambda head: bool(re.search(rb"(?im)^\s*base\s+(?:hex|dec)\b", head)), _asc),
+    LogForm("PEAK TRC", lambda head: b";$FILEVERSION" in head or b";   Start time:" in head,
+            partial(_text, TRCReader)),
+    LogForm("python-can CSV", lambda head: head.startswith(b"timestamp,arbitration_id,"),
+            partial(_text, CSVReader)),
+)  # fmt: skip
 
 
 def form_of(path: str) -> LogForm | None:
@@ -150,30 +141,8 @@ def form_of(path: str) -> LogForm | None:
     return next((form for form in FORMS if form.begins(head)), None)
 
 
-class CanLogPort:
-    """The frames of a log as a port of bytes; the log is read whole first, so that what is wrong is known."""
-
-    def __init__(self, path: str, records: IO[bytes]) -> None:
-        self.path = path
-        self._records, self._size = records, 0
-
-    def read(self, max_bytes: int) -> bytes:
-        """Return the next records; raise `ReplayEnded` when there are none."""
-        if not (data := self._records.read(max_bytes)):
-            raise ReplayEnded(self.path, self._size)
-        self._size += len(data)
-        return data
-
-    def write(self, data: bytes) -> None:
-        """Take ``data`` and drop it: a recording does not listen."""
-
-    def close(self) -> None:
-        """Close the file."""
-        self._records.close()
-
-
-def open_can_log(address: ReplayAddress, form: LogForm) -> CanLogPort:
-    """Open a log of one of `FORMS`.
+def open_can_log(address: ReplayAddress, form: LogForm) -> ReplayPort:
+    """Open a log of one of `FORMS`; it is read whole first, so that what is wrong is known.
 
     Raises
     ------
@@ -186,7 +155,7 @@ def open_can_log(address: ReplayAddress, form: LogForm) -> CanLogPort:
         expected = "dbc and map in its address: replay:FILE?dbc=FILE&map=FILE (docs/how-to/can.md)"
         raise BadCanFile(path, None, f"a CAN log ({form.name})", expected)
     wanted = address.channel
-    seen = _Seen(load_map(address.dbc, address.map))
+    can_map, seen = load_map(address.dbc, address.map), Counter[tuple[str, int]]()
     records = tempfile.SpooledTemporaryFile(IN_MEMORY)
     try:
         for message in form.frames(path):
@@ -196,10 +165,10 @@ def open_can_log(address: ReplayAddress, form: LogForm) -> CanLogPort:
             channel = "" if message.channel is None else str(message.channel)
             identifier = message.arbitration_id | EXTENDED * message.is_extended_id
             identifier |= REMOTE * message.is_remote_frame | ERROR * message.is_error_frame
-            seen.take(channel, identifier)
+            seen[channel, identifier] += 1
             if wanted in {None, channel}:
                 records.write(pack(identifier, round(message.timestamp * 1e9), bytes(message.data or b"")))
-        seen.refuse_unclear(path, wanted)
+        _refuse_unclear(seen, can_map, path, wanted)
     except BadCanFile:
         records.close()
         raise
@@ -207,42 +176,32 @@ def open_can_log(address: ReplayAddress, form: LogForm) -> CanLogPort:
         records.close()
         raise BadCanFile(path, None, f"a damaged {form.name} log ({reason_of(error)})", "a whole one") from error
     records.seek(0)
-    return CanLogPort(path, records)
+    return ReplayPort(records, path)
 
 
-class _Seen:
-    """Which channels and senders the frames of a mapping came from."""
+def _refuse_unclear(seen: Counter[tuple[str, int]], can_map: CanMap, path: str, wanted: str | None) -> None:
+    """Raise `BadCanFile` unless each message of a sample came, all on one channel and from one device.
 
-    def __init__(self, can_map: CanMap) -> None:
-        self._map = can_map
-        self._count = dict[tuple[str, int], int]()
-
-    def take(self, channel: str, identifier: int) -> None:
-        key = channel, identifier
-        self._count[key] = self._count.get(key, 0) + 1
-
-    def refuse_unclear(self, path: str, wanted: str | None) -> None:
-        """Raise `BadCanFile` unless each message of a sample came, all on one channel and from one device."""
-        ours = {key: n for key, n in self._count.items() if any(s.is_of(key[1]) for s in self._map.slots)}
-        channels = {channel: 0 for channel, _ in ours}
-        for (channel, _), n in ours.items():
-            channels[channel] += n
-        if wanted is not None and wanted not in channels:
-            named = ", ".join(sorted({channel for channel, _ in self._count})) or "none"
-            raise BadCanFile(path, None, f"no frames of {self._map.name} on channel {wanted!r}", f"one of {named}")
-        if wanted is None and len(channels) > 1:
-            each = ", ".join(f"{name} ({n} frames)" for name, n in sorted(channels.items()))
-            found = f"frames of {self._map.name} on channels {each}"
-            say = " or ".join(f"channel={name}" for name in sorted(channels))
-            raise BadCanFile(path, None, found, f"one; say {say} in its address")
-        for slot in self._map.slots[: self._map.needed]:
-            if not any(slot.is_of(identifier) for _, identifier in ours):
-                found = (
-                    f"{sum(self._count.values())} frames and none of {slot.name} (0x{slot.identifier & WIDE:X})"
-                )
-                expected = "every message of a sample; check the DBC, or leave its sensor out of the mapping file"
-                raise BadCanFile(path, None, found, expected)
-        watch = SenderWatch(self._map.path)
-        for (channel, identifier), slot in product(ours, self._map.slots):
-            if slot.sender is not None and slot.is_of(identifier) and wanted in {None, channel}:
-                watch.look(slot.sender, np.array([identifier], np.uint32))
+    ``seen`` counts frames by channel and identifier.
+    """
+    ours = {key: n for key, n in seen.items() if any(slot.is_of(key[1]) for slot in can_map.slots)}
+    channels = Counter[str]()
+    for (channel, _), n in ours.items():
+        channels[channel] += n
+    if wanted is not None and wanted not in channels:
+        named = ", ".join(sorted({channel for channel, _ in seen})) or "none"
+        raise BadCanFile(path, None, f"no frames of {can_map.name} on channel {wanted!r}", f"one of {named}")
+    if wanted is None and len(channels) > 1:
+        each = ", ".join(f"{name} ({n} frames)" for name, n in sorted(channels.items()))
+        say = " or ".join(f"channel={name}" for name in sorted(channels))
+        found = f"frames of {can_map.name} on channels {each}"
+        raise BadCanFile(path, None, found, f"one; say {say} in its address")
+    for slot in can_map.slots[: can_map.needed]:
+        if not any(slot.is_of(identifier) for _, identifier in ours):
+            found = f"{seen.total()} frames and none of {slot.name} (0x{slot.identifier & WIDE:X})"
+            expected = "every message of a sample; check the DBC, or leave its sensor out of the mapping file"
+            raise BadCanFile(path, None, found, expected)
+    watch = SenderWatch(can_map.path)
+    for (channel, identifier), slot in product(ours, can_map.slots):
+        if slot.sender is not None and slot.is_of(identifier) and wanted in {None, channel}:
+            watch.look(slot.sender, np.array([identifier], np.uint32))

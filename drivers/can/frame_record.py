@@ -11,7 +11,6 @@ address on the bus, so what a DBC says of it is an example. Source: SAE J1939-21
 
 import struct
 import zlib
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -51,22 +50,6 @@ def pack(identifier: int, host_ns: int, data: bytes | bytearray) -> bytes:
     return body + _CRC.pack(zlib.crc32(body))
 
 
-def pack_all(identifiers: np.ndarray, host_ns: np.ndarray, data: np.ndarray, sizes: np.ndarray) -> bytes:
-    """Return the records of frames.
-
-    Parameters
-    ----------
-    identifiers, sizes
-        (n,) identifiers with their flags, and how many bytes of ``data`` are sent.
-    host_ns
-        (n,) when they were read [ns].
-    data
-        (n, 8) payloads [bytes], padded with zeros.
-    """
-    rows = zip(identifiers.tolist(), host_ns.tolist(), data, sizes.tolist(), strict=True)
-    return b"".join(pack(each, at, octets.tobytes()[:size]) for each, at, octets, size in rows)
-
-
 def unpack(data: bytes) -> list[tuple[int, bytes]]:
     """Return identifier and payload of whole records that stand end to end."""
     records = np.frombuffer(data, RECORD)
@@ -91,12 +74,6 @@ def pgn_mask(identifier: int) -> int:
 def pgn_of(identifier: int) -> int:
     """Return the parameter group number of an identifier of 29 bits."""
     return (identifier & pgn_mask(identifier) & ~FLAGS) >> 8
-
-
-def is_pgn_shared(identifier: int, others: Iterable[int]) -> bool:
-    """Say whether other messages have the same PGN: then the other bits distinguish them, and all count."""
-    mask = pgn_mask(identifier)
-    return any((other ^ identifier) & mask == 0 for other in others)
 
 
 class SenderWatch:
@@ -132,7 +109,6 @@ class WheelReading:
 
     host_ns: int
     speed: float
-    device_ns: int | None = None
     read_ns: int = field(default=0, compare=False)
 
     @property

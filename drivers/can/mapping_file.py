@@ -18,57 +18,37 @@ from cantools.database.can import Database, Message
 from numpy.typing import NDArray
 
 from drivers.can.dbc_signals import SignalField, field_of, identifier_of, load_dbc
-from drivers.can.frame_record import ALL_BITS, is_pgn_shared, pgn_mask
+from drivers.can.frame_record import ALL_BITS, pgn_mask
 from drivers.errors import BadCanFile
 
 Bytes = NDArray[np.uint8]
 Check = Callable[[NDArray[np.uint32], Bytes], Bytes]
 
 
-def _table(polynomial: int) -> Bytes:
-    rows = []
-    for value in range(256):
-        for _ in range(8):
-            value = (value << 1) ^ (polynomial if value & 0x80 else 0)
-        rows.append(value & 0xFF)
-    return np.array(rows, dtype=np.uint8)
+def crc8(polynomial: int) -> Check:
+    """Return a CRC-8 that begins and ends with FF, nothing reflected."""
+    table = np.arange(256)
+    for _ in range(8):
+        table = (table << 1) ^ np.where(table & 0x80, polynomial, 0)
+    octets = table.astype(np.uint8)
+
+    def check(_: NDArray[np.uint32], payloads: Bytes) -> Bytes:
+        crc = np.full(len(payloads), 0xFF, dtype=np.uint8)
+        for column in payloads.T:
+            crc = octets[crc ^ column]
+        return crc ^ np.uint8(0xFF)
+
+    return check
 
 
-_H2F, _J1850 = _table(0x2F), _table(0x1D)
-
-
-def _crc(table: Bytes, octets: Bytes) -> Bytes:
-    crc = np.full(len(octets), 0xFF, dtype=np.uint8)
-    for column in octets.T:
-        crc = table[crc ^ column]
-    return crc ^ np.uint8(0xFF)
-
-
-def crc8_autosar(_: NDArray[np.uint32], payloads: Bytes) -> Bytes:
-    """Return CRC-8/AUTOSAR (n,) of payloads (n, m) [bytes], without the identifiers ``_`` (n,).
-
-    Polynomial 2F, begins and ends with FF; of the ASCII string 123456789 it is DF.
-
-    Source: AUTOSAR Specification of CRC Routines, CRC8H2F; Hamming distance 4 up to 119 bits.
-    """
-    return _crc(_H2F, payloads)
-
-
-def crc8_autosar_id(identifiers: NDArray[np.uint32], payloads: Bytes) -> Bytes:
-    """Return the same over the identifier, as four bytes with the high one first, and then the payload.
+def with_identifier(check: Check) -> Check:
+    """Return a check over the identifier, as four bytes with the high one first, and then the payload.
 
     On the bus CAN's own CRC guards an identifier; the text between adapter and station has no check at all.
     """
-    names = identifiers.astype(">u4").view(np.uint8).reshape(-1, 4)
-    return _crc(_H2F, np.hstack((names, payloads)))
-
-
-def crc8_j1850(_: NDArray[np.uint32], payloads: Bytes) -> Bytes:
-    """Return CRC-8/SAE-J1850 (n,) of payloads (n, m) [bytes], without the identifiers ``_`` (n,).
-
-    Polynomial 1D, begins and ends with FF; of the ASCII string 123456789 it is 4B.
-    """
-    return _crc(_J1850, payloads)
+    return lambda identifiers, payloads: check(
+        identifiers, np.hstack((identifiers.astype(">u4").view(np.uint8).reshape(-1, 4), payloads))
+    )
 
 
 def xor8(_: NDArray[np.uint32], payloads: Bytes) -> Bytes:
@@ -78,9 +58,9 @@ def xor8(_: NDArray[np.uint32], payloads: Bytes) -> Bytes:
 
 
 CHECKS: dict[str, Check] = {
-    "crc8-autosar": crc8_autosar,
-    "crc8-autosar-id": crc8_autosar_id,
-    "crc8-j1850": crc8_j1850,
+    "crc8-autosar": crc8(0x2F),  # AUTOSAR CRC8H2F; of the ASCII string 123456789 it is DF
+    "crc8-autosar-id": with_identifier(crc8(0x2F)),
+    "crc8-j1850": crc8(0x1D),  # SAE J1850; of 123456789 it is 4B
     "xor8": xor8,
 }
 
@@ -321,8 +301,9 @@ class _Reading:
             return own, ALL_BITS
         if source is not None:
             return own & ~0xFF | address, mask | 0xFF
-        others = [identifier_of(each) for each in self._messages.values() if each is not message]
-        return own, ALL_BITS if is_pgn_shared(own, others) else mask
+        others = (identifier_of(each) for each in self._messages.values() if each is not message)
+        is_shared = any((other ^ own) & mask == 0 for other in others)  # the other bits distinguish them
+        return own, ALL_BITS if is_shared else mask
 
     def _first(self, slots: tuple[Slot, ...]) -> int:
         names = [slot.name for slot in slots if slot.is_needed]

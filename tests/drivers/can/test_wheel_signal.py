@@ -5,10 +5,10 @@ from pathlib import Path
 import cantools.database
 import pytest
 
+from drivers.address_parsing import parse_device_url
 from drivers.can.frame_record import REMOTE, pack
 from drivers.can.wheel_signal import WheelDecoder, wheel_signal
 from drivers.errors import BadCanFile, BadDeviceUrl
-from drivers.ports import parse_device_url
 from drivers.simulated.companions.wheel_on_can import DBC, SIGNAL
 
 FOREIGN = """VERSION ""
