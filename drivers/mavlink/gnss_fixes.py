@@ -84,103 +84,86 @@ NO_ALT, NO_HDOP, NO_VDOP, NO_V_HORIZONTAL, NO_V_UP = 1, 2, 4, 8, 16
 NO_STD_SPEED, NO_STD_H, NO_STD_V = 32, 64, 128
 
 
-def raw_fix(frame: Frame, values: dict[str, Any], host_ns: int, clock: SenderClock) -> GnssFix:
-    """Return the fix of a GPS_RAW_INT or GPS2_RAW."""
-    utc, boot = clock.times(values["time_usec"])
-    fix, no_place = _fix(values)
-    there = fix >= FixType.FIX_2D
-    filled = any(values[name] for name in ("h_acc", "v_acc", "vel_acc", "hdg_acc", "alt_ellipsoid"))
-    return GnssFix(
-        source=NAMES[frame.number],
-        system=frame.system,
-        host_ns=host_ns,
-        fix=fix,
-        utc_ns=utc,
-        device_ns=boot,
-        latency=clock.latency(host_ns, boot),
-        latitude=_radians(values["lat"], 1e-7) if there else None,
-        longitude=_radians(values["lon"], 1e-7) if there else None,
-        height=_height(values["alt_ellipsoid"]) if fix >= FixType.FIX_3D and filled else None,
-        altitude=_height(values["alt"]) if fix >= FixType.FIX_3D else None,
-        speed=None if values["vel"] == U16 or not there else values["vel"] / 100,
-        course=_direction(values["cog"]) if there else None,
-        heading=_direction(values["yaw"]) if values["yaw"] else None,
-        horizontal_std=_accuracy(values["h_acc"], 1e-3),
-        vertical_std=_accuracy(values["v_acc"], 1e-3),
-        speed_std=_accuracy(values["vel_acc"], 1e-3),
-        heading_std=_accuracy(values["hdg_acc"], math.radians(1e-5)),
-        hdop=None if values["eph"] in {0, U16} else values["eph"] / 100,
-        vdop=None if values["epv"] in {0, U16} else values["epv"] / 100,
-        satellites=None if values["satellites_visible"] == U8 else values["satellites_visible"],
-        no_place=no_place,
-    )
+Times = tuple[int | None, int | None]  # UTC and the time since boot [ns]
 
 
-def filtered_fix(frame: Frame, values: dict[str, Any], host_ns: int, clock: SenderClock) -> GnssFix:
-    """Return a GLOBAL_POSITION_INT: position, velocity (NED) and heading by the sender's own filter."""
-    utc, boot = clock.times(clock.since_boot_ns(values["time_boot_ms"]) // 1000)
-    north, east, down = (values[name] / 100 for name in ("vx", "vy", "vz"))
-    no_place = _no_place(values)
-    there = not no_place
-    return GnssFix(
-        source=NAMES[frame.number],
-        system=frame.system,
-        host_ns=host_ns,
-        fix=FixType.FIX_3D if there else FixType.NO_FIX,
-        utc_ns=utc,
-        device_ns=boot,
-        latency=clock.latency(host_ns, boot),
-        latitude=_radians(values["lat"], 1e-7) if there else None,
-        longitude=_radians(values["lon"], 1e-7) if there else None,
-        altitude=_height(values["alt"]) if there else None,
-        speed=math.hypot(north, east),
-        course=math.atan2(east, north) % math.tau,
-        v_up=-down,
-        heading=_direction(values["hdg"]),
-        is_filtered=True,
-        no_place=no_place,
-    )
-
-
-def input_fix(frame: Frame, values: dict[str, Any], host_ns: int, clock: SenderClock) -> GnssFix:
-    """Return the fix of a GPS_INPUT, what a companion sends an autopilot; its flags say what to leave out."""
-    flags = values["ignore_flags"]
-    week, boot = values["time_week"], clock.times(values["time_usec"])
-    is_week = week >= FIRST_WEEK and values["time_week_ms"] < WEEK * 1000
-    utc = (GPS_EPOCH + week * WEEK - GPS_LEAP) * 10**9 + values["time_week_ms"] * 10**6 if is_week else boot[0]
-    fix, no_place = _fix(values)
-    there, moves = fix >= FixType.FIX_2D, not flags & NO_V_HORIZONTAL
-    north, east = values["vn"], values["ve"]
-    return GnssFix(
-        source=NAMES[frame.number],
-        system=frame.system,
-        host_ns=host_ns,
-        fix=fix,
-        utc_ns=utc,
-        device_ns=boot[1],
-        latency=clock.latency(host_ns, boot[1]),
-        latitude=_radians(values["lat"], 1e-7) if there else None,
-        longitude=_radians(values["lon"], 1e-7) if there else None,
-        altitude=_finite(values["alt"]) if fix >= FixType.FIX_3D and not flags & NO_ALT else None,
-        speed=_finite(math.hypot(north, east)) if there and moves else None,
-        course=_finite(math.atan2(east, north) % math.tau) if there and moves else None,
-        v_up=_finite(-values["vd"]) if there and not flags & NO_V_UP else None,
-        heading=_direction(values["yaw"]) if values["yaw"] else None,
-        horizontal_std=None if flags & NO_STD_H else _positive(values["horiz_accuracy"], 1.0),
-        vertical_std=None if flags & NO_STD_V else _positive(values["vert_accuracy"], 1.0),
-        speed_std=None if flags & NO_STD_SPEED else _positive(values["speed_accuracy"], 1.0),
-        hdop=None if flags & NO_HDOP else _positive(values["hdop"], 1.0),
-        vdop=None if flags & NO_VDOP else _positive(values["vdop"], 1.0),
-        satellites=None if values["satellites_visible"] == U8 else values["satellites_visible"],
-        no_place=no_place,
-    )
-
-
-def _fix(values: dict[str, Any]) -> tuple[FixType, str | None]:
-    """Return the type of a fix, and why one that is claimed is none."""
-    claimed = _fix_type(values["fix_type"])
+def gnss_fix(frame: Frame, values: dict[str, Any], host_ns: int, clock: SenderClock) -> GnssFix:
+    """Return the fix of a message of `_FIXES`."""
+    claimed = _fix_type(values.get("fix_type", FixType.FIX_3D))
     no_place = _no_place(values) if claimed >= FixType.FIX_2D else None
-    return FixType.NO_FIX if no_place else claimed, no_place
+    fix = FixType.NO_FIX if no_place else claimed
+    (utc, boot), own = _FIXES[frame.number](values, clock, fix)
+    there = fix >= FixType.FIX_2D
+    return GnssFix(
+        source=NAMES[frame.number],
+        system=frame.system,
+        host_ns=host_ns,
+        fix=fix,
+        utc_ns=utc,
+        device_ns=boot,
+        latency=clock.latency(host_ns, boot),
+        latitude=_radians(values["lat"], 1e-7) if there else None,
+        longitude=_radians(values["lon"], 1e-7) if there else None,
+        no_place=no_place,
+        **own,
+    )
+
+
+def _raw(values: dict[str, Any], clock: SenderClock, fix: FixType) -> tuple[Times, dict[str, Any]]:
+    """Read a GPS_RAW_INT or GPS2_RAW."""
+    there, is_3d = fix >= FixType.FIX_2D, fix >= FixType.FIX_3D
+    filled = any(values[name] for name in ("h_acc", "v_acc", "vel_acc", "hdg_acc", "alt_ellipsoid"))
+    return clock.times(values["time_usec"]), {
+        "height": _height(values["alt_ellipsoid"]) if is_3d and filled else None,
+        "altitude": _height(values["alt"]) if is_3d else None,
+        "speed": None if values["vel"] == U16 or not there else values["vel"] / 100,
+        "course": _direction(values["cog"]) if there else None,
+        "heading": _direction(values["yaw"]) if values["yaw"] else None,
+        "horizontal_std": _accuracy(values["h_acc"], 1e-3),
+        "vertical_std": _accuracy(values["v_acc"], 1e-3),
+        "speed_std": _accuracy(values["vel_acc"], 1e-3),
+        "heading_std": _accuracy(values["hdg_acc"], math.radians(1e-5)),
+        "hdop": None if values["eph"] in {0, U16} else values["eph"] / 100,
+        "vdop": None if values["epv"] in {0, U16} else values["epv"] / 100,
+        "satellites": _satellites(values),
+    }
+
+
+def _filtered(values: dict[str, Any], clock: SenderClock, fix: FixType) -> tuple[Times, dict[str, Any]]:
+    """Read a GLOBAL_POSITION_INT: position, velocity (NED) and heading by the sender's own filter."""
+    north, east, down = (values[name] / 100 for name in ("vx", "vy", "vz"))
+    return clock.times(clock.since_boot_ns(values["time_boot_ms"]) // 1000), {
+        "altitude": _height(values["alt"]) if fix >= FixType.FIX_3D else None,
+        "speed": math.hypot(north, east),
+        "course": math.atan2(east, north) % math.tau,
+        "v_up": -down,
+        "heading": _direction(values["hdg"]),
+        "is_filtered": True,
+    }
+
+
+def _input(values: dict[str, Any], clock: SenderClock, fix: FixType) -> tuple[Times, dict[str, Any]]:
+    """Read a GPS_INPUT, what a companion sends an autopilot; its flags say what to leave out."""
+    flags, week = values["ignore_flags"], values["time_week"]
+    utc, boot = clock.times(values["time_usec"])
+    if week >= FIRST_WEEK and values["time_week_ms"] < WEEK * 1000:
+        utc = (GPS_EPOCH + week * WEEK - GPS_LEAP) * 10**9 + values["time_week_ms"] * 10**6
+    there, north, east = fix >= FixType.FIX_2D, values["vn"], values["ve"]
+    moves = there and not flags & NO_V_HORIZONTAL
+    return (utc, boot), {
+        "altitude": _finite(values["alt"]) if fix >= FixType.FIX_3D and not flags & NO_ALT else None,
+        "speed": _finite(math.hypot(north, east)) if moves else None,
+        "course": _finite(math.atan2(east, north) % math.tau) if moves else None,
+        "v_up": _finite(-values["vd"]) if there and not flags & NO_V_UP else None,
+        "heading": _direction(values["yaw"]) if values["yaw"] else None,
+        "satellites": _satellites(values),
+    } | {
+        name: None if flags & flag else _positive(values[field])
+        for name, flag, field in (
+            ("horizontal_std", NO_STD_H, "horiz_accuracy"), ("vertical_std", NO_STD_V, "vert_accuracy"),
+            ("speed_std", NO_STD_SPEED, "speed_accuracy"), ("hdop", NO_HDOP, "hdop"), ("vdop", NO_VDOP, "vdop"),
+        )
+    }  # fmt: skip
 
 
 def _no_place(values: dict[str, Any]) -> str | None:
@@ -204,6 +187,10 @@ def _radians(value: float, degrees: float) -> float:
     return math.radians(value * degrees)
 
 
+def _satellites(values: dict[str, Any]) -> int | None:
+    return None if values["satellites_visible"] == U8 else int(values["satellites_visible"])
+
+
 def _direction(cdeg: int) -> float | None:
     return _radians(cdeg % FULL_CIRCLE, 0.01) if cdeg <= FULL_CIRCLE else None
 
@@ -216,7 +203,7 @@ def _accuracy(value: int, unit: float) -> float | None:
     return None if value == U32 else _positive(value, unit)
 
 
-def _positive(value: float, unit: float) -> float | None:
+def _positive(value: float, unit: float = 1.0) -> float | None:
     return float(value * unit) if math.isfinite(value) and value > 0 else None
 
 
@@ -226,10 +213,10 @@ def _finite(value: float) -> float | None:
 
 NO_AUTOPILOT = 8  # MAV_AUTOPILOT_INVALID: a ground station, a camera
 _FIXES = {
-    mavlink.GPS_RAW_INT: raw_fix,
-    mavlink.GPS2_RAW: raw_fix,
-    mavlink.GLOBAL_POSITION_INT: filtered_fix,
-    mavlink.GPS_INPUT: input_fix,
+    mavlink.GPS_RAW_INT: _raw,
+    mavlink.GPS2_RAW: _raw,
+    mavlink.GLOBAL_POSITION_INT: _filtered,
+    mavlink.GPS_INPUT: _input,
 }
 TEMPERATURE = 1 << 12  # HIGHRES_IMU fields_updated
 
@@ -279,8 +266,8 @@ class MavlinkDecoder:
         if frame.system != self.system:
             return None
         self.messages[NAMES[frame.number]] += 1
-        if (made := _FIXES.get(frame.number)) is not None:
-            return made(frame, values, host_ns, self.clock)
+        if frame.number in _FIXES:
+            return gnss_fix(frame, values, host_ns, self.clock)
         match frame.number:
             case mavlink.SYSTEM_TIME:
                 utc = values["time_unix_usec"] * 1000 or None

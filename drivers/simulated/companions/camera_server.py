@@ -132,7 +132,7 @@ class SimulatedCamera(CompanionDevice):
         speed: float = 1.0,
         port: int = 0,
     ) -> None:
-        super().__init__("simulated camera", faults, imu, speed)
+        super().__init__("simulated camera", faults, imu, speed, self._plug_in, self._pull_out)
         self.images = CameraImages(truth, camera or CameraTruth(), self.faults, track, seed)
         self.camera = self.images.camera
         self._port = port
@@ -145,11 +145,11 @@ class SimulatedCamera(CompanionDevice):
         """The URL by which a station opens it."""
         return f"camera:http://127.0.0.1:{self._port}{PATH}"
 
-    def _plug(self) -> None:
+    def _plug_in(self) -> None:
         self._server = _Server(self._port)
         self._port = self._server.server_address[1]
 
-    def _unplug(self) -> None:
+    def _pull_out(self) -> None:
         if self._server is not None:
             self._server.end()
             self._server = None

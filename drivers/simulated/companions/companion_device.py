@@ -1,7 +1,7 @@
 """A second device with its own port, on the time of a simulated IMU or alone on the host's time."""
 
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from threading import Event, Thread
 from typing import Self
 
@@ -10,14 +10,19 @@ from drivers.simulated.server import SimulatedDevice
 
 
 class CompanionDevice:
-    """Served by a thread while the ``with`` block lasts; what is to be reported is a subclass's.
+    """Served by a thread while the ``with`` block lasts; what is sent is a subclass's.
 
     ``imu`` is the device whose time it shares; without one time is the host's, ``speed`` times as fast. Of its
-    ``faults``, which a subclass reads, ``unplug`` is acted on here.
+    ``faults``, which a subclass reads, ``unplug`` is acted on here. ``plug`` makes the port be there; ``unplug``,
+    which may be called twice, gone.
     """
 
-    def __init__(self, name: str, faults: Iterable[TimedFault], imu: SimulatedDevice | None, speed: float) -> None:
+    def __init__(
+        self, name: str, faults: Iterable[TimedFault], imu: SimulatedDevice | None, speed: float,
+        plug: Callable[[], None], unplug: Callable[[], None],
+    ) -> None:  # fmt: skip
         self.faults = list(faults)
+        self._plug, self._unplug = plug, unplug
         self._imu, self._speed = imu, speed
         self._stop = Event()
         self._thread = Thread(target=self._run, name=name, daemon=True)
@@ -56,14 +61,6 @@ class CompanionDevice:
                 self._step(now, is_plugged=is_plugged)
         except Exception as error:  # the edge of a thread: kept for whoever asks, and the line goes silent
             self.failure = error
-
-    def _plug(self) -> None:
-        """Make the port be there."""
-        raise NotImplementedError
-
-    def _unplug(self) -> None:
-        """Make the port be gone; may be called twice."""
-        raise NotImplementedError
 
     def _step(self, now: float, *, is_plugged: bool) -> None:
         """Say what is due at true time ``now`` [s]; wait a little where nothing is."""

@@ -308,21 +308,15 @@ class SimulatedGnss(CompanionDevice):
         port: int = 0,
         to: tuple[str, int] | None = None,
     ) -> None:
-        super().__init__("simulated autopilot", faults, imu, speed)
-        self.autopilot = Autopilot(truth, autopilot, self.faults, track, seed)
         self._line = _line(transport, link, port, to)
+        super().__init__("simulated autopilot", faults, imu, speed, self._line.plug, self._line.unplug)
+        self.autopilot = Autopilot(truth, autopilot, self.faults, track, seed)
         self._answer = b""
 
     @property
     def url(self) -> str:
         """The URL by which a station opens it."""
         return f"mavlink:{self._line.address.replace('://', ':', 1)}"
-
-    def _plug(self) -> None:
-        self._line.plug()
-
-    def _unplug(self) -> None:
-        self._line.unplug()
 
     def _step(self, now: float, *, is_plugged: bool) -> None:
         out = self._answer + self.autopilot.due(now)

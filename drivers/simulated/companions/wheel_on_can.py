@@ -40,22 +40,16 @@ class SimulatedWheel(CompanionDevice):
         seed: int | None = 1, *, signal: WheelSignal | None = None, imu: SimulatedDevice | None = None,
         speed: float = 1.0, link: Path | None = None,
     ) -> None:  # fmt: skip
-        super().__init__("simulated wheel", faults, imu, speed)
+        self._line = SlcanAdapter(link)
+        super().__init__("simulated wheel", faults, imu, speed, self._line.plug, self._line.unplug)
         self._track, self._scale, self._rng = track, scale, np.random.default_rng(seed)
         self._signal = signal or wheel_signal(DBC, SIGNAL)
-        self._line = SlcanAdapter(link)
         self._sent = 0  # frames, or those that nobody heard
 
     @property
     def url(self) -> str:
         """The URL of its bus."""
         return f"{self._line.address}?bitrate={BITRATE}"
-
-    def _plug(self) -> None:
-        self._line.plug()
-
-    def _unplug(self) -> None:
-        self._line.unplug()
 
     def _step(self, now: float, *, is_plugged: bool) -> None:
         due = int(now * RATE_HZ)
