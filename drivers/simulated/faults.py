@@ -7,6 +7,7 @@ A fault file is TOML with one ``[[fault]]`` table each: ``kind``, ``at_s`` (devi
 Errors of the sensors themselves are effects (`drivers.simulated.effects`); a dead channel has ``k`` 0 in `truth`.
 """
 
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
@@ -86,16 +87,15 @@ def read_faults(
     accepted = sorted(signature(record).parameters)
     found = []
     for table in tables:
-        if unknown := sorted(set(table) - {*accepted}):
+        if unknown := sorted(set(table) - set(accepted)):
             raise TruthRefused(f"{name} key {unknown[0]!r}", ", ".join(accepted))
         if (kind := table.get("kind")) not in (*kinds,):
             raise TruthRefused(f"{name} kind {kind!r}"[:80], ", ".join(kinds))
         for key, value in {"at_s": None, **table}.items():
             is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
             if key != "kind" and not (is_number and (is_signed or 0 <= value < 1e9)):
-                raise TruthRefused(
-                    f"{name} {key} = {value!r}"[:80], f"a number{'' if is_signed else ', not negative'}"
-                )
+                expected = "a number" if is_signed else "a number, not negative"
+                raise TruthRefused(f"{name} {key} = {value!r}"[:80], expected)
         found.append(record(**table))
     return tuple(found)
 
@@ -164,10 +164,10 @@ class FaultyLine:
     def __init__(self, wire: WireFormat, faults: Iterable[Fault], period: float, seed: int) -> None:
         self._wire, self._faults, self._period = wire, tuple(faults), period
         self._rng = np.random.default_rng([seed, 0xFA17])
-        self._losing = self._spoiling = self._halving = self._holding = 0
+        self._left = Counter[str]()  # frames to go, by kind of fault
+        self._ahead = 0  # of the other unit's counter
         self._restarted, self._clock_off = 0, 0.0  # counter and clock [s] as sent are so much less
-        self._lasting: dict[str, tuple[int, Fault]] = {}  # faults of frame after frame: how many to go
-        self._held: list[bytes] = []
+        self._held: list[Sent] = []
         self._late = b""
         for fault in self._faults:
             self._check(fault)
@@ -188,8 +188,7 @@ class FaultyLine:
         due = [
             [each for each in self._faults if _acts(each, index, self._period)] for index in block.counter.tolist()
         ]
-        ailing = self._losing, self._spoiling, self._halving, self._holding, self._late, self._lasting
-        if not any(due) and not any(ailing):
+        if not (any(due) or self._left.total() or self._late):
             return [self._wire.encode(self._recounted(block))]
         sent: list[Sent] = []
         for row, faults in enumerate(due):
@@ -198,11 +197,10 @@ class FaultyLine:
 
     def announce(self, identity: bytes) -> list[Sent]:
         """Return what goes over the line for an identity frame that stands before the next block."""
-        if self._losing or not identity or "noise" in self._lasting:
+        if not identity or self._left["lost"] or self._left["noise"]:
             return []
-        return self._unless_held(
-            [corrupted_frames.misread(identity, self._wire) if "wrong_baud" in self._lasting else identity], 0
-        )
+        is_misread = self._left["wrong_baud"] > 0
+        return self._unless_held([corrupted_frames.misread(identity, self._wire) if is_misread else identity], 0)
 
     def _recounted(self, block: SampleBlock) -> SampleBlock:
         if not self._restarted and not self._clock_off:
@@ -211,83 +209,77 @@ class FaultyLine:
         return replace(block, counter=counter, device_time=time)
 
     def _frame(self, block: SampleBlock, row: int, faults: list[Fault]) -> list[Sent]:
-        before: list[Sent] = []
-        repeats, missing, is_late = 1, 0, False
+        left, before, once, index = self._left, list[Sent](), Counter[str](), int(block.counter[row])
         for fault in faults:
-            match fault.kind:
+            frames = round(fault.seconds / self._period)
+            match kind := fault.kind:
                 case "counter_restart":
-                    self._restarted = int(block.counter[row])
-                case "garbage":
-                    before.append(self._rng.bytes(fault.count))
-                case "repeated":
-                    repeats += fault.count
-                case "bad_crc":
-                    self._spoiling += fault.count
-                case "lost":
-                    self._losing += fault.count
-                case "stall" | "unplug" | "adapter_hangs" | "bus_off":
-                    before.append(Silence(fault.seconds, fault.kind))
-                    self._losing += round(fault.seconds / self._period)
-                case "backlog":
-                    self._holding += round(fault.seconds / self._period)
-                case "restart":
-                    before.append(Silence(fault.seconds, fault.kind))
-                    self._losing += round(fault.seconds / self._period)
-                    self._restarted = int(block.counter[row]) + self._losing
-                    self._clock_off = self._restarted * self._period
+                    self._restarted = index
+                case "counter_wrap":
+                    self._restarted = index + fault.count - (self._wire.counter_modulus or 0)
                 case "clock_jump":
                     self._clock_off -= fault.seconds
-                case "counter_wrap":
-                    self._restarted = int(block.counter[row]) + fault.count - (self._wire.counter_modulus or 0)
-                case "half":
-                    self._halving += fault.count
-                case "noise" | "wrong_baud" | "two_devices":
-                    self._lasting[fault.kind] = round(fault.seconds / self._period), fault
-                case "frame_lost":
-                    missing += fault.count
-                case "frame_late":
-                    is_late = True
+                case "garbage":
+                    before.append(self._rng.bytes(fault.count))
                 case "babble":
                     before += [corrupted_frames.babble(self._rng) for _ in range(fault.count)]
-        if self._losing > 0:
-            self._losing -= 1
+                case "repeated" | "frame_lost" | "frame_late":
+                    once[kind] += fault.count
+                case "bad_crc" | "lost" | "half":
+                    left[kind] += fault.count
+                case "backlog":
+                    left[kind] += frames
+                case "noise" | "wrong_baud":
+                    left[kind] = frames
+                case "two_devices":
+                    left[kind], self._ahead = frames, fault.count
+                case "stall" | "unplug" | "adapter_hangs" | "bus_off" | "restart":
+                    before.append(Silence(fault.seconds, kind))
+                    left["lost"] += frames
+                    if kind == "restart":
+                        self._restarted = index + left["lost"]
+                        self._clock_off = self._restarted * self._period
+        if self._takes("lost"):
             return before
         frame = self._wire.encode(self._recounted(block_rows(block, slice(row, row + 1))))
-        if self._spoiling > 0:
-            self._spoiling -= 1
+        if self._takes("bad_crc"):
             frame = self._spoilt(frame)
-        frame, self._late = corrupted_frames.without(frame, missing, self._rng) + self._late, b""
-        if is_late:
+        frame, self._late = corrupted_frames.without(frame, once["frame_lost"], self._rng) + self._late, b""
+        if "frame_late" in once:
             frame, self._late = frame[corrupted_frames.RECORD_BYTES :], frame[: corrupted_frames.RECORD_BYTES]
-        return self._unless_held([*before, *self._garbled(frame * repeats, block, row)])
+        return self._unless_held([*before, *self._garbled(frame * (1 + once["repeated"]), block, row)])
 
-    def _garbled(self, frame: bytes, block: SampleBlock, row: int) -> list[Sent]:
+    def _takes(self, kind: str) -> bool:
+        """Say whether a fault of frame after frame acts on this one, and count it."""
+        acts = self._left[kind] > 0
+        self._left[kind] -= acts
+        return acts
+
+    def _garbled(self, frame: bytes, block: SampleBlock, row: int) -> list[bytes]:
         """Return what becomes of a frame while it is cut, drowned, misread or answered by another unit."""
-        if self._halving:
-            self._halving -= 1
-            return [*corrupted_frames.half_of(frame, self._wire)]
-        acting = dict(self._lasting)
-        self._lasting = {kind: (left - 1, fault) for kind, (left, fault) in acting.items() if left > 1}
+        if self._takes("half"):
+            return corrupted_frames.half_of(frame, self._wire)
+        acting = {kind for kind in ("noise", "wrong_baud", "two_devices") if self._takes(kind)}
         if "noise" in acting:
             return [self._rng.bytes(4 * len(frame))]
         if "wrong_baud" in acting:
             return [corrupted_frames.misread(frame, self._wire)]
         if "two_devices" in acting:
-            ahead = acting["two_devices"][1].count
-            other = corrupted_frames.other_unit(self._recounted(block_rows(block, slice(row, row + 1))), ahead)
-            return [*corrupted_frames.mingled(frame, self._wire.encode(other), self._wire, self._rng)]
+            own = self._recounted(block_rows(block, slice(row, row + 1)))
+            other = self._wire.encode(corrupted_frames.other_unit(own, self._ahead))
+            return corrupted_frames.mingled(frame, other, self._wire, self._rng)
         return [frame]
 
     def _unless_held(self, sent: list[Sent], frames: int = 1) -> list[Sent]:
         """Hold back what is sent while a backlog builds up; then let go of all of it."""
-        if not self._holding:
+        if not self._left["backlog"]:
             return sent
-        self._holding -= frames
+        self._left["backlog"] -= frames
         self._held += [part for part in sent if isinstance(part, bytes)]
-        if self._holding:
+        if self._left["backlog"]:
             return []
         held, self._held = self._held, []
-        return [*held]
+        return held
 
     def _spoilt(self, frame: bytes) -> bytes:
         if self._wire.joiner is not None:
