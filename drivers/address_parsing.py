@@ -1,20 +1,6 @@
-"""Where a device is: one URL, read into a record of `drivers.addresses`.
+"""Where a device is: a URL, or what people type instead (`drivers.addresses`), read into a record.
 
-``serial:///dev/ttyUSB0?baud=921600&format=rawimusx`` · ``tcp://host:port?format=counts`` · ``replay:FILE`` ·
-``can://slcan/dev/ttyACM0?bitrate=1000000&dbc=FILE&map=FILE`` ·
-``triad:?x=serial:///dev/ttyUSB0&y=serial:///dev/ttyUSB1&z=serial:///dev/ttyUSB2&format=ch70``.
-What people type instead, such as ``/dev/ttyUSB0`` or ``imu.local:5000``: `drivers.addresses`.
-
-``mavlink:udpin:HOST:PORT`` listens, ``mavlink:udpout:HOST:PORT`` calls, ``mavlink:tcp:HOST:PORT`` connects,
-``mavlink:serial:/dev/NAME?baud=57600`` opens a line. Options: ``system`` the one to read, ``key`` a file with the
-signing key, ``rate`` [Hz] of what is asked for.
-
-``camera:http://HOST:PORT/PATH`` is a stream of MJPEG, as mjpg-streamer, ustreamer and most network cameras serve
-it; ``USER:PASSWORD@`` before HOST is sent as Basic. ``camera:/dev/video0`` is one of Video4Linux 2; its options
-are ``size`` WIDTHxHEIGHT [px] and ``rate`` [Hz], as it has them.
-
-``wheel:can://INTERFACE/CHANNEL?dbc=FILE&signal=MESSAGE.SIGNAL`` is a vehicle's speed on a CAN bus, in the DBC's
-unit or in ``unit``.
+docs/how-to/devices.md, can.md, gnss.md and camera.md list the addresses with their options.
 """
 
 import re

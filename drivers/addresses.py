@@ -1,12 +1,8 @@
 """A device's address as a record, one class for each kind; `drivers.address_parsing` reads them from URLs.
 
-Every kind has its URL as ``text``, ``public_text`` without a password, a short ``name`` for messages, its
-``scheme``, the ``format`` of its bytes and the ``baud`` rate [bit/s] of its line, None where there is none.
-
-`whole_url` makes a URL of an address as people type it: ``/dev/ttyUSB0``, ``ttyUSB0``, ``imu.local:5000``,
-``can0``, a file. Such an address says where, not what; what is there follows from who asks: for an IMU, a receiver
-or a camera. A bare ``udp:14550`` hears this machine alone: who wants to hear the network names an address of it,
-or 0.0.0.0.
+Every kind has its URL as ``text``, a short ``name`` for messages, its ``scheme``, the ``format`` of its bytes and
+the ``baud`` rate [bit/s] of its line, None where there is none. `whole_url` makes a URL of an address as people
+type it: such an address says where, not what, which follows from who asks.
 """
 
 import os
@@ -254,7 +250,7 @@ def whole_url(text: str, role: Role = "imu") -> str:
     if found := _DEVICE.fullmatch(typed):
         return _of_device(typed if typed.startswith("/") else f"/dev/{typed}", role)
     if found := _UDP.fullmatch(typed):
-        way = found["way"].replace("udp", "udpin") if found["way"] == "udp" else found["way"]
+        way = "udpin" if found["way"] == "udp" else found["way"]  # which hears this machine alone, unless told
         return f"mavlink:{way}:{found['host'] or '127.0.0.1'}:{found['port']}{found['query'] or ''}"
     if found := _CAN.fullmatch(typed):
         return f"can://socketcan/{found['name']}{found['query'] or ''}"

@@ -1,8 +1,7 @@
 """A byte stream to checked frames: survives any cut, noise and false sync; no I/O, bounded memory.
 
-From a sync on, the bytes are a frame if kind, length and check agree. If not, the search goes on one byte
-after that sync, so a frame that begins inside a falsely started one is still found. What is decided
-depends on the bytes alone, never on how the stream was cut.
+From a sync on, the bytes are a frame if kind, length and check agree; if not, the search goes on one byte after
+that sync. What is decided depends on the bytes alone, never on how the stream was cut.
 """
 
 import re

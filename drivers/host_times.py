@@ -1,8 +1,8 @@
 """Times for the samples of a device that sends none: counted on in its period, held to when the bytes were read.
 
-Bytes are late by what ports, adapters and a busy machine add, never early. So of every half second the least
-lateness counts: it steers phase and period. What stays late by more than half a sample for two half seconds was
-lost on the way, what stays early the device never sent: there time goes on from the host's, and the step shows.
+Bytes are late, never early: the least lateness of every half second steers phase and period. What stays late by
+more than half a sample for two half seconds was lost on the way, what stays early was never sent: time goes on
+from the host's, and the step shows.
 """
 
 import numpy as np

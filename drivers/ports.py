@@ -1,7 +1,6 @@
 """Open a device's address as a port of bytes, and say in which wire format its bytes are.
 
-A port is a serial line, TCP, a CAN bus, a replayed file, a MAVLink link or a camera. What takes long to import,
-such as python-can (0.1 s) or OpenCV, is imported only where it is wanted.
+What takes long to import, such as python-can (0.1 s) or OpenCV, is imported only where it is wanted.
 """
 
 from contextlib import ExitStack

@@ -1,8 +1,7 @@
 """Three ports read as one: the bytes of three single-axis gyros, and the samples that they make together.
 
-Each axis has its own decoder and its own times (`drivers.host_times`): the gyros run on their own, so that a
-sample of x goes with the ones of y and z nearest to it in time. A part that does not come within 0.5 s, or is
-more than 0.75 samples off, is missing: that sample is not given out.
+The gyros run on their own: a sample of x goes with those of y and z nearest to it in time. One of which a part
+does not come within 0.5 s, or is more than 0.75 samples off, is not given out.
 """
 
 import select

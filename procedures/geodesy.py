@@ -1,6 +1,6 @@
 """WGS 84: gravity, Earth rate, and geodetic coordinates to and from a local East-North-Up frame.
 
-By way of the Earth-centred frame, so that it holds at any distance (NIMA TR8350.2, third edition, 2.1 and 4.1).
+By way of the Earth-centred frame: it holds at any distance (NIMA TR8350.2, third edition, 2.1 and 4.1).
 """
 
 from dataclasses import dataclass

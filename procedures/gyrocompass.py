@@ -2,24 +2,14 @@
 
 At rest in position p a gyro q counts ``r_q = k_q (u_q + b_q)`` per second, with ``u = C_sb C_bl(p) w`` the Earth's
 rate ``w = Omega (0, cos lat, sin lat)`` in the IMU's axes [rad/s], ``b`` the bias [rad/s], ``k`` [count/rad].
-Nothing stored is used: k is one free number, of which the gyros differ by `SCALE_SPREAD`; the biases have a normal
-prior. With ``s = 1 / k``, one gyro's dwells so far and the one in question obey
+k is one free number, of which the gyros differ by `SCALE_SPREAD`; the biases have a normal prior. With
+``s = 1 / k``, one gyro's dwells so far and the one in question obey
 
     s r = u + error
     cov(error) = bias_std^2 1 1' + SCALE_SPREAD^2 u u' + EARTH_RATE_SLACK^2 Omega^2 I + s^2 diag(std^2)
 
 so that -2 log likelihood is ``chi2(s) - 6 n log s`` for n dwells, chi2 a quadratic form; its least value over
-``s > 0`` judges a candidate heading. Dwells whose position is certain make the bias drop out. Earth rate and
-signs: `procedures.geodesy`, `procedures.frames`. The rule of decision is this project's own
-(docs/explanation/guiding.md).
-
-Which way a resting cube points, at any angle: the level part of the Earth's rate points North.
-A gyro at rest counts ``r = k (u + b)``. Dwells whose position is certain say its bias: ``r / k - u`` is b, each
-to within its noise and what `procedures.gyrocompass` grants to scale factors that differ and cubes a degree
-off; b has its normal prior in addition. What is left of the rate in question, in the slab's axes as the cube is
-thought to stand, should be the Earth's ``(0, W cos lat, W sin lat)``: the angle from its level part to North is
-how far the cube's heading is off. Where the parts are not as long as the Earth's, it is not the Earth's rate that
-was seen.
+``s > 0`` judges a candidate heading. The rule of decision is this project's own (docs/explanation/guiding.md).
 """
 
 from collections.abc import Sequence
@@ -231,7 +221,8 @@ def earth_heading(
 ) -> tuple[float, float]:  # fmt: skip
     """Return how far the cube's heading is off [rad], counter-clockwise seen from above, and 1 sigma.
 
-    Turned so far it points as ``C_lb`` says. The sigma is infinite where the rate is not the Earth's.
+    The rate less the bias should be ``(0, W cos lat, W sin lat)`` in the slab's axes: its level part points North.
+    Turned so far the cube points as ``C_lb`` says. The sigma is infinite where the rate is not the Earth's.
 
     Parameters
     ----------

@@ -1,16 +1,8 @@
 """Whether specific force and rate at rest are physically possible, and integers printed without their sign.
 
 At rest the specific force is gravity's reaction, 9.76 to 9.84 m/s2 on Earth, and the direction of gravity in the
-sensor's axes stands still, so that a rate across it is the gyroscope's own error (Titterton & Weston, 11.3). A
-rate along gravity cannot be distinguished from a turntable's: it contradicts nothing. A wrong unit scales all of a
-recording, so that one rest which agrees is enough; free fall, thrust and a centrifuge are no contradiction where
-the recording also rests.
-
-Units here are m/s2, rad/s and s.
-
-Whether signed integers were printed as unsigned ones: two's complement that nobody applied.
-A channel near zero then jumps between the two ends of the range. A counter that wraps jumps in one direction
-only, and fills the range between.
+sensor's axes stands still, so that a rate across it is the gyroscope's own error (Titterton & Weston, 11.3); one
+along it may be a turntable's. A wrong unit scales all of a recording: one rest which agrees is enough.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -308,7 +300,10 @@ def width(largest: float) -> int | None:
 
 
 def unsigned_bits(values: FloatArray) -> int | None:
-    """Return the bits of the signed integers that ``values`` (n,) [counts] shows as unsigned; None of others."""
+    """Return the bits of the signed integers that ``values`` (n,) [counts] shows as unsigned; None of others.
+
+    Near zero they jump between the ends of the range; a counter that wraps jumps in one direction only.
+    """
     known = values[np.isfinite(values)]
     if len(known) < 2 or known.min() < 0 or not (known == np.rint(known)).all():
         return None

@@ -1,7 +1,6 @@
 """Conversion of units, and nothing else. ``A_PER_B`` is how many A are in one B: a value in B times it is in A.
 
-Inside everything is SI and radians, but for the model's g and deg/s (`procedures`); other units are those of files
-and of people. RAD_S is rad/s, DEG_H deg/h.
+RAD_S is rad/s, DEG_H deg/h.
 """
 
 from math import pi

@@ -1,9 +1,8 @@
 """A camera's bytes to JPEG images and back: multipart/x-mixed-replace, as streamers and network cameras send it.
 
-An image begins where a part's header ends and ends where its markers say (`drivers.camera.jpeg`); where the header
-has a Content-Length it must agree. So a part that was cut, or lost bytes on the way, is no image, and the next one
-is found by its own header. Of a stream without any header images begin at SOI, and bytes lost within one show only
-where they break the markers.
+An image begins where a part's header ends and ends where its markers say (`drivers.camera.jpeg`); a Content-Length
+must agree. Of a stream without any header images begin at SOI, and bytes lost within one show only where they
+break the markers.
 """
 
 import re

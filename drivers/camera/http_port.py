@@ -1,7 +1,4 @@
-"""A camera's stream over HTTP: asked for once, then read like any other device.
-
-HTTP/1.0 is spoken, so that no server divides the stream into chunks of its own.
-"""
+"""A camera's stream over HTTP/1.0, so that no server divides it into chunks of its own."""
 
 import time
 from base64 import b64encode

@@ -1,8 +1,7 @@
 """A camera of Video4Linux 2 as a port of bytes: its images as parts of a stream, for `drivers.camera.decoder`.
 
-MJPEG is asked for, and its buffers are handed on as they are; what a camera without it gives OpenCV converts, and
-it becomes grey JPEG. ``X-Timestamp`` is the kernel's stamp of the monotonic clock, ``X-Age`` how long ago that was
-when the part is handed on. OpenCV waits 10 s for an image: a thread does, so that a read returns in time.
+MJPEG is handed on as it is; what OpenCV converts becomes grey JPEG. ``X-Timestamp`` is the kernel's monotonic
+stamp, ``X-Age`` how long ago that was. OpenCV waits 10 s for an image: a thread does, so that a read does not.
 """
 
 import contextlib

@@ -1,7 +1,7 @@
 """Logs of a CAN bus as other programs write them, as the records of `drivers.can.frame_record`.
 
 candump's two forms, Vector's ASC and BLF, PEAK's TRC, python-can's CSV, each by python-can's reader and known by
-how the file begins. The time of the log becomes the records' host time, as a live bus would have given it.
+how the file begins. The time of the log becomes the records' host time.
 """
 
 import re

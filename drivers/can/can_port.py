@@ -1,14 +1,9 @@
 """A CAN bus as a port of bytes: any interface of python-can, its frames as records.
 
-What ends a bus is raised as `LinkLost`, whatever python-can raises, and so is what it does not report: bus-off,
-and an adapter that no longer answers. The reader then opens the port again and again, as with an unplugged serial
-line.
-
-python-can's slcan asks for a byte at a time, which at 3000 frames/s is 66000 system calls a second; it reads none
-of the adapter's answers; and one octet that is no ASCII stops it for good. `SlcanBus` reads its adapter through a
-`SlcanLine`, which reads what is there at once, turns such octets into question marks, and watches for the answers
-to `V` and `F`. Source: LAWICEL CAN232 manual: V version, F status flags, answers end in CR, BEL says that a
-command was refused.
+Whatever python-can raises when a bus ends becomes `LinkLost`, and so do bus-off and an adapter that no longer
+answers, which it does not report. Its slcan reads a byte at a time (66000 system calls a second at 3000 frames/s),
+none of the adapter's answers, and stops for good at an octet that is no ASCII: `SlcanLine` reads for it. Source:
+LAWICEL CAN232 manual: V version, F status flags, answers end in CR, BEL says that a command was refused.
 """
 
 import contextlib

@@ -1,8 +1,7 @@
 """Frames to samples: those of one counter, or of one turn of the bus, belong together.
 
 A sample is given out when its last frame has come and none before it may still become whole. One whose frames
-are late beyond the next sample's end is given up and counted; the counter then shows the gap. Counters are
-unwrapped with the help of the host's clock, so that neither a long silence nor a burst misleads them.
+are late beyond the next sample's end is given up and counted. The host's clock helps to unwrap counters.
 """
 
 from collections import deque

@@ -1,12 +1,9 @@
 """A CAN frame as received, in 32 bytes: what a CAN port's byte stream, the raw journal and a replay are made of.
 
-A bus hands over frames, the reader and the journal want bytes. A record has a sync, a length and a CRC of its own,
-so that a damaged recording is noticed as one of a serial line is.
-
 Of a J1939 identifier, the PGN names the message; sender and priority stand in the other bits. 29 bits are priority
 (3), extended data page and data page, PDU format PF (8), PDU specific PS (8), source address (8). Where PF is
 below 240 (PDU1) PS is the destination's address, else (PDU2) it belongs to the PGN. Devices claim their source
-address on the bus, so what a DBC says of it is an example. Source: SAE J1939-21, 5.2 and 5.3.
+address on the bus: a DBC's is an example. Source: SAE J1939-21, 5.2 and 5.3.
 """
 
 import struct

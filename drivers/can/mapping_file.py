@@ -1,10 +1,7 @@
 """The mapping file: which signals of a DBC are the IMU's channels, counter, status, check, time and temperature.
 
-TOML; docs/how-to/can.md explains every key by an example. A name is ``MESSAGE.SIGNAL``; `counter`, `status` and
-`check` may be a bare ``SIGNAL``, which then stands in every message of the sample.
-
-Checks of a payload are in `CHECKS`; to add one, write a function and a line there. Each takes identifiers (n,) and
-payloads (n, m) without the check's own byte, and returns (n,) what that byte should be.
+docs/how-to/can.md explains every key by an example. A name is ``MESSAGE.SIGNAL``; `counter`, `status` and `check`
+may be a bare ``SIGNAL``, which then stands in every message of the sample.
 """
 
 import tomllib

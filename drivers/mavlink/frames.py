@@ -1,16 +1,12 @@
-"""MAVLink's messages, and a stream of bytes to checked frames of MAVLink 1 and 2, whatever the line does to it.
-
-As `drivers.framing`: from a start byte on, the bytes are a frame if its message is known and its CRC agrees; if
-not, the search goes on one byte later. With a key, what is unsigned, wrongly signed or old is refused.
+"""MAVLink's messages, and a stream of bytes to checked frames of MAVLink 1 and 2, found as by `drivers.framing`.
 
 Messages are unpacked by pymavlink's tables (mavlink/mavlink message_definitions, dialect ``all``). Nothing else of
 pymavlink reads bytes: its parser loses the frame after a false start, takes a message that it does not know
-without a check, and remembers a time stamp before it has checked the signature.
+without a check, and moves a stream's time before it has checked the signature.
 
-MAVLink 2 signing (mavlink.io/en/guide/message_signing.html) is checked of what comes in. A frame's signature is
-the first 48 bits of SHA-256 over key and frame. Its time stamp [10 us since 2015] must grow within a stream (link,
-system, component); the first of a stream may be a minute behind. Unlike pymavlink 2.4.50, a stream's time is only
-moved by a frame whose signature holds: else one forged frame silences the true sender.
+MAVLink 2 signing (mavlink.io/en/guide/message_signing.html): a frame's signature is the first 48 bits of SHA-256
+over key and frame. Its time stamp [10 us since 2015] must grow within a stream (link, system, component); the
+first may be a minute behind.
 """
 
 import hashlib

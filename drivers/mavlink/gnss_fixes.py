@@ -1,15 +1,11 @@
 """One link's bytes to records: the fixes of one system, and what else it reports.
 
-Fields of MAVLink's messages become a `GnssFix` in SI, None where the sender does not know them.
-Source: common.xml. Unknown are: DOP, speed, course 65535; satellites 255; accuracies of 0 and, of receivers that
-have none, 4294967295; a yaw of 0 (36000 is north); a height of 2147483647 mm; a height above the ellipsoid of 0
-with accuracies of 0 (extension fields that were not filled). No place are latitude and longitude that both are
-exactly 0 (a sender without position), that are beyond 90 and 180 deg (2147483647), and those of 0 satellites.
+Fields of MAVLink's messages (common.xml) become a `GnssFix` in SI, None where the sender does not know them: DOP,
+speed, course 65535; satellites 255; accuracies of 0 and 4294967295; a yaw of 0 (36000 is north); a height of
+2147483647 mm; a height above the ellipsoid of 0 with accuracies of 0 (extension fields that were not filled).
 
-GPS_RAW_INT is stamped with UTC or with the time since boot, as the sender likes; SYSTEM_TIME holds both (boot time
-by design of ArduPilot, issue 626). A message is written the moment its boot time is read, so the least that a
-message was later than its stamp is the link's own delay; a fix is later by its receiver's latency. A boot time
-that goes back is a restart: the clock is learnt again.
+GPS_RAW_INT is stamped with UTC or with the time since boot, as the sender likes; SYSTEM_TIME holds both (ArduPilot
+issue 626). It is written the moment its boot time is read, so that its least lateness is the link's own delay.
 """
 
 import math

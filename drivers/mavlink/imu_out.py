@@ -1,9 +1,6 @@
-"""What an IMU sends by MAVLink over UDP: ATTITUDE, or HIGHRES_IMU, and a heartbeat each second.
+"""What an IMU, component 200, sends by MAVLink over UDP: ATTITUDE, or HIGHRES_IMU, and a heartbeat each second.
 
-Source: common.xml. ATTITUDE (30): roll, pitch, yaw [rad] of forward-right-down against north-east-down, body rates
-[rad/s], time since boot [ms]; a yaw that is not known is sent as NaN. HIGHRES_IMU (105): specific force [m/s2] and
-rates [rad/s], forward-right-down, time [us], temperature [degC]; ``fields_updated`` says what of it holds. All of
-it comes from component 200, an IMU, which takes no part in flying.
+Source: common.xml. Both are forward-right-down; ATTITUDE is against north-east-down, a yaw that is not known NaN.
 """
 
 import math

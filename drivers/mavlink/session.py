@@ -1,14 +1,8 @@
 """A MAVLink link as a port of bytes, and the conversation that makes the other side send.
 
-The station says a heartbeat each second, and which messages it wants how often; reading the port keeps this up, so
-that a reader that knows nothing of MAVLink records a link like any other device.
-
-Each SET_MESSAGE_INTERVAL waits for its COMMAND_ACK, which does not say of what message it speaks. What is not
-accepted, or answered by nobody after three tries, is asked for once more the old way, by REQUEST_DATA_STREAM,
-which nobody acknowledges: only the measured rate shows. A system that was silent or restarted is asked again.
-
-The heartbeat comes from system 254, not 255: a vehicle whose failsafe watches its ground station must not come to
-depend on this one.
+The station says a heartbeat each second, and which messages it wants how often; reading the port keeps this up.
+Each SET_MESSAGE_INTERVAL waits for its COMMAND_ACK. What is not accepted, or not answered after three tries, is
+asked for by REQUEST_DATA_STREAM, which nobody acknowledges. A system that was silent or restarted is asked again.
 """
 
 import contextlib
@@ -27,7 +21,7 @@ from drivers.network_ports import open_tcp, open_udp
 from drivers.port_interface import Port
 from drivers.serial_port import open_serial
 
-STATION, COMPONENT = 254, 190  # 190: a ground station's program
+STATION, COMPONENT = 254, 190  # not 255, on which failsafes depend; 190: a ground station's program
 HEARTBEAT_S = 1.0
 ANSWER_S = 1.0
 MAX_TRIES = 3

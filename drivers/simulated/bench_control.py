@@ -1,7 +1,6 @@
-"""Moves the cube of a simulated bench: a client of a simulated device's control port.
+"""Moves the cube of a simulated bench: a client of a simulated device's control port, an answer to each line.
 
-One command a line, one answer a line; ``ok time T done D`` gives the device time now and when the motion will be
-over. Commands queue: the next one begins where the last ends.
+``ok time T done D`` gives the device time now and when all queued motion will be over.
 """
 
 import contextlib

@@ -1,7 +1,6 @@
 """A bench wholly in memory, for tests and planning: `simulate_campaign` makes a campaign of a unit's truth.
 
-Between steps it lets the clock run for the move and draws new counter remainders instead of simulating counts
-nobody reads, unless moves are asked for; `SimulatedImu` simulates them always.
+Moves between steps let the clock run and draw new counter remainders, unless they are asked for.
 ``C_bn`` (3, 3) takes East-North-Up to the cube.
 """
 

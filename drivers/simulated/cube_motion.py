@@ -1,14 +1,10 @@
 """How the cube moves: rests, flips and manual rotations, as rotations about an axis fixed in the cube.
 
-Attitudes ``C_bn`` (3, 3) take East-North-Up to the cube, ``target_C_bn`` (3, 3) is the last one of a move.
+Attitudes ``C_bn`` (3, 3) take East-North-Up to the cube, ``target_C_bn`` (3, 3) is the last one of a move. The
+increments a gyro integrates are differences of a `Segment`'s angle, so a closed turn integrates exactly; vectors
+fixed in n are averaged over each sample. The lever arm from the axis is zero.
 
-A `Segment` turns the cube by ``angle(t)`` about ``axis_b`` from its first attitude. The increments a gyro
-integrates are differences of that angle, so a closed turn integrates exactly; vectors fixed in n are averaged
-over each sample (exact for a steady rate within the sample). The lever arm from the axis is zero.
-
-A `HeldSegment` is a cube carried by real hands: it trembles about all axes while it is turned, and may stop in the
-air. A hand that holds a weight trembles by 20 to 60 deg/s at 2 to 8 Hz, which cones. The gyroscopes integrate the
-body's rate over fine steps; gravity and the Earth's rate are averaged over them.
+A `HeldSegment` is carried by hands that tremble about all axes by 20 to 60 deg/s at 2 to 8 Hz, which cones.
 """
 
 from dataclasses import dataclass, field

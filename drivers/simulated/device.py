@@ -1,7 +1,6 @@
 """The simulated device: an IMU, a wire format and its faults, as a sequence of what goes over the line.
 
-Motion is commanded under a lock between chunks; a command acts on the first sample not yet taken. With all
-commands given before the first chunk, or at set times, equal seeds give equal bytes.
+A command acts on the first sample not yet taken; at equal device times equal seeds give equal bytes.
 """
 
 from collections import deque

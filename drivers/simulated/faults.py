@@ -1,10 +1,7 @@
 """Faults of a simulated line, on the bytes a device sends, and of companion devices: the table of every kind.
 
-A fault file is TOML with one ``[[fault]]`` table each: ``kind``, ``at_s`` (device time), optionally ``every_s``
-(again and again) and ``count`` or ``seconds``. Those of a receiver or camera are a ``[[gnss_fault]]`` or
-``[[camera_fault]]`` each: ``kind``, ``at_s`` (true time), ``seconds`` and, where the kind has one, ``size``.
-
-Errors of the sensors themselves are effects (`drivers.simulated.effects`); a dead channel has ``k`` 0 in `truth`.
+A fault file is TOML with one ``[[fault]]`` table each (`Fault`), ``[[gnss_fault]]`` of a receiver and
+``[[camera_fault]]`` of a camera (`TimedFault`). Errors of the sensors are effects (`drivers.simulated.effects`).
 """
 
 from collections import Counter

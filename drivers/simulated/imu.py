@@ -1,7 +1,6 @@
-"""A simulated IMU in its cube, in virtual time: commands queue motion, reading lets time pass.
+"""A simulated IMU in its cube, in virtual time: commands queue motion, `SimulatedImu.read` lets time pass.
 
-Time advances only in `SimulatedImu.read`: equal truths, seeds and commands at equal sample counts give equal
-counts, however the samples are asked for.
+Equal truths, seeds and commands at equal sample counts give equal counts, however the samples are asked for.
 """
 
 from collections import deque

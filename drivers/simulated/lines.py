@@ -1,13 +1,7 @@
 """The lines of simulated devices: pty, TCP and UDP; for CAN an slcan adapter on a pty, and a bus of python-can.
 
-``write`` waits for room until it is stopped. Nothing blocks in ``exchange``; what finds no room is lost.
-
-Facts of Linux ptys, measured: without a reader the kernel takes 17408 bytes; the server keeps the far end open
-itself, so that a reader may come and go; closing the near end is what a reader sees as unplugged.
-
-The adapter speaks as much of the LAWICEL protocol as a station can ask of it: S s O L C V N F and frames t T r R,
-each line ended by CR; it answers CR, a value, z or Z, and BEL for what it does not understand or may not do now.
-Source: LAWICEL CAN232 manual, 2.0.
+``write`` waits for room until it is stopped. Nothing blocks in ``exchange``; what finds no room is lost. The near
+end of a pty stays open, so that a reader may come and go; closing it is what a reader sees as unplugged.
 """
 
 import contextlib
@@ -214,7 +208,10 @@ FRAME = re.compile(
 
 
 class SlcanAdapter(PtyLine):
-    """An slcan adapter; ``ails`` is what is wrong with it, such as ``adapter_hangs`` or ``bus_off``."""
+    """An slcan adapter; ``ails`` is what is wrong with it, such as ``adapter_hangs`` or ``bus_off``.
+
+    Source: LAWICEL CAN232 manual, 2.0. It answers CR, a value, z or Z, and BEL for what it may not do now.
+    """
 
     def __init__(self, link: Path | None = None) -> None:
         super().__init__(link)

@@ -1,7 +1,6 @@
-"""A pytest plugin: simulated devices on real transports as fixtures. How to use it: docs/how-to/testing.md.
+"""A pytest plugin: simulated devices on real transports as fixtures (docs/how-to/testing.md).
 
-It is loaded by every pytest of its environment, so it imports nothing until a fixture is asked for. What a device
-is like is reported by a marker of the fixture's name, its keyword arguments those of `drivers.simulated.server`.
+It is loaded by every pytest of its environment, so it imports nothing until a fixture is asked for.
 """
 
 from __future__ import annotations

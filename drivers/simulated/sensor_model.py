@@ -1,7 +1,6 @@
 """The triads: each channel an integrate-and-fire counter driven by ``N = k (E u + D + effects + noise)``.
 
-A channel's count is the floor of its accumulated output; increments are differences of that floor, so the
-remainder is carried and no fraction is ever lost. The noise stands in `drivers.simulated.sensor_noise`.
+Increments are differences of the floor of the accumulated output: the remainder is carried.
 """
 
 from collections.abc import Sequence

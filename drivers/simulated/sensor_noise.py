@@ -1,8 +1,4 @@
-"""The noise of a simulated unit: white noise and bias instability of six channels.
-
-White noise is drawn sample by sample from one stream, so that equal seeds give equal counts however the samples
-are asked for. How large it is, `drivers.simulated.truth` says.
-"""
+"""The noise of a simulated unit: white noise and bias instability of six channels, drawn sample by sample."""
 
 import numpy as np
 

@@ -1,11 +1,7 @@
 """Serves a simulated device's bytes on a pty or a TCP port, and its cube's motion on a control port.
 
-Loopback by default.
-
-Paced by absolute deadlines, ``speed`` times device time; speed 0 or inf is as fast as the reader takes. When the
-reader does not read, device time waits (nothing is lost but what a fault loses). It also waits for a guide that
-says what it has seen and falls behind: its judgements do not depend on how busy the machine is. A device that fell
-behind by more than `MAX_BEHIND_S` restarts its schedule instead of hurrying after it.
+Paced by absolute deadlines, ``speed`` times device time; speed 0 or inf is as fast as the reader takes. Device
+time waits for a reader, and for a guide that says what it has seen and falls behind.
 """
 
 import contextlib

@@ -3,10 +3,7 @@
 Field names are the keys of the TOML file and carry their units. Triads follow ``N = k (E u + D)`` of
 Yao, Hu, He 2018, eq. (1), (2): u in g and deg/s, IMU axes; E rows = sensor. Faces and slab as in
 `procedures.frames`: faces by `procedures.positions.FACES`, slab tilt as East and North components of the up
-vector seen from the slab.
-
-`World` is the bench built from a `Truth`: bench and procedure effects replace its fields. What a campaign *states*
-is the truth's value, what the sensors *feel* is the world's.
+vector seen from the slab. What a campaign *states* is the `Truth`, what the sensors *feel* is the `World`.
 """
 
 import tomllib

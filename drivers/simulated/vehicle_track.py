@@ -1,7 +1,6 @@
 """Where a simulated vehicle goes: a smooth line through points in time, level East-North-Up [m] from its site.
 
 Between points that are the same it stands (cubic Hermite interpolation without overshoot: Fritsch, Butland 1984).
-A cube carried in it, level, turns with the course and feels the velocity change.
 """
 
 from dataclasses import dataclass, field

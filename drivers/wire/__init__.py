@@ -1,8 +1,7 @@
-"""The wire formats, each a file: the bytes of a device to blocks of counts, and back.
+"""The wire formats: the bytes of a device to blocks of counts, and back.
 
-A file describes frames by `wire_format` and gives its ``FORMATS``; `MODULES` lists the files, so that a new format
-is one file and one line. NovAtel's take two: `novatel` (the logs and their text form) and `novatel_binary`.
-`drivers.framing` finds the frames in a stream.
+A file describes frames by `wire_format` and gives its ``FORMATS``; `MODULES` lists the files. NovAtel's take two:
+`novatel` (the logs and their text form) and `novatel_binary`. `drivers.framing` finds the frames in a stream.
 """
 
 from importlib import import_module

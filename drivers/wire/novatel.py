@@ -11,13 +11,6 @@ As text a log is a line ``%NAMEA,header;fields*crc`` or, with the long header, `
 of the table that the short binary form has, so that both are decoded alike. The CRC is NovAtel's over the
 characters between the first and the ``*``; it is printed as 8 lower-case hexadecimal digits. Source: OEM7 manual,
 "ASCII" and "32-Bit CRC".
-
-Many text lines are decoded at once, as arrays. Only lines that are written as a receiver writes them are taken,
-each with its line break. Every other one is decoded by itself, so that what is accepted does not depend on how it
-was read.
-
-Eight characters are read as one 64-bit word: the first character is the lowest byte, and what stands before a
-number is taken for zeros. Source of the three multiplications: D. Lemire, "Quickly parsing eight digits", 2018.
 """
 
 import struct
@@ -34,6 +27,8 @@ from drivers.wire.wire_format import UNDECIDED, FrameKind, Frames, Lines, Octets
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.counts.sample_records import CountBlock
 
+# Many lines are decoded at once, as arrays, if they are written as a receiver writes them; every other by itself.
+# Eight characters are one 64-bit word, the first the lowest byte; D. Lemire, "Quickly parsing eight digits", 2018.
 WORD_CHARS, MAX_DIGITS = 8, 16  # characters of a word, of a number
 _ONES = 0x0101010101010101
 _ZEROS, _NIBBLE = ord("0") * _ONES, 0x0F * _ONES

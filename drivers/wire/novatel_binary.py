@@ -1,14 +1,11 @@
 """The four raw IMU logs of NovAtel's receivers: headers, bodies, CRC, axis order, GPS time and scale factors.
 
-Short header (12 bytes, ``AA 44 13``): RAWIMUS, RAWIMUSX. Long header (28 bytes, ``AA 44 12``): RAWIMU, RAWIMUX.
-The X logs name the IMU type and have an error bit; the others are read as healthy whenever their time is one.
 Sources: OEM7 manual (docs.novatel.com/OEM7), "Binary", "Description of ASCII and Binary Logs with Short Headers",
-"32-Bit CRC" and the logs' own pages; IMU type ids: novatel_oem7_driver, oem7_imu.hpp.
+"32-Bit CRC", "GPS Reference Time Status" and the logs' own pages; IMU type ids: novatel_oem7_driver, oem7_imu.hpp.
+RAWIMU and RAWIMUS neither name the IMU nor have an error bit: a frame is healthy whenever its time is one.
 
-The whole seconds of GPS time are as good as a pulse (PPS), for the receiver stamps samples by it, and UTC differs
-by whole leap seconds. A receiver that does not know the time yet counts from week 0; a long header says how good
-the time is: OEM7 manual, "GPS Reference Time Status" (160 FINE, 170 FINEBACKUPSTEERING, 180 FINESTEERING, 200
-SATTIME). Short headers have no such field.
+The whole seconds of GPS time are as good as a pulse (PPS): the receiver stamps samples by it. One that does not
+know the time counts from week 0; a long header says how good the time is (160 FINE, 180 FINESTEERING ...).
 """
 
 import zlib

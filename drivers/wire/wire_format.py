@@ -1,7 +1,4 @@
-"""What a wire format is: an interface document as data, with its bytes-to-block and back.
-
-One file per format defines one `WireFormat`; the family tests hold every one to the same contract.
-"""
+"""What a wire format is: an interface document as data, with its bytes-to-block and back."""
 
 import zlib
 from collections.abc import Callable, Mapping

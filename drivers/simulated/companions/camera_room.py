@@ -1,11 +1,8 @@
 """A closed room around a track with pillars next to it: where rays from a camera end, and what is seen there.
 
-Boxes stand along East, North and Up; a ray meets one where it is within all three of its slabs (Kay, Kajiya 1986).
-
-Walls have blots of every size, periodic, in a pyramid of ever coarser images (Williams 1983). The spectrum falls
-with frequency, so that there is much to see from near and from far. Looked up between texels and between levels,
-so that an image changes smoothly with the pose; no level is looked up whose texels are much finer than the pixels,
-so that nothing flickers.
+A ray meets a box where it is within all three of its slabs (Kay, Kajiya 1986). Walls have blots of every size in a
+pyramid of ever coarser images (Williams 1983), looked up between texels and between levels, so that an image
+changes smoothly with the pose and nothing flickers.
 """
 
 from dataclasses import dataclass

@@ -1,8 +1,4 @@
-"""A simulated camera: renders what it sees and serves it over HTTP as ustreamer does.
-
-An image of the room is rendered when its time has come and somebody reads, and sent as a part of a multipart
-stream; who reads too slowly misses images.
-"""
+"""A simulated camera: renders what it sees when somebody reads, and serves it over HTTP as ustreamer does."""
 
 import contextlib
 import socket

@@ -1,10 +1,8 @@
 """A simulated autopilot with a GNSS receiver, served by UDP, TCP or pty, with a simulated IMU or alone.
 
-MAVLink goes out and commands come in, in virtual time. The autopilot stands where the truth says, or goes along a
-track, and its UTC is the truth's time. The receiver's error of position is a first-order Gauss-Markov process
-(minutes long, as multipath and atmosphere are), that of velocity white. Bytes are made and read by pymavlink
-itself, so that station and simulator share no reader. Time is given; equal seeds and times give equal bytes, but
-for signatures, which hold the time of day.
+The receiver's error of position is a first-order Gauss-Markov process (minutes long, as multipath and atmosphere
+are), that of velocity white. Bytes are made and read by pymavlink itself: station and simulator share no reader.
+Equal seeds and times give equal bytes, but for signatures, which hold the time of day.
 """
 
 from collections.abc import Iterable, Sequence
