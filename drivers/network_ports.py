@@ -74,10 +74,8 @@ class UdpPort:
 def open_udp(host: str, port: int, timeout_s: float, *, listens: bool) -> UdpPort:
     """Bind to ``host:port`` if it ``listens``, else to any port, to send there.
 
-    Raises
-    ------
-    PortBusy, PortDenied, PortNotFound
-        If the address is taken, not permitted or not one of this machine.
+    Raises `PortBusy`, `PortDenied` or `PortNotFound` if the address is taken, not permitted or not one of this
+    machine.
     """
     name = f"{host}:{port}"
     try:

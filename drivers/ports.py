@@ -31,10 +31,8 @@ from drivers.wire import FORMATS, WireFormat
 def open_port(url: str | DeviceAddress, timeout_s: float = 0.05) -> Port:
     """Open the port that a device's address names.
 
-    Raises
-    ------
-    BadDeviceUrl, PortNotFound, PortBusy, PortDenied
-        Each says what was found, what was expected and what to do.
+    Raises `BadDeviceUrl`, `PortNotFound`, `PortBusy` or `PortDenied`: each says what was found, what was expected
+    and what to do.
     """
     address = parse_device_url(url) if isinstance(url, str) else url
     match address:

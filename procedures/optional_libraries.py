@@ -28,10 +28,7 @@ class ExtraMissing(ProcedureError, ImportError):
 def opencv() -> Any:
     """Return the image library.
 
-    Raises
-    ------
-    ExtraMissing
-        If it is not installed.
+    Raises `ExtraMissing` if it is not installed.
     """
     try:
         return import_module("cv2")

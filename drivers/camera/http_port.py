@@ -47,12 +47,8 @@ class HttpCameraPort:
 def open_http_camera(address: HttpCameraAddress, timeout_s: float) -> HttpCameraPort:
     """Ask for a stream.
 
-    Raises
-    ------
-    PortNotFound
-        If nobody answers within 5 s, or the answer is no stream of images.
-    LinkLost
-        If it hangs up before it has answered.
+    Raises `PortNotFound` if nobody answers within 5 s, or the answer is no stream of images. Raises `LinkLost` if
+    it hangs up before it has answered.
     """
     with ExitStack() as opened:
         connection = open_tcp(address.host, address.port, ANSWER_S)

@@ -110,11 +110,8 @@ class V4l2Port:
 def open_v4l2(address: VideoDeviceAddress, timeout_s: float) -> V4l2Port:
     """Open a camera by its device file.
 
-    Raises
-    ------
-    PortNotFound, PortDenied, PortBusy
-        If it is not there, may not be opened, or is open in another program;
-        `PortNotFound` also where OpenCV is not installed.
+    Raises `PortNotFound`, `PortDenied` or `PortBusy` if it is not there, may not be opened, or is open in another
+    program; `PortNotFound` also where OpenCV is not installed.
     """
     try:
         cv = opencv()

@@ -30,10 +30,7 @@ def can_format(dbc: str = "", mapping: str = "", period: float | None = None) ->
 
     ``period`` [s] stands before the nominal sample period of the mapping.
 
-    Raises
-    ------
-    BadCanFile
-        If either file breaks a rule.
+    Raises `BadCanFile` if either file breaks a rule.
     """
     can_map = load_map(dbc or OWN_DBC, mapping or OWN_MAP, period)
     has_status = any(slot.status for slot in can_map.slots)
@@ -78,10 +75,8 @@ def _example(can_map: CanMap) -> bytes:
 def encode(can_map: CanMap, block: SampleBlock) -> bytes:
     """Return the records of a block's frames, handed over at device time; counters and times wrap.
 
-    Raises
-    ------
-    ValueError
-        If a count does not fit its signal, or the mapping speaks of running totals, which a block does not hold.
+    Raises `ValueError` if a count does not fit its signal, or the mapping speaks of running totals, which a block
+    does not hold.
     """
     if can_map.output == "cumulative":
         raise ValueError(f"{can_map.name} sends running totals, expected increments to encode")

@@ -126,10 +126,7 @@ FORMS = (
 def form_of(path: str) -> LogForm | None:
     """Return which form of log a file is, None where it is none of them or cannot be read.
 
-    Raises
-    ------
-    BadCanFile
-        If it is candump's text without times: nothing says when its frames came.
+    Raises `BadCanFile` if it is candump's text without times: nothing says when its frames came.
     """
     try:
         with open(path, "rb") as file:
@@ -144,11 +141,8 @@ def form_of(path: str) -> LogForm | None:
 def open_can_log(address: ReplayAddress, form: LogForm) -> ReplayPort:
     """Open a log of one of `FORMS`; it is read whole first, so that what is wrong is known.
 
-    Raises
-    ------
-    BadCanFile
-        If the address names no DBC, the log is damaged, or the frames wanted come on several channels or from
-        several devices and the address does not say which.
+    Raises `BadCanFile` if the address names no DBC, the log is damaged, or the frames wanted come on several
+    channels or from several devices and the address does not say which.
     """
     path = address.path
     if not (address.dbc and address.map):

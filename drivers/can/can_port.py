@@ -194,14 +194,9 @@ class CanPort:
 def open_can(interface: str, channel: str, options: Mapping[str, str], timeout_s: float) -> CanPort:
     """Open a bus of any of python-can's interfaces.
 
-    Raises
-    ------
-    BadDeviceUrl
-        If there is no such interface, or it takes no such option.
-    PortNotFound, PortBusy, PortDenied
-        If adapter or channel cannot be opened, or no slcan adapter answers.
-    LinkLost
-        If it opens and is bus-off.
+    Raises `BadDeviceUrl` if there is no such interface, or it takes no such option. Raises `PortNotFound`,
+    `PortBusy` or `PortDenied` if adapter or channel cannot be opened, or no slcan adapter answers. Raises
+    `LinkLost` if it opens and is bus-off.
     """
     name = channel or interface
     chosen = {**(SLCAN if interface == "slcan" else {}), **_options(interface, channel, options)}

@@ -86,10 +86,7 @@ class SenderWatch:
     def look(self, sender: int, identifiers: NDArray[np.uint32]) -> None:
         """Take the 29-bit numbers ``identifiers`` (n,) of a sender's frames.
 
-        Raises
-        ------
-        BadCanFile
-            If they come from two addresses: which is meant the mapping must say.
+        Raises `BadCanFile` if they come from two addresses: which is meant the mapping must say.
         """
         addresses = identifiers & SOURCE
         known = self._sources.setdefault(sender, int(addresses[0]))

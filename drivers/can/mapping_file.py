@@ -151,10 +151,7 @@ class CanMap:
 def load_map(dbc: str, path: str, period: float | None = None) -> CanMap:
     """Return what a DBC and a mapping file say together; ``period`` [s] stands before the file's.
 
-    Raises
-    ------
-    BadCanFile
-        If either breaks a rule; names the key or signal, what was found and what is accepted.
+    Raises `BadCanFile` if either breaks a rule; names the key or signal, what was found and what is accepted.
     """
     try:
         tables = tomllib.loads(Path(path).read_text("utf-8"))

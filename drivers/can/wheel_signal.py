@@ -61,10 +61,7 @@ class WheelSignal:
 def wheel_signal(dbc: str, name: str, unit: str = "") -> WheelSignal:
     """Return where a signal ``MESSAGE.SIGNAL`` of a DBC stands; ``unit`` stands before the DBC's.
 
-    Raises
-    ------
-    BadCanFile
-        If the DBC is none, there is no such message or signal, or its unit is none of a speed.
+    Raises `BadCanFile` if the DBC is none, there is no such message or signal, or its unit is none of a speed.
     """
     messages = {message.name: message for message in load_dbc(dbc).messages}
     message, dot, signal = name.partition(".")

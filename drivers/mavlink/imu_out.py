@@ -75,10 +75,8 @@ class ImuOut:
 def open_imu_out(text: str) -> ImuOut:
     """Open what ``udpout:HOST:PORT`` names.
 
-    Raises
-    ------
-    BadDeviceUrl, PortBusy, PortDenied, PortNotFound
-        Each says what was found, what was expected and what to do.
+    Raises `BadDeviceUrl`, `PortBusy`, `PortDenied` or `PortNotFound`: each says what was found, what was expected
+    and what to do.
     """
     address = parse_mavlink_url(f"mavlink:{text.removeprefix('mavlink:')}")
     line = address.line

@@ -17,10 +17,7 @@ PORTS = range(1, 65536)
 def control_address(typed: str) -> tuple[str, int]:
     """Return host and port of simulated hands.
 
-    Raises
-    ------
-    BadDeviceUrl
-        If it is not HOST:PORT.
+    Raises `BadDeviceUrl` if it is not HOST:PORT.
     """
     host, _, port = typed.strip().rpartition(":")
     if not host or not (port.isascii() and port.isdigit()) or int(port) not in PORTS:

@@ -146,10 +146,7 @@ class ByteDevice:
 def pulsed(wire: WireFormat, clock_ppm: float) -> WireFormat:
     """Return a format whose samples report how long before them a pulse of true time came, by the device's clock.
 
-    Raises
-    ------
-    TruthRefused
-        If the format reports no pulse.
+    Raises `TruthRefused` if the format reports no pulse.
     """
     pulse, pace = wire.pulse, 1 + 1e-6 * clock_ppm
     if pulse is None:

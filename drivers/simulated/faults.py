@@ -53,10 +53,7 @@ CAMERA_KINDS = {
 class TimedFault:
     """One fault, from true time ``at_s`` on for ``seconds``; see `GNSS_KINDS` and `CAMERA_KINDS`.
 
-    Raises
-    ------
-    TruthRefused
-        If a MAVLink system is to be one that no byte holds.
+    Raises `TruthRefused` if a MAVLink system is to be one that no byte holds.
     """
 
     kind: str

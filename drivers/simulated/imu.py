@@ -140,10 +140,7 @@ class SimulatedImu(PoweredUnit):
     def turn(self, axis: str, direction: str, revolutions: int, rest_s: float = 5.0) -> None:
         """Turn the cube by hand about its vertical ``axis``; at rest for ``rest_s`` before and after.
 
-        Raises
-        ------
-        ValueError
-            ``axis`` is not vertical where the cube stands, or an argument is not a turn's.
+        Raises `ValueError`: ``axis`` is not vertical where the cube stands, or an argument is not a turn's.
         """
         turn = Turn(axis, direction, revolutions, self.position, rest_s)
         closure = self._closure()

@@ -184,10 +184,7 @@ def paper_truth() -> Truth:
 def truth_from(table: Mapping[str, Any], base: Truth | None = None) -> Truth:
     """Return the truth a parsed TOML table describes; keys left out are those of ``base``, else the default.
 
-    Raises
-    ------
-    TruthRefused
-        An unknown key, a wrong type or shape; says what is accepted.
+    Raises `TruthRefused`: an unknown key, a wrong type or shape; says what is accepted.
     """
     accepted = {f.name: f for f in fields(Truth)}
     values: dict[str, Any] = {}

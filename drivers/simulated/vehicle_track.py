@@ -74,10 +74,7 @@ def drive(track: VehicleTrack, C_bn: FloatArray, first: int, period: float) -> S
 
     ``C_bn`` (3, 3) is an attitude with x level; at the first sample the cube is put on its course.
 
-    Raises
-    ------
-    TruthRefused
-        If the track is over by then.
+    Raises `TruthRefused` if the track is over by then.
     """
     samples = int(np.ceil(track.t[-1] / period)) - first + 1
     if samples < 1:
