@@ -10,20 +10,10 @@ from procedures.arrays import FloatArray
 from procedures.frames import AXES, rotation, slab_C_ln, vertical_rotation
 
 POSITIONS = ("UEN", "UWS", "DNE", "DSW", "SUW", "NUE", "WDS", "EDN", "NWU", "SEU", "ESD", "WND")
-
-
 OTHER_ATTITUDES = ("UNW", "USE", "DES", "DWN", "EUS", "WUN", "NDW", "SDE", "ENU", "WSU", "NED", "SWD")
-
-
 ATTITUDES = POSITIONS + OTHER_ATTITUDES  # all in which a cube can stand along the slab's marks; numbered from 1
-
-
 FACES = ("x_up", "x_down", "y_up", "y_down", "z_up", "z_down")
-
-
 TURN_START = {"x": 1, "y": 5, "z": 9}
-
-
 _DIRECTION = {
     "E": (1.0, 0.0, 0.0), "W": (-1.0, 0.0, 0.0),
     "N": (0.0, 1.0, 0.0), "S": (0.0, -1.0, 0.0),

@@ -40,7 +40,6 @@ def can_format(dbc: str = "", mapping: str = "", period: float | None = None) ->
         name=can_map.name,
         title=f"CAN: {can_map.title}",
         source="docs/how-to/can.md",
-        sync=frame_record.SYNC,
         length_at=3,
         imu=replace(frame_record.IMU, channels=can_map.channels),
         check=f"{can_map.check_kind or 'none'} in a frame, CRC-32 over a record",
@@ -68,7 +67,7 @@ def _example(can_map: CanMap) -> bytes:
     if can_map.output != "increments":
         return b""
     counts, one = np.array([[1, -2, 3]]), np.ones(1, np.int64)
-    block = CountBlock(one, one / 2, counts, -counts, 25.0 * one, 0 * one, one == 1)
+    block = CountBlock(one, np.array([0.5]), counts, -counts, np.array([25.0]), 0 * one, one == 1)
     return encode(can_map, block)
 
 

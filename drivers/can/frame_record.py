@@ -103,6 +103,7 @@ class WheelReading:
 
     host_ns: int
     speed: float
+    device_ns: int | None = None
     read_ns: int = field(default=0, compare=False)
 
     @property

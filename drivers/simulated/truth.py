@@ -45,63 +45,42 @@ class Truth:
     sample_period_s: float = 0.02
     latitude_deg: float = 31.17
     longitude_deg: float = 121.4
-    height_m: float = 0.0
-    """Above the ellipsoid; a simulated GNSS receiver stands there too."""
-    gravity_m_s2: float | None = None
-    """What the unit feels at rest; None: normal gravity of latitude and height, `local_gravity`."""
+    height_m: float = 0.0  # above the ellipsoid; a simulated GNSS receiver stands there too
+    gravity_m_s2: float | None = None  # felt at rest; None: normal gravity of latitude and height
     magnetic_enu_ut: FloatArray = field(default_factory=lambda: np.array([-3.0, 34.0, -36.0]))
 
-    accel_k: FloatArray = field(default_factory=lambda: np.full(3, 1000.0))
-    """Scale factors [count/(g s)]."""
+    accel_k: FloatArray = field(default_factory=lambda: np.full(3, 1000.0))  # scale factors [count/(g s)]
     accel_e: FloatArray = field(default_factory=lambda: np.eye(3))
-    accel_d_g: FloatArray = field(default_factory=lambda: np.zeros(3))
-    """Biases at 25 degC [g]."""
-    gyro_k: FloatArray = field(default_factory=lambda: np.full(3, 36000.0))
-    """Scale factors [count/deg]."""
+    accel_d_g: FloatArray = field(default_factory=lambda: np.zeros(3))  # biases at 25 degC [g]
+    gyro_k: FloatArray = field(default_factory=lambda: np.full(3, 36000.0))  # scale factors [count/deg]
     gyro_e: FloatArray = field(default_factory=lambda: np.eye(3))
-    gyro_d_deg_s: FloatArray = field(default_factory=lambda: np.zeros(3))
-    """Biases at 25 degC [deg/s]."""
+    gyro_d_deg_s: FloatArray = field(default_factory=lambda: np.zeros(3))  # biases at 25 degC [deg/s]
 
-    accel_noise_g: float = 1e-5
-    """White noise of one sample, 1 sigma [g]; velocity random walk = accel_noise_g * sqrt(sample_period_s)."""
-    gyro_arw_deg_rt_s: float = 1e-4
-    """Angle random walk [deg/sqrt(s)]."""
-    accel_instability_g: float = 0.0
-    """Bias instability: stationary 1 sigma [g] of a first-order Gauss-Markov process."""
-    gyro_instability_dph: float = 0.01
-    """Bias instability: stationary 1 sigma [deg/h] of a first-order Gauss-Markov process."""
-    instability_tau_s: float = 200.0
-    """Correlation time of both; the Allan deviation peaks near 1.9 of it."""
-    accel_turn_on_g: float = 0.0
-    """Turn-on repeatability of the bias, 1 sigma [g], one draw per power-on."""
-    gyro_turn_on_dph: float = 0.0
-    """Turn-on repeatability of the bias, 1 sigma [deg/h], one draw per power-on."""
+    accel_noise_g: float = 1e-5  # 1 sigma of a sample; velocity random walk is it times sqrt(sample_period_s)
+    gyro_arw_deg_rt_s: float = 1e-4  # angle random walk [deg/sqrt(s)]
+    accel_instability_g: float = 0.0  # stationary 1 sigma of a bias that is a first-order Gauss-Markov process
+    gyro_instability_dph: float = 0.01  # the same
+    instability_tau_s: float = 200.0  # correlation time of both; the Allan deviation peaks near 1.9 of it
+    accel_turn_on_g: float = 0.0  # turn-on repeatability of the bias, 1 sigma [g], one draw per power-on
+    gyro_turn_on_dph: float = 0.0  # turn-on repeatability of the bias, 1 sigma [deg/h], one draw per power-on
 
     temperature_start_c: float = 23.0
     temperature_rise_k: float = 0.0
     temperature_tau_s: float = 1800.0
-    temperature_swing_k: float = 0.0
-    """Amplitude of a sine on top of ``start + rise (1 - exp(-t / tau))``."""
+    temperature_swing_k: float = 0.0  # amplitude of a sine on top of ``start + rise (1 - exp(-t / tau))``
     temperature_swing_period_s: float = 3600.0
 
     faces_rad: FloatArray = field(default_factory=lambda: np.zeros((6, 2)))
     slab_tilt_rad: FloatArray = field(default_factory=lambda: np.zeros(2))
-    slab_azimuth_rad: float = 0.0
-    """How far the slab's North mark points east of true north."""
-    heading_std_deg: float = 0.05
-    """Operator's scatter of a position's heading, 1 sigma, one draw per placement."""
-    closure_std_deg: float = 0.01
-    """How well a turn comes back to where it began, 1 sigma, one draw per turn."""
-    settle_rad: float = 2e-5
-    """Tilt amplitude right after a flip, ``A exp(-t / tau) sin(2 pi f t)``."""
+    slab_azimuth_rad: float = 0.0  # how far the slab's North mark points east of true north
+    heading_std_deg: float = 0.05  # operator's scatter of a position's heading, 1 sigma, one draw per placement
+    closure_std_deg: float = 0.01  # how well a turn comes back to where it began, 1 sigma, one draw per turn
+    settle_rad: float = 2e-5  # tilt amplitude right after a flip, ``A exp(-t / tau) sin(2 pi f t)``
     settle_tau_s: float = 0.3
     settle_hz: float = 4.0
-    imu_axes: tuple[str, str, str] = IMU_AXES
-    """Cube axes along which IMU x, y, z point."""
-    effects: Mapping[str, Sizes] = field(default_factory=dict)
-    """Planted effects by name; keys and units in ``drivers.simulated.effects``."""
-    terms: Mapping[str, str] = field(default_factory=dict)
-    """Texts of effect/1 by name, of effects that no catalogue holds."""
+    imu_axes: tuple[str, str, str] = IMU_AXES  # cube axes along which IMU x, y, z point
+    effects: Mapping[str, Sizes] = field(default_factory=dict)  # by name; units in `drivers.simulated.effects`
+    terms: Mapping[str, str] = field(default_factory=dict)  # texts of effect/1 by name, beside the catalogue
 
     def __post_init__(self) -> None:
         for name, shape in _SHAPES.items():
@@ -211,9 +190,8 @@ def _converted(key: str, value: Any) -> Any:
     if key == "terms":
         if isinstance(value, Mapping) and all(isinstance(text, str) for text in value.values()):
             return dict(value)
-        raise TruthRefused(
-            f"terms = {value!r}"[:80], 'the text of an effect/1 each, as "gyroscope.dead_zone" = """..."""'
-        )
+        expected = 'the text of an effect/1 each, as "gyroscope.dead_zone" = """..."""'
+        raise TruthRefused(f"terms = {value!r}"[:80], expected)
     if key == "imu_axes":
         return tuple(str(axis) for axis in value)
     if key in {"serial", "model"}:

@@ -90,7 +90,6 @@ FORMAT = WireFormat(
     name="ch70",
     title="CH-70 single-axis fibre-optic gyro",
     source="maker's specification sheet of the CH-70",
-    sync=bytes((HEADER,)),
     length_at=None,
     imu=FrameKind(bytes((HEADER,)), FRAME, channels=frozenset({"gx"}), has_time=False),
     check="XOR of the count's five groups, and of the temperature's two; bit 7 in the header only",

@@ -126,7 +126,6 @@ FORMAT = WireFormat(
     name="counts",
     title="Counts of a rig or FPGA, version 1",
     source="docs/reference/wire-format-counts.md",
-    sync=SYNC,
     length_at=3,
     imu=IMU,
     check="CRC-32/ISO-HDLC (Ethernet, zlib) over everything before it",

@@ -80,7 +80,6 @@ FORMAT = WireFormat(
     name="kvh1750",
     title="KVH 1750, 1725, 1775, formats A, B and C",
     source="KVH ICD 56-0298 rev. B",
-    sync=HEADER,
     length_at=None,
     imu=B,
     others=(A, C),

@@ -285,7 +285,6 @@ def ascii_log(binary: WireFormat, message: int, example: bytes, *, is_long: bool
         binary,
         name=f"{binary.name}a",
         title=f"NovAtel {name}A, a line of text",
-        sync=imu.prefix,
         length_at=None,
         imu=imu,
         check="CRC-32 as in the binary form, over the characters between the first and the *",

@@ -192,7 +192,6 @@ def binary_log(name: str, message: int, example: bytes, *, is_long: bool, is_typ
         name=name,
         title=f"NovAtel {name.upper()} {'long' if is_long else 'short'} binary",
         source=f"docs.novatel.com/OEM7, log {name.upper()} (message {message})",
-        sync=sync,
         length_at=LENGTH_AT,
         imu=imu,
         check=CHECK,
@@ -210,42 +209,38 @@ def binary_log(name: str, message: int, example: bytes, *, is_long: bool, is_typ
     )
 
 
-def _models() -> Mapping[int, NominalScale]:
-    page = "OEM7 manual, RAWIMUSX, raw IMU scale factors"
-    # The driver's 1/3.2808 is 12 ppm off the exact foot.
-    foot27, foot26 = M_PER_FT * 2.0**-27, M_PER_FT * 2.0**-26
-    # oem7_imu.cpp returns the KVH value in degrees where all others are radians: 57.3 times too large.
-    fsas = (0.1 * 2.0**-8 * RAD_PER_ARCSEC, 0.05 * 2.0**-15)
-    # Per second: these send rates.
-    epson320 = (0.008 * 2.0**-16 * RAD_PER_DEG, 0.2e-3 * 2.0**-16 * STANDARD_GRAVITY)
-    epson370 = (0.0151515 * 2.0**-16 * RAD_PER_DEG, 0.4e-3 * 2.0**-16 * STANDARD_GRAVITY)
-    table: tuple[tuple[int, str, float, float, float], ...] = (  # type, model, rad, m/s per count, Hz
-        (1, "HG1700 AG11", 2.0**-33, foot27, 100),
-        (4, "HG1700 AG17", 2.0**-33, foot26, 100),
-        (5, "HG1900 CA29", 2.0**-33, foot27, 100),
-        (8, "LN-200", 2.0**-19, 2.0**-14, 200),
-        (11, "HG1700 AG58", 2.0**-33, foot27, 100),
-        (12, "HG1700 AG62", 2.0**-33, foot26, 100),
-        (13, "iMAR FSAS", *fsas, 200),
-        (16, "KVH COTS", *fsas, 200),
-        (20, "HG1930 AA99", 2.0**-33, foot27, 100),
-        (26, "ISA-100C", 1e-9, 2e-8, 200),  # listed at 100 Hz once: novatel_oem7_driver issue 79
-        (27, "HG1900 CA50", 2.0**-33, foot27, 100),
-        (28, "HG1930 CA50", 2.0**-33, foot27, 100),
-        (31, "ADIS16488", 720 * 2.0**-31 * RAD_PER_DEG, 200 * 2.0**-31, 200),
-        (32, "STIM300", 2.0**-21 * RAD_PER_DEG, 2.0**-22, 125),
-        (33, "KVH 1750", *fsas, 200),
-        (41, "Epson EG320N", epson320[0] / 125, epson320[1] / 125, 125),
-        (52, "LITEF uIMU-IC", 1e-9, 2e-8, 200),
-        (56, "STIM300D", 2.0**-21 * RAD_PER_DEG, 2.0**-22, 125),
-        (58, "HG4930 AN01", 2.0**-33, 2.0**-29, 100),
-        (61, "Epson EG370N", epson370[0] / 200, epson370[1] / 200, 200),
-        (62, "Epson EG320N 200 Hz", epson320[0] / 200, epson320[1] / 200, 200),
-        (68, "HG4930 AN04", 2.0**-33, 2.0**-29, 100),
-        (69, "HG4930 AN04 400 Hz", 2.0**-33, 2.0**-29, 400),
-    )
-    return MappingProxyType({row[0]: NominalScale(*row[1:], source=page) for row in table})
-
-
-MODELS = _models()  # by IMU type
+_PAGE = "OEM7 manual, RAWIMUSX, raw IMU scale factors"
+# The driver's 1/3.2808 is 12 ppm off the exact foot.
+_FOOT27, _FOOT26 = M_PER_FT * 2.0**-27, M_PER_FT * 2.0**-26
+# oem7_imu.cpp returns the KVH value in degrees where all others are radians: 57.3 times too large.
+_FSAS = (0.1 * 2.0**-8 * RAD_PER_ARCSEC, 0.05 * 2.0**-15)
+# Per second: these send rates.
+_EPSON320 = (0.008 * 2.0**-16 * RAD_PER_DEG, 0.2e-3 * 2.0**-16 * STANDARD_GRAVITY)
+_EPSON370 = (0.0151515 * 2.0**-16 * RAD_PER_DEG, 0.4e-3 * 2.0**-16 * STANDARD_GRAVITY)
+_MODELS: tuple[tuple[int, str, float, float, float], ...] = (  # type, model, rad, m/s per count, Hz
+    (1, "HG1700 AG11", 2.0**-33, _FOOT27, 100),
+    (4, "HG1700 AG17", 2.0**-33, _FOOT26, 100),
+    (5, "HG1900 CA29", 2.0**-33, _FOOT27, 100),
+    (8, "LN-200", 2.0**-19, 2.0**-14, 200),
+    (11, "HG1700 AG58", 2.0**-33, _FOOT27, 100),
+    (12, "HG1700 AG62", 2.0**-33, _FOOT26, 100),
+    (13, "iMAR FSAS", *_FSAS, 200),
+    (16, "KVH COTS", *_FSAS, 200),
+    (20, "HG1930 AA99", 2.0**-33, _FOOT27, 100),
+    (26, "ISA-100C", 1e-9, 2e-8, 200),  # listed at 100 Hz once: novatel_oem7_driver issue 79
+    (27, "HG1900 CA50", 2.0**-33, _FOOT27, 100),
+    (28, "HG1930 CA50", 2.0**-33, _FOOT27, 100),
+    (31, "ADIS16488", 720 * 2.0**-31 * RAD_PER_DEG, 200 * 2.0**-31, 200),
+    (32, "STIM300", 2.0**-21 * RAD_PER_DEG, 2.0**-22, 125),
+    (33, "KVH 1750", *_FSAS, 200),
+    (41, "Epson EG320N", _EPSON320[0] / 125, _EPSON320[1] / 125, 125),
+    (52, "LITEF uIMU-IC", 1e-9, 2e-8, 200),
+    (56, "STIM300D", 2.0**-21 * RAD_PER_DEG, 2.0**-22, 125),
+    (58, "HG4930 AN01", 2.0**-33, 2.0**-29, 100),
+    (61, "Epson EG370N", _EPSON370[0] / 200, _EPSON370[1] / 200, 200),
+    (62, "Epson EG320N 200 Hz", _EPSON320[0] / 200, _EPSON320[1] / 200, 200),
+    (68, "HG4930 AN04", 2.0**-33, 2.0**-29, 100),
+    (69, "HG4930 AN04 400 Hz", 2.0**-33, 2.0**-29, 400),
+)
+MODELS = {row[0]: NominalScale(*row[1:], source=_PAGE) for row in _MODELS}  # by IMU type
 SCALES: Mapping[str, NominalScale] = MappingProxyType({scale.model: scale for scale in MODELS.values()})

@@ -166,19 +166,13 @@ def with_pulses(block: CountBlock, ages: FloatArray) -> bytes:
     return seal(frames, lambda body: mpeg2_crc(bytes(body) + bytes(-len(body) % 4)))
 
 
-SHIFTS = {
-    "STIM300 10 g": 22,
-    "STIM300 5 g": 23,
-    "STIM300 30 g": 21,
-    "STIM300 80 g": 19,
-}  # bits, of the accelerometers
+SHIFTS = {"STIM300 10 g": 22, "STIM300 5 g": 23, "STIM300 30 g": 21, "STIM300 80 g": 19}  # of the accelerometers
 _GYRO, _RATE_HZ, _SAYS = 2.0**-21 * RAD_PER_DEG, 125.0, "TS1524 rev. 31, incremental output"
 SCALES = {model: NominalScale(model, _GYRO, 2.0**-shift, _RATE_HZ, _SAYS) for model, shift in SHIFTS.items()}
 FORMAT = WireFormat(
     name="stim300",
     title="Sensonor STIM300 normal mode",
     source="datasheet TS1524 rev. 31",
-    sync=b"",
     length_at=None,
     imu=IMU,
     others=tuple(kind for kind in KINDS.values() if kind is not IMU),

@@ -67,7 +67,6 @@ FORMAT = WireFormat(
     name="triad",
     title="Three single-axis gyros, joined by the station",
     source="docs/reference/wire-formats.md",
-    sync=SYNC,
     length_at=3,
     imu=IMU,
     passed_over=(BYTES,),

@@ -128,9 +128,8 @@ class WireFormat:
 
     ``imu`` is the kind of frame that `encode` sends and ``example`` is one of; ``others`` are further kinds that
     hold a sample, ``passed_over`` some that hold none; ``identity`` is the kind that says who the device is, it
-    may be ``imu`` itself. All kinds' prefixes are of one length. ``sync`` is what they all begin with, empty
-    where they share nothing; ``length_at`` is where in the prefix the length byte stands, None where there is
-    none. ``trailer`` may follow a frame, or not.
+    may be ``imu`` itself. All kinds' prefixes are of one length; ``length_at`` is where in them the length byte
+    stands, None where there is none. ``trailer`` may follow a frame, or not.
 
     ``is_intact`` says whether a whole frame passes its check, ``check`` describes that check and ``check_bits``
     is its width. ``max_step`` is for a weak check: a healthy value differs by no more from the last healthy one.
@@ -148,7 +147,6 @@ class WireFormat:
     name: str
     title: str
     source: str
-    sync: bytes
     length_at: int | None
     imu: FrameKind
     check: str

@@ -14,7 +14,7 @@ from drivers.framing import Decoder
 from drivers.wire import FORMATS, FrameKind, WireFormat
 from procedures.counts.sample_records import SampleBlock
 from tests.benchmarks.damage import CONTROL_BITS, DAMAGES, Outcome, Shape, counted, damaged, passes_control
-from tests.drivers.wire.blocks import a_block, frames_of, row_of
+from tests.drivers.wire.blocks import a_block, frames_of, row_of, sync_of
 from tests.proof.evidence import Figure, spread
 
 BATCH = 2000
@@ -32,7 +32,7 @@ def false_frame(rng: random.Random, wire: WireFormat) -> bytes:
 def attack(wire: WireFormat, frames: int, seed: int) -> Outcome:
     """Feed ``frames`` damaged frames and return what was counted."""
     got, rng, numbers = Outcome(wire.name, wire.check_bits), random.Random(seed), np.random.default_rng(seed)
-    shape = Shape((wire.sync, wire.imu.prefix), len(wire.imu.prefix), wire.imu.size)
+    shape = Shape((sync_of(wire), wire.imu.prefix), len(wire.imu.prefix), wire.imu.size)
     largest = 2**30 if wire.max_step is None else wire.max_step // 2  # a step that the unit can make
     ways = (*DAMAGES, lambda rng, *_: false_frame(rng, wire))
     accepted: list[bytes] = []

@@ -86,10 +86,7 @@ def _between(texels: Floats, begin: np.ndarray, u: Floats, v: Floats, level: np.
 WALL_MARGIN_M = 9.0  # m, from the track to the walls
 EYE, CEILING = 1.6, 9.0  # m, from the track down and up
 PILLAR_SPACING_M = 10.0  # m, between pillars
-PILLAR_HALF_WIDTHS_M = (
-    0.8,
-    2.5,
-)  # m, of a pillar's width; thin ones are all edges, where features go astray
+PILLAR_HALF_WIDTHS_M = 0.8, 2.5  # m; thin ones are all edges, where features go astray
 MIN_PILLAR_DISTANCE_M = 4.0  # m, from the track: what is nearer goes by faster than features are followed
 MAX_PILLAR_DISTANCE_M = 18.0  # m, of the track: pillars further off are not needed
 MIN_RANGE_M = 0.05  # m

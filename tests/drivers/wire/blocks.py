@@ -59,6 +59,12 @@ def frames_of(wire: WireFormat, block: SampleBlock) -> list[bytes]:
     return [sent[at : at + size] for at in range(0, len(sent), size)]
 
 
+def sync_of(wire: WireFormat) -> bytes:
+    """Return what all kinds of frame begin with."""
+    same = [len(set(octets)) == 1 for octets in zip(*wire.kinds, strict=True)]
+    return wire.imu.prefix[: [*same, False].index(False)]
+
+
 def bare(wire: WireFormat, frame: bytes) -> bytes:
     """Return a frame without what follows it."""
     return frame.removesuffix(wire.trailer) if wire.imu.text else frame
