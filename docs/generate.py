@@ -4,14 +4,12 @@ Commands come from typer; error terms, wire formats, simulated devices, error co
 tables; input files from their pydantic models. `tests/station/test_reference.py` holds them to be up to date.
 """
 
-import ast
 import inspect
 import re
 import sys
 from collections.abc import Sequence
 from dataclasses import MISSING, fields
 from functools import partial
-from itertools import pairwise
 from pathlib import Path
 from textwrap import wrap
 from types import UnionType
@@ -310,13 +308,9 @@ A size of 0 changes nothing. Equations: [effects](effects.md).
 
 
 def _field_notes(kind: type) -> dict[str, str]:
-    """Return the string below each field of a dataclass."""
-    body: list[Any] = getattr(ast.parse(inspect.getsource(kind)).body[0], "body", [])
-    return {
-        field.target.id: str(note.value.value)
-        for field, note in pairwise(body)
-        if isinstance(field, ast.AnnAssign) and isinstance(note, ast.Expr)
-    }
+    """Return the comment behind each field of a dataclass, as a sentence."""
+    notes = re.findall(r"(?m)^ {4}(\w+): .*  # (.+)$", inspect.getsource(kind))
+    return {name: f"{note[0].upper()}{note[1:]}." for name, note in notes}
 
 
 PAGES = {

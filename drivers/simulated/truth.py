@@ -56,10 +56,10 @@ class Truth:
     gyro_e: FloatArray = field(default_factory=lambda: np.eye(3))
     gyro_d_deg_s: FloatArray = field(default_factory=lambda: np.zeros(3))  # biases at 25 degC [deg/s]
 
-    accel_noise_g: float = 1e-5  # 1 sigma of a sample; velocity random walk is it times sqrt(sample_period_s)
+    accel_noise_g: float = 1e-5  # white noise of a sample, 1 sigma; velocity random walk is it times sqrt(period)
     gyro_arw_deg_rt_s: float = 1e-4  # angle random walk [deg/sqrt(s)]
-    accel_instability_g: float = 0.0  # stationary 1 sigma of a bias that is a first-order Gauss-Markov process
-    gyro_instability_dph: float = 0.01  # the same
+    accel_instability_g: float = 0.0  # bias instability: stationary 1 sigma of a first-order Gauss-Markov process
+    gyro_instability_dph: float = 0.01  # bias instability, stationary 1 sigma; first-order Gauss-Markov too
     instability_tau_s: float = 200.0  # correlation time of both; the Allan deviation peaks near 1.9 of it
     accel_turn_on_g: float = 0.0  # turn-on repeatability of the bias, 1 sigma [g], one draw per power-on
     gyro_turn_on_dph: float = 0.0  # turn-on repeatability of the bias, 1 sigma [deg/h], one draw per power-on
@@ -79,8 +79,8 @@ class Truth:
     settle_tau_s: float = 0.3
     settle_hz: float = 4.0
     imu_axes: tuple[str, str, str] = IMU_AXES  # cube axes along which IMU x, y, z point
-    effects: Mapping[str, Sizes] = field(default_factory=dict)  # by name; units in `drivers.simulated.effects`
-    terms: Mapping[str, str] = field(default_factory=dict)  # texts of effect/1 by name, beside the catalogue
+    effects: Mapping[str, Sizes] = field(default_factory=dict)  # by name, see `drivers.simulated.effects`
+    terms: Mapping[str, str] = field(default_factory=dict)  # texts of effect/1 by name, of those in no catalogue
 
     def __post_init__(self) -> None:
         for name, shape in _SHAPES.items():

@@ -58,7 +58,7 @@ LINES: dict[str, list[Step]] = {
         "simulate --truth truth.toml --effect effect.toml",
         ("imu", "mine"), "simulate --pty imu",
         *(step for text in (
-            'format = "scenario/2"', f"{SCENARIO}sped = 2", f"{SCENARIO}[imu]\nformat = 'x'",
+            'format = "scenario/2"', f"{SCENARIO}sped = 2", f"{SCENARIO}[imu]\nport = 5",
             f"{SCENARIO}[[hands]]\ndo = 'fly'", f"{SCENARIO}[[hands]]\ndo = 'turn y + 1'",
             f"{SCENARIO}[[gnss_fault]]\nkind='jump'\nat_s=1", f"{SCENARIO}speed =\nseed = 1",
         ) for step in (("s.toml", text), "simulate --scenario s.toml")),

@@ -83,6 +83,7 @@ def test_moves_follow_each_other_and_happen_to_the_sample(tmp_path: Path) -> Non
     [
         ('format = "scenario/2"', 1, "scenario/2"), (f"{SMALLEST}sped = 2", 2, "sped"),
         (f"{SMALLEST}[imu]\ntransport = 'pigeon'", 3, "pigeon"), (f"{SMALLEST}[imu]\nport = 5", 2, "5"),
+        (f"{SMALLEST}[imu]\nformat = 'x'", 2, "format = 'x'"),
         (f"{SMALLEST}[gnss]\ntransport = 'udp'\nlink = 'dev'", 2, "gnss"),
         (f"{SMALLEST}[gnss]\nto = 'here'", 2, "here"),
         (f"{SMALLEST}[truth]\nserial = 'S'\ncolour = 1", 4, "colour"),
