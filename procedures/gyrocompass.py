@@ -99,7 +99,7 @@ def find_heading(
 
 
 def rough_scale_factor(
-    known: Sequence[CertainDwell], latitude: float, C_sb: FloatArray, bias_std: float = BIAS_STD_RAD_S
+    known: Sequence[CertainDwell], latitude: float, C_sb: FloatArray
 ) -> tuple[float, float] | None:
     """Return the gyros' scale factor [count/rad] and its relative 1 sigma, roughly, from dwells alone.
 
@@ -109,7 +109,7 @@ def rough_scale_factor(
     if not known:
         return None
     u = np.array([earth_rate_at(each.position, latitude, C_sb) for each in known])
-    fit = _fit(np.array([k.rate for k in known]), np.array([k.std for k in known]), u, bias_std)
+    fit = _fit(np.array([k.rate for k in known]), np.array([k.std for k in known]), u, BIAS_STD_RAD_S)
     fits = fit.chi2 < chdtri(u.size - 1, MISFIT_P_VALUE) and fit.std < MAX_RELATIVE_SCALE_STD * fit.s
     return (1 / fit.s, fit.std / fit.s) if fits else None
 
@@ -235,17 +235,14 @@ def earth_heading(
     known : dwells of this unit, since it was switched on, whose position is certain
     """
     bias, bias_var = _bias(latitude, C_sb, k, known)
-    variance = (
-        (std / k) ** 2 + bias_var + (EARTH_RATE_SLACK * EARTH_RATE) ** 2 + (SCALE_SPREAD * (rate / k - bias)) ** 2
-    )
-    seen, seen_var = C_lb @ C_sb.T @ (rate / k - bias), (C_lb @ C_sb.T) ** 2 @ variance
+    found = rate / k - bias
+    variance = (std / k) ** 2 + bias_var + (EARTH_RATE_SLACK * EARTH_RATE) ** 2 + (SCALE_SPREAD * found) ** 2
+    seen, seen_var = C_lb @ C_sb.T @ found, (C_lb @ C_sb.T) ** 2 @ variance
     earth = earth_rate_n(latitude)
     level = float(np.hypot(seen[0], seen[1]))
     level_std = float(np.sqrt(max(seen_var[:2])))
-    is_earth = abs(level - earth[1]) < MAX_EARTH_RATE_SIGMAS * level_std and abs(
-        seen[2] - earth[2]
-    ) < MAX_EARTH_RATE_SIGMAS * np.sqrt(seen_var[2])
-    if not is_earth or not earth[1] > 0:
+    off = np.abs([level - earth[1], seen[2] - earth[2]]) / np.array([level_std, np.sqrt(seen_var[2])])
+    if not (off < MAX_EARTH_RATE_SIGMAS).all() or not earth[1] > 0:
         return 0.0, np.inf
     return float(np.arctan2(seen[0], seen[1])), level_std / float(earth[1])
 

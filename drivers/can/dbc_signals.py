@@ -154,7 +154,8 @@ def field_of(path: str, message: Message, name: str) -> SignalField:
         kind = "is multiplexed" if signal.multiplexer_ids else f"is in a frame of {message.length} bytes"
         raise BadCanFile(path, None, f"{message.name}.{name} {kind}", "a plain signal of a frame of up to 8 bytes")
     least, most = signal.minimum, signal.maximum
-    is_stated = least is not None and most is not None and most > least  # [0|0] is how a DBC says nothing
+    if least is None or most is None or most <= least:  # [0|0] is how a DBC says nothing
+        least, most = -np.inf, np.inf
     return SignalField(
         start=signal.start,
         bits=signal.length,
@@ -164,6 +165,6 @@ def field_of(path: str, message: Message, name: str) -> SignalField:
         scale=float(signal.scale),
         offset=float(signal.offset),
         unit=signal.unit or "",
-        least=float(least) if is_stated and least is not None else -np.inf,
-        most=float(most) if is_stated and most is not None else np.inf,
+        least=float(least),
+        most=float(most),
     )

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     import can
 
 MAX_READ_BYTES = 65535
+LOOPBACK = "127.0.0.1"
 STOP_CHECK_S = 0.05  # how often a blocked write looks whether it should stop
 
 
@@ -82,7 +83,7 @@ class PtyLine:
 class TcpLine:
     """A listening port; one reader at a time, the device waits while there is none."""
 
-    def __init__(self, host: str = "127.0.0.1", port: int = 0) -> None:
+    def __init__(self, host: str = LOOPBACK, port: int = 0) -> None:
         self._host, self._port = host, port
         self._listener: socket.socket | None = None
         self._reader: socket.socket | None = None
@@ -157,21 +158,20 @@ class TcpLine:
 class UdpLine:
     """A bound UDP socket; it sends to ``to``, else to whoever has written last."""
 
-    def __init__(self, host: str = "127.0.0.1", port: int = 0, to: tuple[str, int] | None = None) -> None:
-        self._host, self._port, self._to = host, port, to
-        self._peer = to
+    def __init__(self, port: int = 0, to: tuple[str, int] | None = None) -> None:
+        self._port, self._to, self._peer = port, to, to
         self._socket: socket.socket | None = None
 
     @property
     def address(self) -> str:
         """How the station reaches it: it listens where this sends, or calls where this listens."""
-        return f"udpin://{self._to[0]}:{self._to[1]}" if self._to else f"udpout://{self._host}:{self._port}"
+        return f"udpin://{self._to[0]}:{self._to[1]}" if self._to else f"udpout://{LOOPBACK}:{self._port}"
 
     def plug(self) -> None:
         """Bind; the same port again after an unplug."""
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.setblocking(False)
-        self._socket.bind((self._host, 0 if self._to else self._port))
+        self._socket.bind((LOOPBACK, 0 if self._to else self._port))
         if not self._to:
             self._port = self._socket.getsockname()[1]
 

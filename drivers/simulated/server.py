@@ -95,7 +95,9 @@ class SimulatedDevice:
             self._options = {name: value for name, value in options.items() if value}
         self.device = ByteDevice(truth, seed, wire, faults, moves, pps=pps)
         self.truth, self.seed = self.device.truth, seed
-        self._speed = speed if np.isfinite(speed) and speed > 0 else 0.0
+        self.speed = (
+            speed if np.isfinite(speed) and speed > 0 else 0.0
+        )  # device seconds per second; 0: as it is read
         self._control_port = control_port
         self._stop, self._go = Event(), Event()
         if not hold:
@@ -111,11 +113,6 @@ class SimulatedDevice:
         self._going = 0.0, 0.0, 0.0
 
     @property
-    def speed(self) -> float:
-        """Device seconds per second, 0: as fast as it is read."""
-        return self._speed
-
-    @property
     def true_time(self) -> float:
         """True time [s]; device time is off it by what is planted as ``clock.rate``.
 
@@ -123,7 +120,7 @@ class SimulatedDevice:
         not live in steps of its samples.
         """
         sent, at, ahead = self._going
-        return sent + min((time.monotonic() - at) * self._speed, ahead)
+        return sent + min((time.monotonic() - at) * self.speed, ahead)
 
     @property
     def time(self) -> float:
@@ -211,7 +208,7 @@ class SimulatedDevice:
             self._stop.set()
 
     def _send_all(self) -> None:
-        pace = Pace(self._speed, self._true_period)
+        pace = Pace(self.speed, self._true_period)
         while not self._stop.is_set():
             sent = self.device.chunk(pace.samples)
             self._stop.wait(pace.delay(self.device.samples))
@@ -219,13 +216,13 @@ class SimulatedDevice:
             for part in sent:
                 self._send(part)
                 if isinstance(part, Silence):
-                    pace.excuse(part.seconds / (self._speed or 1.0))
+                    pace.excuse(part.seconds / (self.speed or 1.0))
             self._sent = self.device.samples
-            ahead = pace.samples * self._true_period if self._speed else 0.0
+            ahead = pace.samples * self._true_period if self.speed else 0.0
             self._going = self._sent * self._true_period, time.monotonic(), ahead
 
     def _wait_for_guide(self) -> None:
-        while self._speed and self._seen is not None and not self._stop.is_set():
+        while self.speed and self._seen is not None and not self._stop.is_set():
             seen, text = self._seen
             if self.time < seen + MAX_AHEAD_S or time.monotonic() > text + MAX_WAIT_S:
                 return
@@ -239,7 +236,7 @@ class SimulatedDevice:
             self._line.unplug()
         if isinstance(self._line, SlcanAdapter):
             self._line.ails = part.kind
-        self._stop.wait(part.seconds / (self._speed or 1.0))
+        self._stop.wait(part.seconds / (self.speed or 1.0))
         if isinstance(self._line, SlcanAdapter):
             self._line.ails = ""
         if part.kind == "unplug" and not self._stop.is_set():

@@ -7,7 +7,7 @@ vector seen from the slab. What a campaign *states* is the `Truth`, what the sen
 """
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
@@ -219,24 +219,20 @@ def _effects(value: Any) -> dict[str, Sizes]:
         if nested and "." not in name:
             found |= _effects({f"{name}.{rest}": size for rest, size in sizes.items()})
         elif isinstance(sizes, Mapping):
-            found[name] = {key: _size(name, key, size) for key, size in _flat(sizes)}
+            found[name] = dict(_sizes(name, sizes))
         else:
             raise TruthRefused(f"effects.{name} = {sizes!r}", "a table of sizes, such as {x = 4e-5}")
     return found
 
 
-def _flat(sizes: Mapping[str, Any]) -> list[tuple[str, Any]]:
-    flat: list[tuple[str, Any]] = []
-    for key, size in sizes.items():
-        deeper = _flat(size) if isinstance(size, Mapping) else []
-        flat += [(f"{key}.{rest}", deep) for rest, deep in deeper] or [(key, size)]
-    return flat
-
-
-def _size(name: str, key: str, size: Any) -> float:
-    if isinstance(size, bool) or not isinstance(size, (int, float)) or not np.isfinite(size):
-        raise TruthRefused(f"effects.{name}.{key} = {size!r}", "a finite number")
-    return float(size)
+def _sizes(name: str, table: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, float]]:
+    for key, size in table.items():
+        if isinstance(size, Mapping) and size:
+            yield from _sizes(name, size, f"{above}{key}.")
+        elif isinstance(size, bool) or not isinstance(size, (int, float)) or not np.isfinite(size):
+            raise TruthRefused(f"effects.{name}.{above}{key} = {size!r}", "a finite number")
+        else:
+            yield f"{above}{key}", float(size)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

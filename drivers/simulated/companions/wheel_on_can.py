@@ -1,13 +1,11 @@
 """A simulated vehicle's wheel on CAN: frames of a DBC behind an slcan adapter, with a simulated IMU or alone."""
 
-from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
 
-from drivers.can.wheel_signal import WheelSignal, wheel_signal
+from drivers.can.wheel_signal import wheel_signal
 from drivers.simulated.companions.companion_device import CompanionDevice
-from drivers.simulated.faults import TimedFault
 from drivers.simulated.lines import SlcanAdapter
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.vehicle_track import VehicleTrack
@@ -15,6 +13,7 @@ from procedures.arrays import FloatArray
 
 DBC, SIGNAL = str(Path(__file__).parents[2] / "can" / "wheel.dbc"), "WHEELS.SPEED"
 RATE_HZ = 50.0
+SCALE = 1.015  # the true speed over the one that is sent
 FORGOTTEN_S = 0.3  # s: a bus does not wait for its listener
 NOISE_M_S = 0.02
 BITRATE = 500_000
@@ -30,20 +29,19 @@ def wheel_speeds(t: FloatArray, track: VehicleTrack | None, scale: float, rng: n
 
 
 class SimulatedWheel(CompanionDevice):
-    """A wheel on CAN while the ``with`` block lasts; its speed is that along ``track``, divided by ``scale``.
+    """A wheel on CAN while the ``with`` block lasts; its speed is that along ``track``, divided by `SCALE`.
 
-    ``signal`` is where its frames have it, that of `DBC` by default; ``link`` a path to the adapter's pty.
+    ``link`` is a path to the adapter's pty.
     """
 
     def __init__(
-        self, track: VehicleTrack | None = None, scale: float = 1.015, faults: Iterable[TimedFault] = (),
-        seed: int | None = 1, *, signal: WheelSignal | None = None, imu: SimulatedDevice | None = None,
+        self, track: VehicleTrack | None = None, seed: int | None = 1, *, imu: SimulatedDevice | None = None,
         speed: float = 1.0, link: Path | None = None,
     ) -> None:  # fmt: skip
         self._line = SlcanAdapter(link)
-        super().__init__("simulated wheel", faults, imu, speed, self._line.plug, self._line.unplug)
-        self._track, self._scale, self._rng = track, scale, np.random.default_rng(seed)
-        self._signal = signal or wheel_signal(DBC, SIGNAL)
+        super().__init__("simulated wheel", (), imu, speed, self._line.plug, self._line.unplug)
+        self._track, self._rng = track, np.random.default_rng(seed)
+        self._signal = wheel_signal(DBC, SIGNAL)
         self._sent = 0  # frames, or those that nobody heard
 
     @property
@@ -59,7 +57,7 @@ class SimulatedWheel(CompanionDevice):
             self._stop.wait(0.2 / RATE_HZ)
             return
         t = np.arange(first, due) / RATE_HZ
-        speeds = wheel_speeds(t, self._track, self._scale, self._rng)
+        speeds = wheel_speeds(t, self._track, SCALE, self._rng)
         self._line.write(b"".join(self._signal.frame(each, 0) for each in speeds.tolist()), self._stop)
 
 

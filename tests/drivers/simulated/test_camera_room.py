@@ -7,7 +7,7 @@ import pytest
 
 from drivers.errors import TruthRefused
 from drivers.simulated.bench_in_memory import world_with_effects
-from drivers.simulated.companions.camera_server import CameraImages, CameraMount
+from drivers.simulated.companions.camera_server import CameraImages
 from drivers.simulated.companions.truths import CameraTruth, camera_toml
 from drivers.simulated.faults import TimedFault
 from drivers.simulated.imu import Z_UP_POSITION
@@ -68,7 +68,7 @@ def test_features_are_followed_to_a_fifth_of_a_pixel(images: CameraImages) -> No
 def test_the_camera_turns_and_goes_with_the_imu() -> None:
     """As the segment has it by which the IMU feels the drive; and by its lever arm and mounting next to it."""
     fixed = CameraTruth(C_bc=np.eye(3), t_bc=np.array([0.3, -0.2, 0.1]))
-    mounted, period = CameraMount(TRUTH, fixed, TRACK), TRUTH.sample_period_s
+    mounted, period = CameraImages(TRUTH, fixed, track=TRACK), TRUTH.sample_period_s
     driven = drive(TRACK, world_with_effects(TRUTH).attitude(Z_UP_POSITION), 0, period)
     assert driven.angle is not None
     assert driven.axis_b is not None
@@ -77,7 +77,7 @@ def test_the_camera_turns_and_goes_with_the_imu() -> None:
         expected = (rotation(-driven.angle[k] * driven.axis_b) @ driven.C_bn).T
         assert C_nb == pytest.approx(expected, abs=1e-9)
         assert p == pytest.approx(TRACK.position(k * period) + expected @ fixed.t_bc, abs=1e-9)
-    C_nc, _ = CameraMount(TRUTH, CAMERA, TRACK).pose(10.0)
+    C_nc, _ = CameraImages(TRUTH, CAMERA, track=TRACK).pose(10.0)
     assert C_nc == pytest.approx(mounted.pose(10.0)[0] @ CAMERA.C_bc, abs=1e-9)
     v = TRACK.velocity(10.0)
     assert mounted.pose(10.0)[0][:, 0] @ v == pytest.approx(np.linalg.norm(v), rel=1e-2)  # x ahead, but for slopes
