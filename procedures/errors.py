@@ -9,7 +9,8 @@ ProcedureError
 ├── MoveContradicts    a transfer does not lead from one of its placements to the other
 ├── TooShort           a dwell has too few samples to say anything
 ├── TermRefused        an effect's term or unit is outside the grammar
-└── DoesNotFit         a model with an effect in it cannot be fitted: of the effect, never of the data
+├── DoesNotFit         a model with an effect in it cannot be fitted: of the effect, never of the data
+└── ExtraMissing       a library that only an extra installs is missing (`procedures.optional_libraries`)
 """
 
 from collections.abc import Sequence

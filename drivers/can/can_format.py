@@ -16,6 +16,7 @@ from drivers.can.frame_joiner import CanJoiner
 from drivers.can.mapping_file import CHECKS, CanMap, Slot, load_map
 from drivers.host_times import HINDSIGHT_S
 from drivers.wire import FrameCounters, WireFormat
+from drivers.wire.counts import is_intact
 from drivers.wire.wire_format import Frames, fits
 from procedures.arrays import IntArray
 from procedures.counts.sample_records import CountBlock, SampleBlock
@@ -44,7 +45,7 @@ def can_format(dbc: str = "", mapping: str = "", period: float | None = None) ->
         imu=replace(frame_record.IMU, channels=can_map.channels),
         check=f"{can_map.check_kind or 'none'} in a frame, CRC-32 over a record",
         check_bits=8 if can_map.check_kind else 0,
-        is_intact=frame_record.is_intact,
+        is_intact=is_intact,
         decode=partial(_decode, can_map),
         encode=partial(encode, can_map),
         carries=frozenset({"device_time"} | {name for name, has in optional.items() if has}),

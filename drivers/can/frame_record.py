@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from drivers.errors import BadCanFile
 from drivers.wire import FrameKind
 from drivers.wire.counts import HEAD
-from drivers.wire.counts import is_intact as is_intact
 
 SYNC = b"\xca\x4e"
 KIND = 1

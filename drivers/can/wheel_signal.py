@@ -16,11 +16,11 @@ from drivers.can.frame_record import (
     SOURCE,
     SenderWatch,
     WheelReading,
-    is_intact,
     pack,
     pgn_mask,
 )
 from drivers.errors import BadCanFile
+from drivers.wire.counts import is_intact
 from procedures.units import M_S_PER_KM_H, M_S_PER_KNOT, M_S_PER_MPH
 
 UNITS = {  # m/s, as DBCs spell them, without case and spaces

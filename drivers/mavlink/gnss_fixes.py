@@ -85,7 +85,8 @@ Times = tuple[int | None, int | None]  # UTC and the time since boot [ns]
 
 def gnss_fix(frame: Frame, values: dict[str, Any], host_ns: int, clock: SenderClock) -> GnssFix:
     """Return the fix of a message of `_FIXES`."""
-    claimed = _fix_type(values.get("fix_type", FixType.FIX_3D))
+    number = values.get("fix_type", FixType.FIX_3D)
+    claimed = FixType(number) if number <= max(FixType) else FixType.FIX_3D  # of a newer dialect: at least 3D
     no_place = _no_place(values) if claimed >= FixType.FIX_2D else None
     fix = FixType.NO_FIX if no_place else claimed
     (utc, boot), own = _FIXES[frame.number](values, clock, fix)
@@ -172,11 +173,6 @@ def _no_place(values: dict[str, Any]) -> str | None:
     if values.get("satellites_visible") == 0 and values["fix_type"] != FixType.STATIC:
         return "the fix is of 0 satellites"
     return None
-
-
-def _fix_type(value: int) -> FixType:
-    """Return the type of a fix; one of a newer dialect is better than all known here, so at least 3D."""
-    return FixType(value) if value <= max(FixType) else FixType.FIX_3D
 
 
 def _radians(value: float, degrees: float) -> float:

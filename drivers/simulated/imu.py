@@ -67,23 +67,23 @@ class SimulatedImu(PoweredUnit):
         C_bn = self._placed(position)
         if off_b is not None:
             C_bn = rotation(-off_b) @ C_bn
-        period = self.truth.sample_period_s
-        move = flip(self._segments[-1].C_bn, C_bn, self._samples(move_s), period, self._hands)
-        self._set_down(move, C_bn, position)
+        self._set_down(self._flipped(C_bn, move_s), C_bn, position)
 
     def carry(self, position: int, move_s: float, tremor_deg_s: float, pause_s: float = 0.0) -> None:
         """Put the cube into ``position`` 1..24 with hands that tremble and stop in the air, see `carry`."""
         if position not in range(1, len(ATTITUDES) + 1):
             raise ValueError(f"position {position}: expected 1 to {len(ATTITUDES)}")
         if not (0 < move_s < 1e4 and 0 <= pause_s < 1e4 and 0 <= tremor_deg_s <= MAX_TREMOR_DEG_S):
-            raise ValueError(
-                f"carry in {move_s} s with {tremor_deg_s} deg/s and a pause of {pause_s} s: expected 0 to 1e4 s "
-                f"and up to {MAX_TREMOR_DEG_S:g} deg/s"
-            )
+            found = f"carry in {move_s} s with {tremor_deg_s} deg/s and a pause of {pause_s} s"
+            raise ValueError(f"{found}: expected 0 to 1e4 s and up to {MAX_TREMOR_DEG_S:g} deg/s")
         C_bn, period = self._placed(position), self.truth.sample_period_s
         samples = max(self._samples(move_s + pause_s), 1)
         before = self._segments[-1].C_bn
         self._set_down(carry(before, C_bn, samples, period, self._hands, tremor_deg_s, pause_s), C_bn, position)
+
+    def _flipped(self, C_bn: FloatArray, move_s: float) -> Segment:
+        samples, period = self._samples(move_s), self.truth.sample_period_s
+        return flip(self._segments[-1].C_bn, C_bn, samples, period, self._hands)
 
     def _set_down(self, move: Segment, C_bn: FloatArray, position: int) -> None:
         """Let a move end in ``C_bn`` (3, 3), where the cube settles and rests."""
@@ -100,8 +100,7 @@ class SimulatedImu(PoweredUnit):
         missed = np.radians(TILT_STD_DEG) * self._scatter * self._hands.standard_normal(3)
         heading = self._hands.uniform(0, 2 * np.pi)
         C_bn = rotation(missed) @ C_bn_of_up(up_b, heading)
-        move = flip(self._segments[-1].C_bn, C_bn, self._samples(move_s), self.truth.sample_period_s, self._hands)
-        self._append(move, rest(C_bn, None, 0, 0))
+        self._append(self._flipped(C_bn, move_s), rest(C_bn, None, 0, 0))
         self.position = 0
 
     def heat(self, kelvin: float, tau_s: float) -> None:
@@ -131,9 +130,8 @@ class SimulatedImu(PoweredUnit):
 
     def drive(self, track: VehicleTrack) -> None:
         """Carry the cube along a track, x ahead and z up, from now on; the track's time is the device's."""
-        carried = drive(
-            track, self.world.attitude(Z_UP_POSITION), self.index + self._queued(), self.truth.sample_period_s
-        )
+        C_bn, first = self.world.attitude(Z_UP_POSITION), self.index + self._queued()
+        carried = drive(track, C_bn, first, self.truth.sample_period_s)
         self._append(carried, rest(carried.end_C_bn(), None, 0))
         self.position = 0
 
@@ -143,9 +141,8 @@ class SimulatedImu(PoweredUnit):
         Raises `ValueError`: ``axis`` is not vertical where the cube stands, or an argument is not a turn's.
         """
         turn = Turn(axis, direction, revolutions, self.position, rest_s)
-        closure = self._closure()
-        period = self.truth.sample_period_s
-        segment = turn_segment(self.world, self._segments[-1].C_bn, turn, closure, period, self._hands)
+        C_bn, period = self._segments[-1].C_bn, self.truth.sample_period_s
+        segment = turn_segment(self.world, C_bn, turn, self._closure(), period, self._hands)
         self._append(segment, rest(segment.end_C_bn(), None, self.position, self._samples(rest_s)))
 
     def read(self, n_samples: int) -> CountBlock:

@@ -250,15 +250,14 @@ class SlcanAdapter(PtyLine):
             text = text_of_records(data)
         for at in range(0, len(text), MAX_WAITING_BYTES):
             with self._room:
-                while not self._has_room() and not stop.is_set() and not self._gone.is_set():
+                while not (stop.is_set() or self._gone.is_set()) and (
+                    not self._is_open or len(self._out) >= MAX_WAITING_BYTES
+                ):
                     self._room.wait(STOP_CHECK_S)
                 if stop.is_set() or self._gone.is_set():
                     return False
                 self._out += text[at : at + MAX_WAITING_BYTES]
         return True
-
-    def _has_room(self) -> bool:
-        return self._is_open and len(self._out) < MAX_WAITING_BYTES
 
     def _serve(self) -> None:
         asked = b""

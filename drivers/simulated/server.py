@@ -95,9 +95,7 @@ class SimulatedDevice:
             self._options = {name: value for name, value in options.items() if value}
         self.device = ByteDevice(truth, seed, wire, faults, moves, pps=pps)
         self.truth, self.seed = self.device.truth, seed
-        self.speed = (
-            speed if np.isfinite(speed) and speed > 0 else 0.0
-        )  # device seconds per second; 0: as it is read
+        self.speed = speed if np.isfinite(speed) and speed > 0 else 0.0  # device seconds per second
         self._control_port = control_port
         self._stop, self._go = Event(), Event()
         if not hold:

@@ -43,13 +43,8 @@ IDENTITY = np.dtype(
 )
 
 
-def crc(data: Octets) -> int:
-    """Return CRC-32/ISO-HDLC (Ethernet, zlib); of the ASCII string 123456789 it is CBF43926."""
-    return zlib.crc32(data)
-
-
 def is_intact(frame: Octets) -> bool:
-    """Say whether a frame passes its CRC."""
+    """Say whether a frame passes its CRC-32/ISO-HDLC (Ethernet, zlib)."""
     return zlib.crc32(frame) == RESIDUE
 
 
@@ -93,7 +88,7 @@ def encode_as(kind: FrameKind, block: CountBlock, fault_bits: int, default_fault
     )
     status = fits(block.status, 0, 2**16 - 1, "status")
     frames["status"] = status | np.where(~block.healthy & ((status & fault_bits) == 0), default_fault, 0)
-    return seal(frames, crc)
+    return seal(frames, zlib.crc32)
 
 
 def identify(frame: bytes) -> Identity:
@@ -116,7 +111,7 @@ def encode_identity(identity: Identity) -> bytes:
         if len(text) > 24 or not (text.isascii() and (text.isprintable() or not text)):
             raise ValueError(f"{name} is {text!r}, expected at most 24 printable ASCII characters")
         frame[name] = text.encode("ascii")
-    return seal(frame, crc)
+    return seal(frame, zlib.crc32)
 
 
 IMU = FrameKind(prefix=SYNC + bytes((1, FRAME.itemsize)), dtype=FRAME)

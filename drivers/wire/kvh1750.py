@@ -12,7 +12,6 @@ Other makers' boards open frames of other lengths with the same header: only the
 import numpy as np
 
 from drivers.wire.wire_format import FrameKind, Frames, WireFormat, fits, mpeg2_crc, mpeg2_is_intact, seal
-from procedures.arrays import FloatArray
 from procedures.counts.sample_records import RateBlock
 
 HEADER = b"\xfe\x81\xff"
@@ -36,29 +35,18 @@ C = FrameKind(HEADER + b"\x57", FRAME_C, has_time=False)
 def decode(frames: Frames) -> RateBlock:
     """Return the values; unhealthy where an axis is not valid or its value is no number."""
     gyro, accel = frames["gyro"].astype(np.float64), frames["accel"].astype(np.float64)
-    status = frames["status"].astype(np.int64)
+    status, sequence, names = frames["status"].astype(np.int64), frames["sequence"], frames.dtype.names or ()
+    warmth = np.where(sequence % SLOTS == 0, frames["slot"], np.nan) if "slot" in names else frames["temperature"]
     finite = np.isfinite(gyro).all(axis=1) & np.isfinite(accel).all(axis=1)
     return RateBlock(
-        counter=frames["sequence"].astype(np.int64) % SEQUENCE_MODULUS,
-        device_time=_time(frames),
+        counter=sequence.astype(np.int64) % SEQUENCE_MODULUS,
+        device_time=frames["time_us"] / 1e6 if "time_us" in names else np.full(len(frames), np.nan),
         gyro=np.nan_to_num(gyro, posinf=0.0, neginf=0.0),
         accel=np.nan_to_num(accel, posinf=0.0, neginf=0.0),
-        temperature=_temperature(frames),
+        temperature=warmth.astype(np.float64),
         status=status,
         healthy=(status & VALID == VALID) & finite,
     )
-
-
-def _time(frames: Frames) -> FloatArray:
-    if "time_us" in (frames.dtype.names or ()):
-        return np.asarray(frames["time_us"] / 1e6)
-    return np.full(len(frames), np.nan)
-
-
-def _temperature(frames: Frames) -> FloatArray:
-    if "slot" not in (frames.dtype.names or ()):
-        return frames["temperature"].astype(np.float64)
-    return np.where(frames["sequence"] % SLOTS == 0, frames["slot"].astype(np.float64), np.nan)
 
 
 def encode(block: RateBlock) -> bytes:

@@ -88,13 +88,16 @@ def decode(frames: Frames) -> CountBlock:
     accel_status = _status(frames, "accel_status")
     gyro_status = _status(frames, "gyro_status")
     others = _status(frames, "gyro_temp_status", "accel_temp_status", "incl_temp_status", "pps_status")
-    has_accel = "accel" in (frames.dtype.names or ())
+    names, temperature = frames.dtype.names or (), np.full(len(frames), np.nan)
+    if "gyro_temp" in names:
+        is_known = frames["gyro_temp_status"] == 0
+        temperature = np.where(is_known, frames["gyro_temp"].sum(axis=1) / 3 / 256, np.nan)
     return CountBlock(
         counter=np.full(len(frames), -1, dtype=np.int64),
         device_time=frames["counter"] / TICKS_HZ,
         gyro=int24(frames["gyro"]),
-        accel=int24(frames["accel"]) if has_accel else np.zeros((len(frames), 3), dtype=np.int64),
-        temperature=_temperature(frames),
+        accel=int24(frames["accel"]) if "accel" in names else np.zeros((len(frames), 3), dtype=np.int64),
+        temperature=temperature,
         status=gyro_status | accel_status << 8 | _status(frames, "incl_status") << 16 | others << 24,
         healthy=np.asarray((gyro_status | accel_status) == 0),
     )
@@ -106,12 +109,6 @@ def _status(frames: Frames, *names: str) -> IntArray:
         if name in (frames.dtype.names or ()):
             word |= frames[name]
     return word
-
-
-def _temperature(frames: Frames) -> FloatArray:
-    if "gyro_temp" not in (frames.dtype.names or ()):
-        return np.full(len(frames), np.nan)
-    return np.where(frames["gyro_temp_status"] == 0, frames["gyro_temp"].sum(axis=1) / 3 / 256, np.nan)
 
 
 def encode(block: CountBlock) -> bytes:

@@ -125,4 +125,4 @@ def test_a_record_with_any_bit_wrong_is_refused() -> None:
     for bit in range(8 * RECORD_BYTES):
         spoilt = bytearray(FRAMES[0])
         spoilt[bit // 8] ^= 1 << bit % 8
-        assert not (spoilt.startswith(frame_record.IMU.prefix) and frame_record.is_intact(spoilt))
+        assert not (spoilt.startswith(frame_record.IMU.prefix) and WIRE.is_intact(spoilt))
