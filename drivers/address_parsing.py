@@ -12,6 +12,7 @@ from drivers.addresses import (
     CAN,
     DEFAULT_BAUD,
     MAVLINK_RATE_HZ,
+    TRIAD,
     CameraAddress,
     CanAddress,
     DeviceAddress,
@@ -69,7 +70,7 @@ def _serial(text: str, _: str) -> SerialAddress:
     usual = (FORMATS[name].baud, FORMATS[name].parity) if name else (DEFAULT_BAUD, "N")
     baud = _whole_number(text, options, "baud", BAUDS) or usual[0]
     parity = _one_of(text, "parity", options.get("parity", usual[1]).upper(), PARITIES)
-    return SerialAddress(text, unquote(parts.path), baud, parity, name)
+    return SerialAddress(text, unquote(parts.path), parity, baud=baud, format=name)
 
 
 def _tcp(text: str, _: str) -> TcpAddress:
@@ -81,7 +82,7 @@ def _tcp(text: str, _: str) -> TcpAddress:
         host = port = None
     if not host or not port or parts.path or parts.username:
         raise BadDeviceUrl(text, "no usable host and port", "tcp://HOST:PORT with a port from 1 to 65535")
-    return TcpAddress(text, host, port, name)
+    return TcpAddress(text, host, port, format=name)
 
 
 def _replay(text: str, rest: str) -> ReplayAddress:
@@ -92,7 +93,7 @@ def _replay(text: str, rest: str) -> ReplayAddress:
     options = _read_options(text, query, REPLAY_OPTIONS)
     name = CAN if options.get("format") == CAN or "dbc" in options or "map" in options else _format(text, options)
     described = options.get("dbc", ""), options.get("map", ""), _period(text, options)
-    return ReplayAddress(text, unquote(path), name, *described, options.get("channel"))
+    return ReplayAddress(text, unquote(path), *described, options.get("channel"), format=name)
 
 
 def _triad(text: str, rest: str) -> TriadAddress:
@@ -115,7 +116,7 @@ def _triad(text: str, rest: str) -> TriadAddress:
     ports = [address.name for address in axes]
     if len(set(ports)) < len(ports):
         raise BadDeviceUrl(text, f"ports {', '.join(ports)}", "three different ones")
-    return TriadAddress(text, tuple(axes))
+    return TriadAddress(text, tuple(axes), format=TRIAD, baud=axes[0].baud)
 
 
 def _can(text: str, _: str) -> CanAddress:
@@ -130,7 +131,7 @@ def _can(text: str, _: str) -> CanAddress:
     options = _read_options(text, parts.query)
     others = tuple((name, value) for name, value in options.items() if name not in CAN_OPTIONS)
     described = options.get("dbc", ""), options.get("map", ""), _period(text, options)
-    return CanAddress(text, interface, channel, others, *described)
+    return CanAddress(text, interface, channel, others, *described, format=CAN)
 
 
 def _wheel(text: str, where: str) -> WheelAddress:
@@ -155,9 +156,11 @@ def parse_mavlink_url(text: str) -> MavlinkAddress:
     options = _read_options(text, query, (*MAVLINK_OPTIONS, "baud") if link == "serial" else MAVLINK_OPTIONS)
     if options.get("key") == "":
         raise BadDeviceUrl(text, "an empty key", "the file that holds it")
+    line = _mavlink_line(text, link, where.removeprefix("//"), options)
     return MavlinkAddress(
         text,
-        _mavlink_line(text, link, where.removeprefix("//"), options),
+        line,
+        baud=line.baud,
         system=_whole_number(text, options, "system", range(1, 256)),
         key_file=options.get("key", ""),
         rate_hz=_decimal_number(text, options, "rate", 0.1, 100, "Hz") or MAVLINK_RATE_HZ,
@@ -171,7 +174,7 @@ def _mavlink_line(
         path = unquote(where)
         if not path.startswith("/") or path == "/":
             raise BadDeviceUrl(text, "no device path", "mavlink:serial:/dev/ttyACM0")
-        return SerialAddress(text, path, _whole_number(text, options, "baud", BAUDS) or MAVLINK_BAUD)
+        return SerialAddress(text, path, baud=_whole_number(text, options, "baud", BAUDS) or MAVLINK_BAUD)
     host, _, port = where.rpartition(":")
     if not host or not (port.isascii() and port.isdigit()) or not 0 < int(port[:6]) < 65536:
         raise BadDeviceUrl(text, "no usable host and port", MAVLINK)

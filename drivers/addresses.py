@@ -1,14 +1,13 @@
 """A device's address as a record, one class for each kind; `drivers.address_parsing` reads them from URLs.
 
-Every kind has its URL as ``text``, a short ``name`` for messages, its ``scheme``, the ``format`` of its bytes and
-the ``baud`` rate [bit/s] of its line, None where there is none. `whole_url` makes a URL of an address as people
-type it: such an address says where, not what, which follows from who asks.
+Every kind has a ``scheme`` and a short ``name`` for messages. `whole_url` makes a URL of an address as people type
+it: such an address says where, not what, which follows from who asks.
 """
 
 import os
 import re
 import stat
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar, Literal
 from urllib.parse import quote, unquote, unquote_plus
 
@@ -21,9 +20,11 @@ _SECRET = re.compile(r"(http://[^/:@]*:)[^/]*@")
 
 @dataclass(frozen=True, slots=True)
 class Address:
-    """What all kinds have: the URL as it was read."""
+    """What all kinds have: the URL as it was read, the format of its bytes, the rate [bit/s] of its line."""
 
     text: str
+    format: str | None = field(default=None, kw_only=True)
+    baud: int | None = field(default=None, kw_only=True)
 
     @property
     def public_text(self) -> str:
@@ -37,9 +38,8 @@ class SerialAddress(Address):
 
     scheme: ClassVar[Literal["serial"]] = "serial"
     path: str
-    baud: int = DEFAULT_BAUD
+    baud: int = field(default=DEFAULT_BAUD, kw_only=True)
     parity: str = "N"
-    format: str | None = None
 
     @property
     def name(self) -> str:
@@ -52,10 +52,8 @@ class TcpAddress(Address):
     """A TCP connection to a device server."""
 
     scheme: ClassVar[Literal["tcp"]] = "tcp"
-    baud: ClassVar[None] = None
     host: str
     port: int
-    format: str | None = None
 
     @property
     def name(self) -> str:
@@ -83,18 +81,12 @@ class TriadAddress(Address):
     """Three single-axis gyros: the addresses of x, y and z."""
 
     scheme: ClassVar[Literal["triad"]] = "triad"
-    format: ClassVar[str] = TRIAD
     axes: tuple[SerialAddress | TcpAddress, ...]
 
     @property
     def name(self) -> str:
         """The three ports."""
         return ", ".join(axis.name for axis in self.axes)
-
-    @property
-    def baud(self) -> int | None:
-        """That of x."""
-        return self.axes[0].baud
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,8 +98,6 @@ class CanAddress(Address):
     """
 
     scheme: ClassVar[Literal["can"]] = "can"
-    format: ClassVar[str] = CAN
-    baud: ClassVar[None] = None
     interface: str
     channel: str
     options: tuple[tuple[str, str], ...] = ()
@@ -126,8 +116,6 @@ class WheelAddress(Address):
     """A vehicle's speed on a CAN bus: ``signal`` of the bus's DBC, in ``unit`` where that is not the DBC's."""
 
     scheme: ClassVar[Literal["wheel"]] = "wheel"
-    format: ClassVar[None] = None
-    baud: ClassVar[None] = None
     bus: CanAddress
     signal: str
     unit: str = ""
@@ -143,9 +131,7 @@ class ReplayAddress(Address):
     """A recorded file: of raw bytes, or a CAN log, then with the fields of a `CanAddress` and one ``channel``."""
 
     scheme: ClassVar[Literal["replay"]] = "replay"
-    baud: ClassVar[None] = None
     path: str
-    format: str | None = None
     dbc: str = ""
     map: str = ""
     period: float | None = None
@@ -165,7 +151,6 @@ class MavlinkAddress(Address):
     """
 
     scheme: ClassVar[Literal["mavlink"]] = "mavlink"
-    format: ClassVar[None] = None
     line: SerialAddress | TcpAddress | UdpAddress
     system: int | None = None
     key_file: str = ""
@@ -176,19 +161,12 @@ class MavlinkAddress(Address):
         """The line; with its kind where it is a network's."""
         return f"tcp:{self.line.name}" if isinstance(self.line, TcpAddress) else self.line.name
 
-    @property
-    def baud(self) -> int | None:
-        """That of a serial line."""
-        return self.line.baud if isinstance(self.line, SerialAddress) else None
-
 
 @dataclass(frozen=True, slots=True)
 class HttpCameraAddress(Address):
     """A stream of MJPEG: ``target`` is its path at the host; user and password are sent as Basic."""
 
     scheme: ClassVar[Literal["camera"]] = "camera"
-    format: ClassVar[None] = None
-    baud: ClassVar[None] = None
     host: str
     port: int
     target: str
@@ -211,8 +189,6 @@ class VideoDeviceAddress(Address):
     """A camera of Video4Linux 2 by its device file; ``size`` [px] and ``rate_hz`` are asked for, if given."""
 
     scheme: ClassVar[Literal["camera"]] = "camera"
-    format: ClassVar[None] = None
-    baud: ClassVar[None] = None
     path: str
     size: tuple[int, int] | None = None
     rate_hz: float | None = None
