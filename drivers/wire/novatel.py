@@ -15,7 +15,7 @@ characters between the first and the ``*``; it is printed as 8 lower-case hexade
 
 import struct
 import zlib
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -111,42 +111,47 @@ Text = NDArray[np.uint8]
 _COMMA, _SEMICOLON, _POINT, _STAR, _MINUS, _CR, _LF = b",;.*-\r\n"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Layout:
-    """How a log writes its lines: how they begin, their marks and line feed in order, the table that they fill.
+class LineReader:
+    """Reads the lines of a log that begin with ``prefix``, whose header has these marks before the semicolon."""
 
-    ``names`` are of the numbers behind the semicolon, the counts left out; ``most`` (m, 1) is what each can be.
-    """
+    def __init__(self, prefix: bytes, header: bytes, dtype: np.dtype[np.void]) -> None:
+        limits = {name: np.iinfo(dtype[name].base).max for name in dtype.names or () if name != "seconds"}
+        limits |= {"seconds": SECONDS_LIMIT - 1, DECIMALS: 10**MAX_DECIMALS - 1}
+        names = tuple(name for name in ORDER if name in limits)
+        marks = b"".join(b"." if name == "seconds" else b"," for name in names)
+        self._prefix, self._dtype = prefix, dtype
+        self._marks = header + b";" + marks + b"," * (COUNT_FIELDS - 1) + b"*\n"
+        self._names = names  # of the numbers behind the semicolon, the counts left out
+        self._most = np.array([limits[name] for name in names] + [limits["gyro"]] * COUNT_FIELDS)[:, None]
+        self._in_hexadecimal = [names.index(name) for name in IN_HEXADECIMAL if name in names]
 
-    prefix: bytes
-    marks: bytes
-    dtype: np.dtype[np.void]
-    names: tuple[str, ...]
-    most: IntArray
-    in_hexadecimal: list[int]
+    def __call__(self, buffer: bytes) -> list[Lines]:
+        """Return the intact lines of a buffer as rows; those that stand end to end stand together."""
+        text, words = np.frombuffer(buffer, np.uint8), words_of(buffer)
+        begins, places = _written(text, self._prefix, self._marks)
+        rows, is_good = self._rows(text, words, places[self._marks.index(b";") : -1])
+        is_good &= _is_intact(buffer, words, begins, places[-2])
+        edges = np.stack((begins, places[-2] + 1 + CRC_DIGITS), axis=1)
+        return _runs(rows, edges, is_good)
 
-
-def layout_of(prefix: bytes, header: bytes, dtype: np.dtype[np.void]) -> Layout:
-    """Return the layout of a log whose header has these marks before the semicolon."""
-    limits = {name: np.iinfo(dtype[name].base).max for name in dtype.names or () if name != "seconds"}
-    limits |= {"seconds": SECONDS_LIMIT - 1, DECIMALS: 10**MAX_DECIMALS - 1}
-    names = tuple(name for name in ORDER if name in limits)
-    most = [limits[name] for name in names] + [limits["gyro"]] * COUNT_FIELDS
-    marks = b"".join(b"." if name == "seconds" else b"," for name in names)
-    return Layout(
-        prefix, header + b";" + marks + b"," * (COUNT_FIELDS - 1) + b"*\n", dtype, names, np.array(most)[:, None],
-        [names.index(name) for name in IN_HEXADECIMAL if name in names],
-    )  # fmt: skip
-
-
-def lines(buffer: bytes, layout: Layout) -> list[Lines]:
-    """Return the intact lines of a buffer as rows; those that stand end to end stand together."""
-    text, words = np.frombuffer(buffer, np.uint8), words_of(buffer)
-    begins, places = _written(text, layout.prefix, layout.marks)
-    rows, is_good = _rows(text, words, places[layout.marks.index(b";") : -1], layout)
-    is_good &= _is_intact(buffer, words, begins, places[-2])
-    edges = np.stack((begins, places[-2] + 1 + CRC_DIGITS), axis=1)
-    return _runs(rows, edges, is_good)
+    def _rows(self, text: Text, words: IntArray, places: IntArray) -> tuple[Frames, BoolArray]:
+        """Return what stands between the marks as rows of a table, and which rows hold it truly."""
+        begins, ends = places[:-1] + 1, places[1:]
+        is_negative = text[begins[-COUNT_FIELDS:]] == _MINUS
+        begins[-COUNT_FIELDS:] += is_negative
+        values, is_true = decimal(words, begins, ends)
+        for row in self._in_hexadecimal:
+            values[row], is_true[row] = hexadecimal(words, begins[row], ends[row])
+        is_good = (is_true & (values <= self._most)).all(axis=0)
+        counts = np.where(is_negative, -values[-COUNT_FIELDS:], values[-COUNT_FIELDS:])
+        numbers = dict(zip(self._names, values, strict=False))
+        rows = np.zeros(places.shape[1], self._dtype)
+        rows["accel"], rows["gyro"] = counts[:3].T, counts[3:].T
+        size = (ends - begins)[self._names.index(DECIMALS)]
+        rows["seconds"] = _seconds(numbers.pop("seconds"), numbers.pop(DECIMALS), size)
+        for name, value in numbers.items():
+            rows[name] = value
+        return rows, is_good & (size <= MAX_DECIMALS)
 
 
 def _written(text: Text, prefix: bytes, marks: bytes) -> tuple[IntArray, IntArray]:
@@ -182,26 +187,6 @@ def _is_intact(buffer: bytes, words: IntArray, begins: IntArray, stars: IntArray
     sent, is_number = hexadecimal(words, stars + 1, stars + 1 + CRC_DIGITS)
     is_intact: BoolArray = is_number & (sent == ~sums)
     return is_intact
-
-
-def _rows(text: Text, words: IntArray, places: IntArray, layout: Layout) -> tuple[Frames, BoolArray]:
-    """Return what stands between the marks as rows of a table, and which rows hold it truly."""
-    begins, ends = places[:-1] + 1, places[1:]
-    is_negative = text[begins[-COUNT_FIELDS:]] == _MINUS
-    begins[-COUNT_FIELDS:] += is_negative
-    values, is_true = decimal(words, begins, ends)
-    for row in layout.in_hexadecimal:
-        values[row], is_true[row] = hexadecimal(words, begins[row], ends[row])
-    is_good = (is_true & (values <= layout.most)).all(axis=0)
-    counts = np.where(is_negative, -values[-COUNT_FIELDS:], values[-COUNT_FIELDS:])
-    numbers = dict(zip(layout.names, values, strict=False))
-    rows = np.zeros(places.shape[1], layout.dtype)
-    rows["accel"], rows["gyro"] = counts[:3].T, counts[3:].T
-    size = (ends - begins)[layout.names.index(DECIMALS)]
-    rows["seconds"] = _seconds(numbers.pop("seconds"), numbers.pop(DECIMALS), size)
-    for name, value in numbers.items():
-        rows[name] = value
-    return rows, is_good & (size <= MAX_DECIMALS)
 
 
 def _seconds(whole: IntArray, decimals: IntArray, size: IntArray) -> FloatArray:
@@ -277,7 +262,7 @@ def ascii_log(binary: WireFormat, message: int, example: bytes, *, is_long: bool
     name = binary.name.upper()
     mark = b"#" if is_long else b"%"
     prefix = mark + name.encode() + b"A,"
-    many = partial(lines, layout=layout_of(prefix, b",,,.,,,.,,," if is_long else b",,.", dtype))
+    many = LineReader(prefix, b",,,.,,,.,,," if is_long else b",,.", dtype)
     imu = FrameKind(prefix, dtype, text=TextForm(end, row, MAX_LINE_CHARS, many))
     typed = None if binary.identify is None else partial(novatel_binary.identify, dtype=dtype)
     sends = partial(encode, dtype=dtype, message=message, name=name, is_long=is_long)
