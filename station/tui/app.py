@@ -151,7 +151,6 @@ class CommonApp(App[None]):
         raise NotImplementedError
 
     async def action_quit(self) -> None:
-        """Take ctrl+q for a wish to leave."""
         self.action_help_quit()
 
     def action_help_quit(self) -> None:
@@ -160,7 +159,6 @@ class CommonApp(App[None]):
             leave()
 
     def action_command_palette(self) -> None:
-        """Open the palette of all actions."""
         if not isinstance(self.screen, Palette):
             self.push_screen(Palette(id="--command-palette"))
 
@@ -186,12 +184,10 @@ class CommonApp(App[None]):
         yield from super().get_system_commands(screen)
 
     def action_sound(self) -> None:
-        """Turn the bell off or on."""
         self.is_quiet = not self.is_quiet
         self.notify("sounds are off" if self.is_quiet else "sounds are on")
 
     def action_contrast(self) -> None:
-        """Take the theme of high contrast, or go back."""
         self.theme = STATION.name if self.theme == HIGH_CONTRAST.name else HIGH_CONTRAST.name
 
 
@@ -244,11 +240,9 @@ class StationApp(CommonApp):
             self.push_screen(QuestionScreen(question), self._answer)
 
     def action_ask(self) -> None:
-        """Ask the question that was put off."""
         self._postponed = None
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """Offer to answer while there is a question."""
         return self._session.view.question is not None if action == "ask" else True
 
     def _answer(self, key: str | None) -> None:

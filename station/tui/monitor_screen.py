@@ -94,7 +94,6 @@ class MonitorScreen(Screen[None]):
         self.events, self.streams, self.calibration = EventLines(), Streams(), CalibrationLine()
 
     def compose(self) -> ComposeResult:
-        """Lay everything out."""
         yield self.title_line
         yield self.state
         with Horizontal(id="upper"):
@@ -141,19 +140,15 @@ class MonitorScreen(Screen[None]):
         self.calibration.set_class(bool(view.in_use.note), "noted")
 
     def action_map(self) -> None:
-        """Show show the map or the horizon again."""
         self.toggle_class("-map")
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool:
-        """Offer the map only where a location is asked for."""
         return action != "map" or self.view.location is not None
 
     def action_send(self, verb: MonitorVerb) -> None:
-        """Send a verb."""
         self._send(verb)
 
     def action_leave(self) -> None:
-        """Leave; ask first while something is being recorded."""
         if not self.view.recording:
             self._send("leave")
             return
@@ -165,7 +160,6 @@ class MonitorScreen(Screen[None]):
         self.app.push_screen(ConfirmScreen("End the monitor?", END_TEXT, "Yes, end it", ()), answered)
 
     def action_help(self) -> None:
-        """Explain what is shown and the keys."""
         text = MONITOR_HELP if self.view.location is None else HELP_LOCATED
         self.app.push_screen(HelpScreen("monitor", text, keys_of(self)))
 

@@ -93,7 +93,6 @@ class RestComparison(ValueWidget[RestErrorComparison]):
     DEFAULT_CSS = "RestComparison { height: 5; padding-left: 1; }"
 
     def render(self) -> Content:
-        """Draw a small table."""
         errors = self.value
         if errors is None:
             return Content("\n").join((

@@ -70,7 +70,6 @@ class RestRecording(Stage):
 
     @property
     def oldest(self) -> int | None:
-        """The first sample that is still needed."""
         return self._dwelling.oldest
 
     def _restarted(self, block: Block, look: BlockLook) -> Stage | None:
@@ -133,7 +132,6 @@ class DwellStage(RestRecording):
         return next((each for each in self._dwells if each.position == self._position), self._dwells[0])
 
     def take(self, block: Block, look: BlockLook) -> Stage:
-        """Take a second of the stream."""
         if self._is_neither:
             return self._again("set the cube down along the marks on the surface plate", must_move=True)
         if restarted := self._restarted(block, look):
@@ -147,18 +145,15 @@ class DwellStage(RestRecording):
         return self._completed() if self._dwelling.is_complete else self
 
     def interrupted(self) -> Stage:
-        """Give the dwell up: the stream broke it."""
         self._context.position = 0
         return self._again("the data stream was interrupted; the dwell starts again", must_move=False)
 
     def answer(self, key: str) -> None:
-        """Take the operator's word for the position."""
         self._is_neither = key == NEITHER
         if key in {choice.key for choice in self._choices.choices} - {NEITHER}:
             self._position, self._how = int(key), AS_ANSWERED
 
     def shown(self) -> dict[str, Any]:
-        """Return how far the dwell is."""
         step = self._step
         shown = self._progress(step, step_title(step) if self.is_known else f"{step_title(step)}?")
         if self._question and self._dwelling.is_complete:
@@ -274,17 +269,14 @@ class FreeAttitudeStage(RestRecording):
         self._step = step
 
     def take(self, block: Block, look: BlockLook) -> Stage:
-        """Take a second of the stream."""
         if restarted := self._restarted(block, free_look(self._context, block, look)):
             return restarted
         return self._completed() if self._dwelling.is_complete and not self._dwelling.is_disturbed else self
 
     def interrupted(self) -> Stage:
-        """Give it up: the stream broke it."""
         return self._again("the data stream was interrupted; the recording starts again", must_move=False)
 
     def shown(self) -> dict[str, Any]:
-        """Return how far it is."""
         return self._progress(self._step, step_title(self._step)) | {"is_free": True}
 
     def _completed(self) -> Stage:

@@ -179,7 +179,6 @@ class MonitorStage(DwellStage):
 
     @property
     def oldest(self) -> int | None:
-        """The first sample that is still needed."""
         needed = [each for each in (self._filters.oldest, super().oldest) if each is not None]
         return min(needed, default=None)
 
@@ -189,7 +188,6 @@ class MonitorStage(DwellStage):
         return restarted
 
     def shown(self) -> dict[str, Any]:
-        """Return the progress and the readings of the filters."""
         return super().shown() | {"monitored": self._filters.view()}
 
     def _completed(self) -> Stage:

@@ -46,7 +46,6 @@ class PlacementStage(Stage):
         self._is_placed = look is not None and self._stands(look)
 
     def take(self, block: Block, look: BlockLook) -> Stage:
-        """Take a second of the stream."""
         judge = self._context.gate
         if self._context.checklist.wanted is None:
             return self
@@ -74,7 +73,6 @@ class PlacementStage(Stage):
         return PlacementStage(self._context, must_move=False, why=self._why)
 
     def shown(self) -> dict[str, Any]:
-        """Return where the cube is to go, and what hinders."""
         step, is_known = self._context.checklist.wanted, self._context.gate.stillness.is_known
         tilt = next_direction(self._context.tilts_taken()) if step is not None and is_free(step) else None
         what = instruction(step, way=tilt or (1, 1, 0)) if step else "all steps are done"

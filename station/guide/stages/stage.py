@@ -71,13 +71,11 @@ class QuestionStage(Stage):
         self._answer = ""
 
     def take(self, block: Block, look: BlockLook) -> Stage:
-        """Take a second of the stream."""
         if look.hindrance and not look.is_still:
             self._context.moved()
         return self._then[self._answer]() if self._answer else self
 
     def answer(self, key: str) -> None:
-        """Take the operator's word."""
         self._answer = key if key in self._then else ""
 
     def interrupted(self) -> Stage:
@@ -86,7 +84,6 @@ class QuestionStage(Stage):
         return self
 
     def shown(self) -> dict[str, Any]:
-        """Return the question."""
         return {"stage": "settle", "line": self._question.text, "question": self._question}
 
 

@@ -55,7 +55,6 @@ class TurnStage(Stage):
 
     @property
     def oldest(self) -> int | None:
-        """The first sample that is still needed."""
         return self._watch.first.first if self._watch.first else None
 
     @property
@@ -64,7 +63,6 @@ class TurnStage(Stage):
         return self._watch.is_moving
 
     def take(self, block: Block, look: BlockLook) -> Stage:
-        """Take a second of the stream."""
         if not self._context.checklist.is_open(self._step):  # its closure is stated as it was found
             return self._again("", must_move=True)
         if self._is_ready:
@@ -85,7 +83,6 @@ class TurnStage(Stage):
         return self
 
     def interrupted(self) -> Stage:
-        """Give the turn up: the stream broke it."""
         self._context.position = 0
         return self._again("the data stream was interrupted; the rotation starts again", must_move=False)
 
@@ -103,7 +100,6 @@ class TurnStage(Stage):
             self._position = -1 if key == NEITHER else int(key)
 
     def shown(self) -> dict[str, Any]:
-        """Return how far the turn is."""
         watch = self._watch
         per_degree = self._context.rough_gyro_k(watch.rest_rate) * np.pi / 180
         turn = TurnView(

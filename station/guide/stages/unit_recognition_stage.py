@@ -101,7 +101,6 @@ class UnitRecognitionStage(Stage):
         self._text, self._answer, self._hint = "", "", ""
 
     def take(self, block: Block, look: BlockLook) -> Stage:
-        """Take a second of the stream."""
         self._hint = look.hindrance
         if self._answer == "y":
             return self._then(self._context)
@@ -119,11 +118,9 @@ class UnitRecognitionStage(Stage):
         self._answer = key
 
     def interrupted(self) -> Stage:
-        """Look again."""
         return UnitRecognitionStage(self._context, self._before, self._then)
 
     def shown(self) -> dict[str, Any]:
-        """Return the question, once there is something to say."""
         line = f"is this {self._before.model} {self._before.serial}?"
         shown = {"stage": "settle", "line": line, "hint": self._hint or "leave the cube at rest"}
         choices = (Choice(key="y", title="yes, it is"), Choice(key="n", title="no, it is another"))

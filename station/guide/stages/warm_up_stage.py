@@ -39,7 +39,6 @@ class WarmUpStage(Stage):
         self._now, self._hint, self._stated = 0.0, "", 0.0
 
     def take(self, block: Block, look: BlockLook) -> Stage:
-        """Take a second of the stream."""
         self._began = block.begins if self._began is None else self._began
         self._now, self._hint = block.ends, look.hindrance
         if look.hindrance:
@@ -87,7 +86,6 @@ class WarmUpStage(Stage):
         return self._then(context)
 
     def shown(self) -> dict[str, Any]:
-        """Return how far it is."""
         warm = WarmUpView(seconds=self._now - (self._began or self._now))
         if self._state is not None:
             warm = warm.model_copy(update=self._figures(self._state))

@@ -130,7 +130,6 @@ class CampaignScreen(FramedScreen):
         return view.stage == "paused", view.done > 0, bool(view.can_redo), _is_badly_seated(view)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """Offer only what makes sense now."""
         if action == "order":
             return _is_badly_seated(self.view)
         if action in ("redo", "finish"):
@@ -138,15 +137,12 @@ class CampaignScreen(FramedScreen):
         return True
 
     def action_move(self, down: int, right: int) -> None:
-        """Move the cursor."""
         self.action_set_cursor(self._grid().neighbour(down, right))
 
     def action_back(self) -> None:
-        """Move move the cursor to the step before."""
         self.action_set_cursor(self._grid().before())
 
     def action_choose(self) -> None:
-        """Do the step under the cursor next."""
         if step := self._grid().cursor:
             self.action_order("choose", step=step)
             self.action_set_cursor("")
@@ -158,7 +154,6 @@ class CampaignScreen(FramedScreen):
         self.action_set_cursor("")
 
     def action_pause(self) -> None:
-        """Pause, or go on."""
         self.action_order("go_on" if self.view.stage == "paused" else "pause")
 
     def action_finish(self) -> None:
@@ -218,6 +213,5 @@ class WarmUpScreen(FramedScreen):
         self.panel.show(view.warm_up)
 
     def action_skip(self) -> None:
-        """Ask, then begin without having settled."""
         text = "This is recorded, and the uncertainties increase."
         self.confirm("Skip the warm-up?", text, "Yes, skip it", "skip_warm_up", "warm_up")

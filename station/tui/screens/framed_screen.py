@@ -109,7 +109,6 @@ class StageScreen(Screen[None]):
         self.title_bar, self.too_small = TitleBar(), TooSmall()
 
     def compose(self) -> ComposeResult:
-        """Lay out the title, the body and the keys."""
         self._fit()
         yield self.title_bar
         yield from self._body()
@@ -161,7 +160,6 @@ class StageScreen(Screen[None]):
             self.refresh_bindings()
 
     def action_order(self, verb: CommandVerb, step: str = "", folder: str = "", url: str = "") -> None:
-        """Send a command."""
         self._send(OperatorCommand(verb=verb, step=step, folder=folder, url=url))
 
     def confirm(self, title: str, text: str, yes: str, verb: CommandVerb, *stages: StageName) -> None:
@@ -174,15 +172,12 @@ class StageScreen(Screen[None]):
         self.app.push_screen(ConfirmScreen(title, text, yes, stages or RUNNING), answered)
 
     def action_leave(self) -> None:
-        """Ask, then leave."""
         self.confirm("Leave and resume later?", LEAVE_CAMPAIGN_TEXT, "Yes, leave", "leave")
 
     def action_cancel(self) -> None:
-        """Ask, then cancel."""
         self.confirm("Cancel the campaign?", CANCEL_TEXT, "Yes, cancel", "cancel")
 
     def action_help(self) -> None:
-        """Explain the stage and its keys."""
         self.app.push_screen(
             HelpScreen(self.view.stage, self.HELPS.get(self.view.stage, self.view.line), keys_of(self))
         )

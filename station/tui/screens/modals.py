@@ -90,7 +90,6 @@ class HelpScreen(Modal[None]):
         self._stage, self._text, self._keys = stage, text, keys
 
     def compose(self) -> ComposeResult:
-        """Lay out the text, the keys and the sounds."""
         with Vertical(classes="box") as box:
             box.border_title = f"Help: {self._stage.replace('_', ' ')}"
             box.border_subtitle = "Esc closes"
@@ -148,7 +147,6 @@ class QuestionScreen(Modal[str]):
         return Option(Content.assemble((f" {key}  ", "bold $accent"), choice.title, note))
 
     def compose(self) -> ComposeResult:
-        """Lay out the text and the choices."""
         with Vertical(classes="box") as box:
             box.border_title = "Question"
             yield Label(self.question.text, markup=False)
@@ -222,7 +220,6 @@ class ReadyScreen(Modal[bool]):
         self._ready, self._asks = ready, asks
 
     def compose(self) -> ComposeResult:
-        """Lay out the lines, the consequences and the keys."""
         with Vertical(classes="box") as box:
             box.border_title = "Begin anyway?" if self._asks else "Ready?"
             with VerticalScroll():
@@ -234,7 +231,6 @@ class ReadyScreen(Modal[bool]):
             yield Label(Content.assemble("\n", (keys, "bold $accent")))
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """Begin only where that was asked."""
         return self._asks or parameters != (True,)
 
 
@@ -267,13 +263,11 @@ class DiagnosisScreen(Modal[None]):
         self.scroll = VerticalScroll(self.text, can_focus=False)
 
     def compose(self) -> ComposeResult:
-        """Lay out a title, the text and the keys."""
         yield Static("Diagnosis", id="title")
         yield self.scroll
         yield KeyLine()
 
     def action_roll(self, rows: int) -> None:
-        """Scroll."""
         self.scroll.scroll_relative(y=rows, animate=False)
 
     def action_shift(self, columns: int) -> None:

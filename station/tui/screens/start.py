@@ -224,7 +224,6 @@ class StartScreen(StageScreen):
         )
 
     def action_look(self) -> None:
-        """Ask for a look at the port, and at the receiver where there is one."""
         for name in LOOK_VERBS:
             self._look(name)
 
@@ -254,15 +253,12 @@ class StartScreen(StageScreen):
             self._send(OperatorCommand(verb="begin", setup=self.form.setup()))
 
     def action_ready(self) -> None:
-        """Show what is there and what lacks."""
         if (ready := (self.view.start or StartView()).readiness) is not None:
             self.app.push_screen(ReadyScreen(ready, asks=False))
 
     def action_cancel(self) -> None:
-        """Ask, then give up."""
         text = "Nothing was started or recorded. The database is unchanged."
         self.confirm("Give up?", text, "Yes, cancel", "cancel", "start")
 
     def action_leave(self) -> None:
-        """Close; nothing was started."""
         self.app.exit()

@@ -61,7 +61,6 @@ class NumberTable(ValueWidget[tuple[VerdictRow, ...]]):
     DEFAULT_CSS = "NumberTable { width: 100%; height: auto; padding: 0 2; }"
 
     def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
-        """Return how many lines there are at a width."""
         return len(_table(self.value or (), width))
 
     def _drawn(self, rows: tuple[VerdictRow, ...]) -> Content:
@@ -143,7 +142,6 @@ class FactLine(Horizontal):
         self._label, self._text = name, Static("", classes="text", markup=False)
 
     def compose(self) -> ComposeResult:
-        """Lay out name and text."""
         yield Static(self._label, classes="name", markup=False)
         yield self._text
 
@@ -206,7 +204,6 @@ class VerdictScreen(StageScreen):
         return view.stage, bool(view.verdict and view.verdict.redo), view.can_do_more
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """Offer only what makes sense now."""
         if action in ("store", "cancel"):
             return self.view.stage == "verdict"
         if action == "order":
@@ -216,7 +213,6 @@ class VerdictScreen(StageScreen):
         return True
 
     def action_store(self) -> None:
-        """Ask, then store."""
         text = "The calibration becomes part of the unit's history. It cannot be changed or removed."
         if self.view.verdict is not None and self.view.verdict.doubt:
             text = f"! {self.view.verdict.doubt}.\n\n{text}"
@@ -242,16 +238,13 @@ class VerdictScreen(StageScreen):
         self.query_one("#scroll").scroll_home(animate=False)
 
     def action_diagnose(self) -> None:
-        """Show all of the diagnosis."""
         self.app.push_screen(DiagnosisScreen(self.view.verdict.diagnosis_text if self.view.verdict else ""))
 
     def action_roll(self, down: int) -> None:
-        """Scroll by half of what is in sight."""
         scroll = self.query_one("#scroll")
         scroll.scroll_relative(y=down * max(scroll.size.height // 2, 1), animate=False)
 
     def action_leave(self) -> None:
-        """Leave; once all is stored there is nothing to resume."""
         if self.view.stage == "stored":
             self.app.exit()
         else:
@@ -307,5 +300,4 @@ class EndedScreen(StageScreen):
         self.text.update(Content("\n").join(parts))
 
     def action_leave(self) -> None:
-        """Close; there is nothing left to leave."""
         self.app.exit()

@@ -33,7 +33,6 @@ class ValueWidget(Widget, Generic[T]):
             self.refresh(layout=self.styles.auto_dimensions)
 
     def render(self) -> Content:
-        """Draw the value, nothing while there is none."""
         return Content("") if self.value is None else self._drawn(self.value)
 
     def _drawn(self, value: T) -> Content:

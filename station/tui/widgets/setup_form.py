@@ -108,7 +108,6 @@ class SetupField(Horizontal):
         self._mark = Label("", classes="mark")
 
     def compose(self) -> ComposeResult:
-        """Lay out mark, label, input and unit."""
         yield self._mark
         yield Label(self.entry.label, classes="label")
         yield self.input
@@ -143,7 +142,6 @@ class PickList(Vertical):
         self._note = Label("", classes="note", markup=False)
 
     def compose(self) -> ComposeResult:
-        """Lay out label, list and note."""
         with Horizontal():
             yield Label(self._label, classes="label")
             yield self.select
@@ -207,7 +205,6 @@ class SetupForm(VerticalScroll, can_focus=False):
         self._check: PortCheck | None = None
 
     def compose(self) -> ComposeResult:
-        """Lay out a line for each thing, or two things that belong together."""
         yield self.port
         yield self.fields["url"]
         yield self.look

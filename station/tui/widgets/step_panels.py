@@ -209,7 +209,6 @@ class WarmUpPanel(ValueWidget[WarmUpView]):
     DEFAULT_CSS = "WarmUpPanel { text-wrap: wrap; height: auto; padding: 1 2; }"
 
     def render(self) -> Content:
-        """Draw what is known."""
         warm = self.value
         if warm is None:
             return Content.styled("waiting for the first counts", "$muted")
