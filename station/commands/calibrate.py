@@ -106,7 +106,7 @@ def calibrate(
     Example: station calibrate --device serial:///dev/ttyUSB0?format=counts --latitude 48.1
     """
     from station.files.campaign_setup import Setup
-    from station.guide.options import EngineOptions, load_setup
+    from station.guide.options import EngineOptions, TargetUncertainties, load_setup
     from station.guide.view import OperatorCommand
 
     given = {
@@ -126,9 +126,11 @@ def calibrate(
                                            "--turns": turns, "--repeats": repeats},
     )  # fmt: skip
     setup = set_up(Setup() if begins else load_setup(), given)
+    files = tuple(each.resolve() for each in noise or ())
+    targets = TargetUncertainties(limits=until_limits, sigma=tuple(sigma or ()), noise=files)
     options = EngineOptions(
         root=campaigns_root(), database=db, setup=setup, plan=plan, hands=hands, move_s=move_s, tremor=tremor,
-        until_limits=until_limits, sigma=tuple(sigma or ()), noise=tuple(each.resolve() for each in noise or ()),
+        wanted=targets if until_limits or sigma else None,
         asks=not headless, warms_up=not headless and warm_up,
         first=OperatorCommand(verb="begin", setup=setup) if begins else None,
     )  # fmt: skip

@@ -1,7 +1,7 @@
 """The bench of a simulated unit in a database: its cube and slab as measured, its site as surveyed, its limits.
 
-Nothing of it was measured by anybody, and every source says so. The values are those of a truth
-(`drivers.simulated.truth.Truth`) plus a draw of the sigma that is stated.
+The values are those of a truth plus a draw of the sigma that is stated; every source says that nobody measured
+them.
 """
 
 from dataclasses import dataclass

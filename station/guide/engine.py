@@ -3,12 +3,11 @@
 It owns the device, the folder and the database; screens only show views and send commands. Refusals are shown in
 the view and nothing is lost: accepted steps are on the disk.
 
-The start screen waits for nothing that only a campaign needs: the modules of a campaign, numerics among them, are
-imported where one begins, and by `prefetch` meanwhile.
+The modules of a campaign, numerics among them, are imported where one begins: the start screen needs none of them.
 """
 
 import contextlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import replace
 from pathlib import Path
@@ -37,10 +36,7 @@ THEN_SEARCHED = "; then the shortest plan is computed, some seconds"
 WHOLE = "all steps are recorded: leave, and diagnose this campaign together with the first one"
 ELSEWHERE = "; if the unit is at another port now, use `station resume --device URL`"
 DEVICE_VERBS = frozenset({"redo", "choose", "more"})  # what needs the device of a campaign that is complete
-LOOK_VERBS = {
-    "check": ("check", "is_checking"),
-    "listen": ("receiver", "is_listening"),
-}  # by verb, what `Start` says
+LOOK_VERBS = {"check": ("check", "is_checking"), "listen": ("receiver", "is_listening")}  # fields of `StartView`
 
 
 class CalibrationEngine:
@@ -57,8 +53,8 @@ class CalibrationEngine:
         self._verdict: Verdict | None = None  # of the results
         self._refused = ""  # why what is complete could not be solved
         self._view = CalibrationView()
-        start = start_view(database, options.setup)
-        start = start.model_copy(update={"is_planned_on_the_way": options.wanted is not None})
+        planned = {"is_planned_on_the_way": options.wanted is not None}
+        start = start_view(database, options.setup).model_copy(update=planned)
         self.view = CalibrationView(stage="start", start=start)
         self._readiness: Readiness | None = None  # of the campaign
         self._considering = ReadinessInBackground(database, options, self._aside)
@@ -84,19 +80,13 @@ class CalibrationEngine:
         campaign = self._campaign
         if campaign is None or self.view.stage in ENDED_STAGES:
             return
-        try:
+        with self._ended_by_refusals():
             campaign.round()
             self._show(campaign)
             if not campaign.is_complete:
                 self._refused = ""
             elif self._verdict is None and not self._refused:
                 self._finish(campaign)
-        except (CannotWrite, DatabaseError) as error:
-            self._fail(error)
-        except DataRefused as error:  # GNSS time says that all it records is wrong
-            if not self._options.is_patient:
-                raise
-            self._end("left", str(error), exit_code(error) or 0)
 
     @property
     def is_busy(self) -> bool:
@@ -110,11 +100,17 @@ class CalibrationEngine:
 
     def execute(self, command: OperatorCommand) -> None:
         """Execute a command; a refusal is shown in the view."""
-        try:
+        with self._ended_by_refusals():
             self._execute(command)
+
+    @contextlib.contextmanager
+    def _ended_by_refusals(self) -> Iterator[None]:
+        """End the campaign where disk, database, GNSS time or the operator's answer say that it cannot go on."""
+        try:
+            yield
         except (CannotWrite, DatabaseError) as error:
             self._fail(error)
-        except DriverError as error:  # what an answer brought to light: this is another unit
+        except (DataRefused, DriverError) as error:  # all it records is wrong, or this is another unit
             if not self._options.is_patient:
                 raise
             self._end("left", str(error), exit_code(error) or 0)
@@ -208,9 +204,7 @@ class CalibrationEngine:
         self._considered = setup
         self._considering.ask(setup, start.check, start.receiver)
 
-    def _start(
-        self, make: "Callable[[], GuidedCampaign]", hint: str = FOR_UNIT, *, is_to_go_on: bool = False
-    ) -> None:
+    def _start(self, make: "Callable[[], GuidedCampaign]", hint: str, *, is_to_go_on: bool = False) -> None:
         start = (self.view.start or StartView()).model_copy(update={"setup": self._considered})
         self._publish(CalibrationView(stage="connecting", line="connecting", hint=hint))
         wait(self._looks.values())  # they hold the ports
@@ -241,9 +235,7 @@ class CalibrationEngine:
 
     def _finish(self, campaign: "GuidedCampaign") -> None:
         from station.guide.campaign.verdict import verdict_view
-        from station.results.campaign_results import (
-            make_results,  # scipy and matplotlib: not before they are wanted
-        )
+        from station.results.campaign_results import make_results  # scipy and matplotlib: only where wanted
 
         self._publish(self.view.model_copy(update={"stage": "solving", "line": "solving"}))
         try:
@@ -262,13 +254,13 @@ class CalibrationEngine:
         if self._results is None or self._verdict is None or self._is_stored:
             return
         try:
-            sealed = {"stored_sha256": store(self._results, self._database)}
+            sha256 = store(self._results, self._database)
         except REFUSALS as error:
             if isinstance(error, CannotWrite) or not self._options.is_patient:
                 raise
             self.view = self.view.model_copy(update={"hint": f"not stored: {error}"})
         else:
-            self._verdict = self._verdict.model_copy(update=sealed)
+            self._verdict = self._verdict.model_copy(update={"stored_sha256": sha256})
             self.view = _with_verdict(self.view, self._verdict)
 
     def _cancel(self, campaign: "GuidedCampaign") -> None:
@@ -290,33 +282,19 @@ class CalibrationEngine:
             with contextlib.suppress(CannotWrite):  # a full disk refuses the end of a receiver's file as well
                 self._campaign.close()
         done = f"{self.view.done} accepted steps are safe; `station resume` continues"
-        self.view = self.view.model_copy(
-            update={
-                "stage": "failed", "line": "the campaign has stopped", "error": str(error), "hint": done,
-                "code": exit_code(error) or 0,
-            }
-        )  # fmt: skip
+        self._end("failed", "the campaign has stopped", exit_code(error) or 0, hint=done, error=str(error))
 
-    def _end(self, stage: StageName, line: str, code: int = 0) -> None:
+    def _end(self, stage: StageName, line: str, code: int = 0, hint: str = "", error: str = "") -> None:
         if self._campaign is not None:
             self._campaign.close()
-        ended = {"stage": stage, "line": line, "hint": "", "question": None, "code": code}
+        ended = {"stage": stage, "line": line, "hint": hint, "error": error, "question": None, "code": code}
         self.view = self.view.model_copy(update=ended)
-
-
-def prefetch() -> None:
-    """Import what a campaign needs, while nobody waits for it."""
-    import station.guide.campaign.port_check  # noqa: F401
 
 
 def _with_verdict(view: CalibrationView, verdict: Verdict) -> CalibrationView:
     """Return a view of the end; nothing of what led to it is shown any more."""
-    shown = {
-        "stage": "stored" if verdict.stored_sha256 else "verdict",
-        "line": verdict.sentence,
-        "verdict": verdict,
-    }
-    return view.model_copy(update=shown | {"hint": "", "live": "", "wanted": ""})
+    stage, ended = "stored" if verdict.stored_sha256 else "verdict", {"hint": "", "live": "", "wanted": ""}
+    return view.model_copy(update={"stage": stage, "line": verdict.sentence, "verdict": verdict} | ended)
 
 
 def _look(verb: str, url: str) -> PortCheck:

@@ -23,8 +23,7 @@ if TYPE_CHECKING:
 TREMOR_SEED = 1
 
 
-@dataclass(frozen=True, slots=True)
-class TargetUncertainties:
+class TargetUncertainties(FrozenValue):
     """What a campaign is to go on for: ``limits`` of the IMU's model, sigmas by name as `station plan` takes them.
 
     ``noise``: campaigns of the unit that say its noise; else the database is asked.
@@ -59,7 +58,6 @@ class CalibrationOptions:
 class EngineOptions(FrozenValue):
     """Options of the engine's process: as `CalibrationOptions`, with files by their names.
 
-    ``until_limits``, ``sigma`` and ``noise`` say what a campaign goes on for whose steps are not fixed.
     ``hands`` is the control address of a simulated device whose cube is then moved without a person; ``first``
     is executed at once.
     """
@@ -73,16 +71,12 @@ class EngineOptions(FrozenValue):
     hands: str | None = None
     move_s: float = 45.0
     tremor: bool = False
-    until_limits: bool = False
-    sigma: tuple[str, ...] = ()
-    noise: tuple[Path, ...] = ()
+    wanted: TargetUncertainties | None = None
     first: OperatorCommand | None = None
 
     def engine(self) -> CalibrationOptions:
         """Return the engine's options; raise `DataRefused` if the plan cannot be read."""
-        options = CalibrationOptions(self.root, self.setup, (), self.asks, self.warms_up)
-        if self.until_limits or self.sigma:
-            return replace(options, wanted=TargetUncertainties(self.until_limits, self.sigma, self.noise))
+        options = CalibrationOptions(self.root, self.setup, (), self.asks, self.warms_up, wanted=self.wanted)
         if self.plan is None:
             return options
         from station.files.campaign_folder import plan_file

@@ -1,8 +1,7 @@
 """The engine as a process: ``python -m station.guide.server SOCKET``, options as JSON on stdin until it closes.
 
-Views go out to every screen, commands come in, a line of JSON each. The socket is in a folder of its own that only
-its user may enter. A round of the engine that takes long, mostly because of a slow disk, is reported meanwhile by
-a `StallNotice`: the engine cannot do so itself.
+Views go out to every screen, commands come in, a line of JSON each. The socket is in a folder that only its user
+may enter. A round that takes long, mostly because of a slow disk, is reported meanwhile by a `StallNotice`.
 """
 
 import contextlib
@@ -22,7 +21,7 @@ from pydantic import ValidationError
 from fixtures_db.database import Database, open_db
 from fixtures_db.errors import DatabaseError
 from station.errors import exit_code
-from station.guide.engine import CalibrationEngine, prefetch
+from station.guide.engine import CalibrationEngine
 from station.guide.options import EngineOptions
 from station.guide.view import ENDED_STAGES, VERDICT_STAGES, CalibrationView, OperatorCommand
 
@@ -40,7 +39,7 @@ class ViewServer(socketserver.ThreadingUnixStreamServer):
         self._commands: SimpleQueue[OperatorCommand] = SimpleQueue()
         self._changed = threading.Condition()
         self._version, self.is_closed = 0, False
-        self._view: CalibrationView | None = None
+        self.view: CalibrationView | None = None  # what was published last
         super().__init__(str(path), _Screen)
 
     def __enter__(self) -> Self:
@@ -56,16 +55,11 @@ class ViewServer(socketserver.ThreadingUnixStreamServer):
 
     def publish(self, view: CalibrationView) -> None:
         """Show a view to every screen; returns at once."""
-        if view == self._view:
+        if view == self.view:
             return
         with self._changed:
-            self._view, self._version = view, self._version + 1
+            self.view, self._version = view, self._version + 1
             self._changed.notify_all()
-
-    @property
-    def view(self) -> CalibrationView | None:
-        """What was published last."""
-        return self._view
 
     def commands(self, timeout_s: float) -> list[OperatorCommand]:
         """Return what was asked since the last call; wait at most ``timeout_s`` for the first of it."""
@@ -80,7 +74,7 @@ class ViewServer(socketserver.ThreadingUnixStreamServer):
         """Wait for a view newer than version ``seen``; empty once the server is closed."""
         with self._changed:
             self._changed.wait_for(lambda: self._version > seen or self.is_closed)
-            version, view = self._version, self._view
+            version, view = self._version, self.view
         # written here, as most views are never sent
         return version, b"" if self.is_closed or view is None else view.model_dump_json().encode() + b"\n"
 
@@ -125,7 +119,7 @@ class StallNotice:
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="held up", daemon=True)
 
-    def __enter__(self) -> "StallNotice":
+    def __enter__(self) -> Self:
         self._thread.start()
         return self
 
@@ -190,8 +184,9 @@ def _serve(server: ViewServer, database: Database, options: EngineOptions, stop:
 
 
 def _prefetch(stop: threading.Event) -> None:
+    """Import what a campaign needs, while nobody waits for it."""
     if not stop.wait(DRAWN_S):
-        prefetch()
+        import station.guide.campaign.port_check  # noqa: F401
 
 
 def _watch_stdin(stop: threading.Event) -> None:

@@ -63,12 +63,10 @@ class SimulatedOperator:
     """Moves the cube of a simulated device with its hands at ``address``; a move takes ``move_s`` of its time.
 
     Each thing asked for is done once; what was rejected is done again, and what is still asked for long after it
-    was done. Views may be old: on a busy machine the device runs ahead of the guide. So nothing is done before
-    the guide has seen all that the hands did last, or the next move would fall into what it is recording. In a
-    soak it warms the unit, and lets it cool from the middle on.
-
-    With a ``style`` it carries the cube as people do; what it put down wrongly it sees itself, and does again. The
-    unit's clock is ``behind_s`` [s] behind the hands' where the unit was switched off and on before.
+    was done. On a busy machine the device runs ahead of the guide, so that nothing is done before the guide has
+    seen all that the hands did last. In a soak it warms the unit, and lets it cool from the middle on. With a
+    ``style`` it carries the cube as people do. The unit's clock is ``behind_s`` [s] behind the hands' after a
+    power cycle.
 
     Hands that do not answer are called again until they do: ``lost`` says why meanwhile. ``clock`` [s] is the
     station's.

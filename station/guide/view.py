@@ -108,12 +108,11 @@ class TurnView(FrozenValue):
 
 
 class PoseView(FrozenValue):
-    """The cube as it stands, from the counts.
+    """The cube as it stands, from the counts; ``text`` says what is left to do, or that it stands as wanted.
 
-    ``C_lb``: what East, North and Up each are along the cube's axes, row by row; where ``heading_std_deg`` is None
-    it is not known which way it points, and East and North mean nothing. ``turn_deg`` is how far it must be turned
-    about the vertical, counter-clockwise seen from above, to stand as wanted: None unless the face is the right
-    one and the heading known. ``text`` says what is left to do, or that it stands as wanted.
+    ``C_lb``: what East, North and Up each are along the cube's axes, row by row; East and North mean nothing where
+    ``heading_std_deg`` is None. ``turn_deg``: by how much to turn it about the vertical, counter-clockwise from
+    above; None unless the face is the right one and the heading known.
     """
 
     C_lb: tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]

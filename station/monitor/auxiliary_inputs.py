@@ -1,9 +1,8 @@
 """What the monitor reads alongside the IMU: aids by GNSS or airspeed, camera, wheel; and the IMU stream's health.
 
 Records are merged with the IMU's samples by the moments at which both were read, so that a replay gives the same
-to the last bit. A velocity counts at its own moment: the delay of its message, by the sender's clock (else
-`USUAL_LATENCY`), and the time since it was read are its age. A receiver without vertical velocity is taken not to
-climb.
+to the last bit. The age of a velocity is the delay of its message, by the sender's clock (else `USUAL_LATENCY`),
+and the time since it was read. A receiver without vertical velocity is taken not to climb.
 """
 
 import math

@@ -33,7 +33,7 @@ from station.guide.campaign.folder_recorder import WARM_UP_S, FolderRecorder, re
 from station.guide.campaign.interrupted_campaigns import clear_unfinished, has_row, is_unfinished, reopen
 from station.guide.campaign.live_campaign import FinishedCampaign, LiveCampaign
 from station.guide.campaign.port_check import RECORD_INSTEAD, reopen_receiver, setup_with_site, site_text, utc_now
-from station.guide.campaign.sequential_campaign import limits_of, sequential_plan, target_record
+from station.guide.campaign.sequential_campaign import target_record, targets_of
 from station.guide.options import CalibrationOptions, from_anywhere
 from station.guide.stages.guide import Guide
 from station.guide.stages.stage_context import POWER_CYCLED, BenchFacts, StageContext
@@ -76,27 +76,24 @@ def begin(setup: Setup, database: Database, options: CalibrationOptions) -> Live
         given, setup = setup, setup if gnss is None else setup_with_site(setup, gnss, folder)
         write_note(folder, setup)
         write_note(folder, _record(feed, unit))
-        remarks = _write_targets(folder, database, unit, options)
+        remarks = list[str]()  # what no campaign can do about the targets
         if options.wanted is None:
             keep_plan(folder, steps)
+        else:
+            record, remarks = target_record(database, unit, options.wanted)
+            write_note(folder, record)
         recorder = open_campaign(
             folder, unit, site_table(setup), database, output=feed.wire.output, fixture=table,
             procedure=procedure_table(setup), effects=copy_effects(database, unit.model, unit.serial, folder),
             cube_id=setup.cube or None, slab_id=setup.slab or None,
             started_utc=None if gnss is None else utc_now(gnss),
         )  # fmt: skip
-        facts, tables = _facts(recorder.tables, fixture, setup, options), recorder.tables
-        counts = tables.imu.output != "rate"
-        planner = sequential_plan(folder, tables.site, tables.procedure, fixture, counts=counts)
-        limits = limits_of(database, unit, tables.site, tables.procedure, fixture, counts=counts)
-        context = StageContext(
-            feed, Checklist(steps), facts, FolderRecorder(recorder), planner=planner, limits=limits
-        )
+        facts = _facts(recorder.tables, fixture, setup, options)
+        targets = targets_of(folder, database, unit, recorder.tables, fixture)
+        context = StageContext(feed, Checklist(steps), facts, FolderRecorder(recorder), targets=targets)
         guide = Guide(context, warms_up=options.warms_up)
-        for remark in remarks:
+        for remark in [*remarks, *([] if gnss is None else [site_text(given, gnss)])]:
             context.event_log.say("", remark)
-        if gnss is not None:
-            context.event_log.say("", site_text(given, gnss))
         return LiveCampaign(reader, feed, unit, guide, recorder, options, stack.pop_all(), gnss)
     raise AssertionError("unreachable")
 
@@ -126,31 +123,16 @@ def resume(folder: Path, database: Database, options: CalibrationOptions) -> Liv
         checklist = Checklist(steps, recorder.accepted, done.seconds, read_no_moves(folder))
         refuse_full(folder, checklist.open_steps, 1 / unit.period, WARM_UP_S if options.warms_up else 0.0)
         facts = _facts(recorder.tables, fixture, setup, options)
-        counts = imu.output != "rate"
-        planner = sequential_plan(
-            folder, recorder.tables.site, recorder.tables.procedure, fixture, recorded, counts=counts
-        )
-        of_bench = recorder.tables.site, recorder.tables.procedure, fixture
-        limits = limits_of(database, unit, *of_bench, recorded, counts=counts)
-        context = StageContext(feed, checklist, facts, FolderRecorder(recorder), done, planner, limits)
+        targets = targets_of(folder, database, unit, recorder.tables, fixture, recorded)
+        context = StageContext(feed, checklist, facts, FolderRecorder(recorder), done, targets)
         record = read_note(folder, UnitRecord)
         unsure = record if record is not None and not record.serial_from_wire else None
         guide = Guide(context, warms_up=options.warms_up, unsure=unsure)
-        if done.turn_on > recorded.turn_on:
-            context.event_log.say("rejected", POWER_CYCLED)
-        if missed:
-            context.event_log.say("rejected", missed)
+        for trouble in (POWER_CYCLED if done.turn_on > recorded.turn_on else "", missed):
+            if trouble:
+                context.event_log.say("rejected", trouble)
         return LiveCampaign(reader, feed, unit, guide, recorder, options, stack.pop_all(), gnss)
     raise AssertionError("unreachable")
-
-
-def _write_targets(folder: Path, database: Database, unit: Unit, options: CalibrationOptions) -> list[str]:
-    """Keep what the campaign is to go on for, if its steps are not fixed; return what no campaign can do."""
-    if options.wanted is None:
-        return []
-    record, remarks = target_record(database, unit, options.wanted)
-    write_note(folder, record)
-    return remarks
 
 
 def _opened(url: str, folder: Path, stack: ExitStack) -> tuple[RestartableReader, LiveFeed]:

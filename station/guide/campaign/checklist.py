@@ -177,9 +177,8 @@ def step_duration(step: Step) -> float:
 def why_not_solvable(steps: Sequence[StepView]) -> str:
     """Return why the steps done so far surely cannot be solved and which positions are to do, else empty.
 
-    Scale factors, misalignments and bias of an accelerometer are four numbers: rests determine them where each
-    axis of the cube was vertical and one of them both ways. Turns about all three axes, or a free attitude, may
-    do without.
+    Rests determine an accelerometer's four numbers where each axis of the cube was vertical, one of them both
+    ways. Turns about all three axes, or a free attitude, may do without.
     """
     done = [step for step in steps if step.attempts]
     if any(step.is_free or step.is_soak for step in done) or {step.axis for step in done} >= set(AXES):

@@ -1,18 +1,16 @@
 """Writes the accepted steps of a guided campaign and its notes into the folder, and solves them in between.
 
-It also compares the room on the disk with what a campaign will write. A sample is written twice: its bytes into
-the session's journal, for as long as the port is open, and bytes and counts into its step's file. Both are
-compressed, so that a sample takes about as much whatever its format; most of it is the file's own index. The
-figures are the worst of all formats with 16 random bits in every channel and a sample per read, rounded up;
-`tests/station/guide/test_disk_space.py` measures them again.
+A sample is written twice: its bytes into the session's journal, and bytes and counts into its step's file. The
+bytes per sample are the worst of all formats with 16 random bits in every channel and a sample per read, rounded
+up; `tests/station/guide/test_disk_space.py` measures them again.
 """
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 
@@ -40,29 +38,6 @@ from station.guide.campaign.checklist import step_duration
 from station.stream.connected_unit import Unit
 from station.stream.recorder.accepted_step_writer import CampaignRecorder, MovedFrom
 from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
-
-THIS_CAMPAIGN = "this campaign"
-
-
-def interim_calibration(folder: Path, database: str, unit: Unit, wire: WireFormat) -> AppliedCalibration:
-    """Return the campaign's own calibration, without effects; else the unit's stored one, or its maker's scale.
-
-    Raises
-    ------
-    DataRefused
-        If there is none of them.
-    """
-    try:
-        loaded = read_for_solve([folder])
-        from procedures.calibration.joint_calibration import solve  # scipy and kernels: only where it is solved
-        from station.results.solution_json import solution_document
-
-        document = solution_document(solve([one.campaign for one in loaded]), loaded)
-        if all(name in document for name in TRIADS):
-            return AppliedCalibration({**document, "effects": []}, None, InUse(THIS_CAMPAIGN))
-    except (DataRefused, ProcedureError):
-        pass  # nothing recorded yet, or too little
-    return find_calibration(None, database, unit, wire)
 
 
 class FolderRecorder:
@@ -108,14 +83,24 @@ class FolderRecorder:
         return site.gravity_m_s2 or normal_gravity(float(np.radians(site.latitude_deg)), site.height_m)
 
     def interim_calibration(self, unit: Unit, wire: WireFormat) -> AppliedCalibration:
-        """Return what to read the unit by: the steps accepted so far, its stored calibration, or its maker's.
+        """Return the campaign's own calibration, without effects; else the unit's stored one, or its maker's.
 
         Raises
         ------
         DataRefused
             If there is none of them.
         """
-        return interim_calibration(self._recorder.folder, self._recorder.database_url, unit, wire)
+        try:
+            loaded = read_for_solve([self._recorder.folder])
+            from procedures.calibration.joint_calibration import solve  # scipy, kernels: only where it is solved
+            from station.results.solution_json import solution_document
+
+            document = solution_document(solve([one.campaign for one in loaded]), loaded)
+            if all(name in document for name in TRIADS):
+                return AppliedCalibration({**document, "effects": []}, None, InUse("this campaign"))
+        except (DataRefused, ProcedureError):
+            pass  # nothing recorded yet, or too little
+        return find_calibration(None, self._recorder.database_url, unit, wire)
 
     def keep_steps(self, steps: Sequence[Step]) -> None:
         """Keep what the campaign is to have."""
@@ -163,18 +148,11 @@ REPEATS_FACTOR = 1.5  # steps are done again, and people take breaks
 RESULTS_BYTES = 20_000_000  # report, diagnosis, database
 
 
-@dataclass(frozen=True, slots=True)
-class DiskSpace:
-    """Room in ``folder`` in bytes: what a campaign needs, what is free; None where it is not known."""
+class DiskSpace(NamedTuple):
+    """Bytes that a campaign needs, and that are free in its folder; None where that is not known."""
 
-    folder: Path
     needed: int
     free: int | None
-
-    @property
-    def is_enough(self) -> bool:
-        """Whether it is, as far as is known."""
-        return self.free is None or self.free >= self.needed
 
 
 def disk_needed(steps: Sequence[Step], rate_hz: float, warm_up_s: float = WARM_UP_S) -> int:
@@ -198,11 +176,11 @@ def disk_free(folder: Path) -> int | None:
 
 def disk_for(folder: Path, steps: Sequence[Step], rate_hz: float, warm_up_s: float = WARM_UP_S) -> DiskSpace:
     """Return what a campaign of ``steps`` in ``folder`` needs and has."""
-    return DiskSpace(folder, disk_needed(steps, rate_hz, warm_up_s), disk_free(folder))
+    return DiskSpace(disk_needed(steps, rate_hz, warm_up_s), disk_free(folder))
 
 
 def refuse_full(folder: Path, steps: Sequence[Step], rate_hz: float, warm_up_s: float = WARM_UP_S) -> None:
     """Raise `DiskFull` where a campaign of ``steps`` has not enough room in ``folder``."""
-    disk = disk_for(folder, steps, rate_hz, warm_up_s)
-    if not disk.is_enough:
-        raise DiskFull(folder, disk.needed, disk.free)
+    needed, free = disk_for(folder, steps, rate_hz, warm_up_s)
+    if free is not None and free < needed:
+        raise DiskFull(folder, needed, free)

@@ -1,8 +1,8 @@
 """Campaigns that were interrupted: how one is resumed, cancelled, or removed if it was killed before it began.
 
-At accept the order is file, ``SHA256SUMS``, ``campaign.toml``, row in the database. A kill in between leaves a
-step half accepted; `reopen` decides: with a row it is accepted; named in ``campaign.toml`` it is adopted; a file
-that nothing names stays where it is and is never used.
+At accept the order is file, ``SHA256SUMS``, ``campaign.toml``, row in the database. After a kill in between,
+`reopen` accepts a step with a row, adopts one named in ``campaign.toml``, and never uses a file that nothing
+names.
 """
 
 from collections import Counter

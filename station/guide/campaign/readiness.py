@@ -1,9 +1,7 @@
 """Whether a campaign can end in PASS and in a certificate, before it begins: a pure function of what is known.
 
-Verdict and certificate follow the same rules afterwards: `station.results.verdict.judge` says NOT_MEASURED where a
-limited parameter is not estimated, `fixtures_db.campaigns.why_measured` why a calibration is only
-measured, and `station.results.certificate.missing_statements` refuses a certificate whose campaign lacks
-something. What a laboratory's file can still state afterwards is not required here.
+The rules are those of `station.results.verdict.judge`, `fixtures_db.campaigns.why_measured` and
+`station.results.certificate.missing_statements`. What a laboratory's file can still state later is not required.
 """
 
 from collections.abc import Mapping, Sequence

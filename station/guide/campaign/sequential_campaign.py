@@ -1,11 +1,8 @@
 """A campaign that continues until target uncertainties are met: the next step, when a dwell is enough, progress.
 
 The plan depends on the steps that were done, their length and the unit's noise, never on the estimated values
-(`procedures.planning.least_time`). White noise is the noise known before, scaled by what the accepted dwells show.
-If nothing is known of a unit, its first dwell lasts two minutes and shows the noise (`measured_noise`): the scale
-of the accelerometers is what 1 g makes of the vertical one, that of the gyroscopes follows from turns or dwells,
-else the rate at rest is taken for the Earth's alone. Bias instability from step to step is not visible at rest: it
-is assumed to be as much as two minutes of white noise.
+(`procedures.planning.least_time`). If nothing is known of a unit, its first dwell lasts two minutes and shows the
+white noise. Bias instability is not visible at rest: it is assumed to be as much as two minutes of white noise.
 """
 
 from collections.abc import Iterable, Sequence
@@ -21,12 +18,12 @@ from procedures.campaign.campaign import Campaign, Fixture
 from procedures.campaign.plan_steps import Dwell, Step, Turn
 from procedures.geodesy import EARTH_RATE
 from procedures.planning.campaign_design import TURNS, CampaignDesign, HandTimes, Placement, usual_design
-from procedures.planning.design_sigmas import NAMES, DesignSigmas, wanted, with_all_solved
+from procedures.planning.design_sigmas import NAMES, DesignSigmas, WantedSigmas, wanted, with_all_solved
 from procedures.planning.least_time import NextPlacement, is_enough, next_placement
 from procedures.planning.step_information import StepInformation, UnitNoise
 from procedures.units import RAD_PER_DEG
 from station.errors import DataRefused
-from station.files.campaign_folder.campaign_schema import ProcedureTable, SiteTable
+from station.files.campaign_folder.campaign_schema import CampaignTable
 from station.files.campaign_folder.plan_file import NAMES as NOTES
 from station.files.campaign_folder.plan_file import WantedRecord, read_note
 from station.guide.campaign.accepted_steps import NO_ACCEPTED_STEPS, AcceptedDwell, AcceptedSteps
@@ -51,13 +48,10 @@ NOISE_S = 120.0  # s at rest that show a unit's noise
 def measured_noise(
     dwells: Sequence[tuple[AcceptedDwell, float]], gyro_k: float | None, *, counts: bool
 ) -> UnitNoise:
-    """Return the noise that dwells show, each with its seconds.
+    """Return the noise that dwells show, each with its seconds; at least one.
 
-    Parameters
-    ----------
-    dwells : at least one, with how long [s] each lasted
-    gyro_k : count/rad, the gyroscopes' scale factor where it is known
-    counts : whether the unit counts
+    ``gyro_k`` [count/rad]: the gyroscopes' scale factor, else the rate at rest is taken for the Earth's alone; 1 g
+    is what the vertical accelerometer counts. ``counts`` says whether the unit counts.
     """
     one_g = max(float(np.max(np.abs(dwell.accel))) for dwell, _ in dwells)
     rest = float(np.linalg.norm(dwells[0][0].gyro))
@@ -91,7 +85,7 @@ class SequentialCampaign:
     ) -> None:  # fmt: skip
         self._bench, self._hands = bench, HandTimes(record.placing_s, record.move_s)
         self._asked, self._counts = wanted(record.sigmas), counts
-        self._is_fixed, self._is_measured = is_fixed, record.accel_white is None
+        self.is_fixed, self._is_measured = is_fixed, record.accel_white is None
         self._known: UnitNoise | None = None  # until the first dwell has shown it
         self._steps: StepInformation | None = None  # computed with the known noise
         self._take(recorded_noise(record))
@@ -116,7 +110,7 @@ class SequentialCampaign:
         if noise is not None:
             self._known = noise
             self._plan_with(noise)
-            usual = None if self._is_fixed else self._sigmas.of(usual_design())
+            usual = None if self.is_fixed else self._sigmas.of(usual_design())
             self._wanted = self._asked if usual is None else with_all_solved(self._asked, usual)
 
     def _plan_with(self, noise: UnitNoise) -> None:
@@ -241,19 +235,12 @@ def target_record(database: Database, unit: Unit, asked: TargetUncertainties) ->
     DataRefused
         If nothing is known of the limits, or they ask for nothing.
     """
-    _, rows = limits_named(database, unit.model if asked.limits else None)
-    by_limits, remarks = wanted_by(rows, last_values(database, unit.model, unit.serial))
-    sigmas = wanted_by_name(asked.sigma).and_also(by_limits).sigma
-    named = {name: float(one) for name, one in zip(NAMES, sigmas, strict=True) if np.isfinite(one)}
+    by_limits, remarks = _wanted_by_limits(database, unit, unit.model if asked.limits else None)
+    named = _finite(wanted_by_name(asked.sigma).and_also(by_limits))
     if not named:
         found = f"limits of {unit.model} that define no standard uncertainty"
-        raise DataRefused(
-            "limits",
-            None,
-            found,
-            "limits with a lower and an upper end",
-            "state the standard uncertainty that you want: --sigma NAME=VALUE",
-        )
+        remedy = "state the standard uncertainty that you want: --sigma NAME=VALUE"
+        raise DataRefused("limits", None, found, "limits with a lower and an upper end", remedy)
     known = noise_of(asked.noise) if asked.noise else noise_in_database(database, unit.model, unit.serial)
     hands, _ = hand_times(database)
     record = WantedRecord(sigmas=named, placing_s=hands.placing, move_s=hands.move)
@@ -269,13 +256,14 @@ def target_record(database: Database, unit: Unit, asked: TargetUncertainties) ->
     ), remarks  # fmt: skip
 
 
-def sequential_plan(
-    folder: Path, site: SiteTable | None, care: ProcedureTable, fixture: Fixture,
-    done: AcceptedSteps = NO_ACCEPTED_STEPS, *, counts: bool = True,
+def targets_of(
+    folder: Path, database: Database, unit: Unit, tables: CampaignTable, fixture: Fixture,
+    done: AcceptedSteps = NO_ACCEPTED_STEPS,
 ) -> SequentialCampaign | None:  # fmt: skip
-    """Return what says how a folder's campaign goes on, None of one whose steps are fixed.
+    """Return what says how a folder's campaign goes on; of a fixed plan how far what the unit's model limits is.
 
-    ``counts`` says whether the unit counts.
+    None where a plan is fixed and nothing is limited. Of a fixed plan the noise is that of the campaign's own
+    dwells: no older campaign is searched.
 
     Raises
     ------
@@ -283,34 +271,36 @@ def sequential_plan(
         If the folder's note of what is wanted cannot be read.
     """
     record = read_note(folder, WantedRecord)
-    if record is None or site is None:
+    if is_fixed := record is None:
+        record = _limits_record(database, unit)
+    if record is None or tables.site is None:
         return None
     if unknown := sorted(record.sigmas.keys() - set(NAMES)):
         raise DataRefused(
             folder / NOTES[WantedRecord], None, f"a sigma of {unknown[0]}", "parameters of a solution"
         )
-    return SequentialCampaign(bench_of(site, care, fixture), record, done.placements, counts=counts)
+    bench, counts = bench_of(tables.site, tables.procedure, fixture), tables.imu.output != "rate"
+    return SequentialCampaign(bench, record, done.placements, counts=counts, is_fixed=is_fixed)
 
 
-def limits_of(
-    database: Database, unit: Unit, site: SiteTable | None, care: ProcedureTable, fixture: Fixture,
-    done: AcceptedSteps = NO_ACCEPTED_STEPS, *, counts: bool = True,
-) -> SequentialCampaign | None:  # fmt: skip
-    """Return what says of a fixed plan how far what the unit's model limits is; None where nothing is limited.
-
-    The noise is that of the campaign's own dwells: no older campaign is searched.
-    """
+def _limits_record(database: Database, unit: Unit) -> WantedRecord | None:
+    """Return what the limits of a unit's model ask for; None where there are none."""
     try:
-        _, rows = limits_named(database, unit.model)
+        named = _finite(_wanted_by_limits(database, unit, unit.model)[0])
     except DataRefused:
         return None
-    sigmas = wanted_by(rows, last_values(database, unit.model, unit.serial))[0].sigma
-    named = {name: float(one) for name, one in zip(NAMES, sigmas, strict=True) if np.isfinite(one)}
-    if not named or site is None:
-        return None
     hands = HandTimes()
-    record = WantedRecord(sigmas=named, placing_s=hands.placing, move_s=hands.move)
-    return SequentialCampaign(bench_of(site, care, fixture), record, done.placements, counts=counts, is_fixed=True)
+    return WantedRecord(sigmas=named, placing_s=hands.placing, move_s=hands.move) if named else None
+
+
+def _wanted_by_limits(database: Database, unit: Unit, model: str | None) -> tuple[WantedSigmas, list[str]]:
+    """Return the sigmas that a model's limits ask for, and what no campaign can do about some of them."""
+    _, rows = limits_named(database, model)
+    return wanted_by(rows, last_values(database, unit.model, unit.serial))
+
+
+def _finite(asked: WantedSigmas) -> dict[str, float]:
+    return {name: float(one) for name, one in zip(NAMES, asked.sigma, strict=True) if np.isfinite(one)}
 
 
 def _counted(scale: FloatArray) -> tuple[float, ...] | None:

@@ -1,8 +1,7 @@
 """One attempt at a dwell: if the bench is bumped, only the affected seconds are discarded.
 
-A cube that was bumped stands where it stood; a cube that was moved does not, and its dwell starts again. They are
-distinguished by the rotation that the gyroscopes measured during the disturbance, whole seconds from rest to rest:
-it is zero for a shock. A cube that creeps is still every second: its level accelerometers detect it at the end.
+The rotation that the gyroscopes measure from rest to rest distinguishes a shock, where it is zero, from a cube
+that was moved: its dwell starts again. A cube that creeps is detected at the end, by the level accelerometers.
 """
 
 from collections.abc import Callable, Sequence

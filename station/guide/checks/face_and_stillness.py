@@ -1,9 +1,8 @@
 """The two gates: does the right face point up, and is the cube still; from raw counts, second by second.
 
-At rest the accelerometer that stands upright counts g and the two others their biases. How far the cube is off
-the vertical is therefore known as well as those biases are: nothing is known of them at first, so `ALLOWANCE_DEG`
-is kept back from the limit; once two opposite faces were recorded, half the sum of their count rates *is* the
-biases, and little need be kept back. Stored parameters are never used: they may be another unit's, or wrong.
+How far the cube is off the vertical is known as well as the biases of the level accelerometers. Nothing is known
+of them at first, so `ALLOWANCE_DEG` is kept back from the limit; two opposite faces show them. Stored parameters
+are never used: they may be another unit's, or wrong.
 """
 
 from collections.abc import Mapping, Sequence

@@ -1,16 +1,10 @@
 """Is the cube seated as the dwells before it predict? Checked while the operator is still near.
 
-Debris or a hair under the cube tilts it by tens of arcseconds: invisible, and far above the error that a
-calibration may have. A tilt that is the same after lifting, wiping and setting down is not debris but the bench:
-it is accepted.
-
-Seatings of earlier dwells are checked again (`recheck_seats`), because a cube on debris that nobody noticed, as
-the first on its face, makes clean seatings after it look tilted. A seating that comes back the same after lifting,
-farther off than any bench is, therefore speaks against the earlier dwells as much as against itself: both are
-marked, the earlier ones are recorded again, and the marked ones are then compared with those. All marks are found
-before a step is accepted and are written together with it: a kill leaves either all of them or none.
-
-The seating of a turn is checked at rest before and after it, and again once there are dwells to compare it with.
+Debris or a hair under the cube tilts it by tens of arcseconds. A tilt that is the same after lifting, wiping and
+setting down is the bench's: it is accepted. Where it is farther off than any bench is, it speaks against the
+earlier dwells as much as against itself: both are marked, the earlier ones are recorded again, and the marked ones
+are then compared with those. All marks are written together with the step: a kill leaves either all of them or
+none.
 """
 
 from collections.abc import Mapping, Sequence
@@ -70,10 +64,6 @@ class SeatCheck:
             return ""
         while self._looks and dwelling.accepted_s >= self._looks[0]:
             self._looks.pop(0)
-        return self.last_fault(dwelling, position)
-
-    def last_fault(self, dwelling: DwellAttempt, position: int) -> str:
-        """Look now."""
         return self.judged(dwelling.runs(), position)
 
     def judged(self, runs: Sequence[SampleRun], position: int) -> str:
@@ -145,11 +135,8 @@ def keep_question(context: StageContext) -> OperatorQuestion | None:
         f"The cube is tilted by {np.degrees(off):.2f} deg. A clean seating is not tilted so much. If you keep it, "
         f"it is recorded as tilted and the calibration will be wrong. Keep it?"
     )
-    choices = (
-        Choice(key="n", title="no: lift, wipe, place again"),
-        Choice(key="y", title="yes, keep this seating"),
-    )
-    return OperatorQuestion(text=text, choices=choices)
+    no, yes = Choice(key="n", title="no: lift, wipe, place again"), Choice(key="y", title="yes, keep this seating")
+    return OperatorQuestion(text=text, choices=(no, yes))
 
 
 def rest_rates(context: StageContext, position: int, blocks: list[Block]) -> PositionRates:
@@ -217,12 +204,9 @@ def recheck_seats(
     if seat.came_back is None and not (is_again and context.badly_seated - {step.name}):
         return {}
     now = context.dwell_of(step, runs)
-    standing = _StandingDwells(
-        context,
-        context.accepted_dwells | {step.name: now},
-        frozenset(context.badly_seated - {step.name} | ({step.name} if seat.is_off else set())),
-        [each for each in context.earlier_dwells if each[0].step.name != step.name],
-    )
+    bad = frozenset(context.badly_seated - {step.name} | ({step.name} if seat.is_off else set()))
+    earlier = [each for each in context.earlier_dwells if each[0].step.name != step.name]
+    standing = _StandingDwells(context, context.accepted_dwells | {step.name: now}, bad, earlier)
     if seat.came_back is None:
         return dict.fromkeys(_cleared(standing, but=step.name))
     suspects = _suspects(standing, now, context.seat_repeats)
@@ -239,9 +223,8 @@ def repeat_marked(context: StageContext, step: Step, marked: Mapping[Dwell, Floa
         if off is None:
             if is_asked:
                 context.checklist.keep(each.name)
-            context.event_log.say(
-                "", f"{step_title(each)} was seated correctly: the recording it was compared with was not"
-            )
+            found = "was seated correctly: the recording it was compared with was not"
+            context.event_log.say("", f"{step_title(each)} {found}")
         elif not is_asked and context.checklist.redo(each.name):
             context.seat_repeats.add(each.name)
             why = (

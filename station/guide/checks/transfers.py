@@ -1,8 +1,7 @@
 """Transfers: the rows between an accepted step and the next, where nothing interrupts them.
 
-Rows of a dwell before and after its accepted ones belong to the transfers. A step that is recorded again, a gap in
-the stream, a restart and an interruption of the campaign leave no rotation from one placement to the next: then no
-transfer is recorded, and the reason is kept.
+A step that is recorded again, a gap, a restart and an interruption of the campaign leave no rotation from one
+placement to the next: then no transfer is recorded, and the reason is kept.
 """
 
 from procedures.campaign.plan_steps import Dwell, Step, Turn

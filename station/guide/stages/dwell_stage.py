@@ -1,8 +1,7 @@
 """Dwells, soaks and rests in free attitudes: accepted seconds are counted, heading and seating are checked.
 
-The heading is determined from the Earth rate. A free attitude lies between faces, apart from those recorded
-before; its attitude is not asked for: the accelerometers determine it well enough to distinguish it from the
-others.
+The heading is determined from the Earth rate, a free attitude by the accelerometers: it lies between faces, apart
+from those recorded before.
 """
 
 import math
@@ -103,12 +102,30 @@ class RestRecording(Stage):
             "line": f"{line}; {soak_in_words(soak)}" if soak else line, "soak": soak,
         }  # fmt: skip
 
-    def _crept(self, up: FloatArray) -> str:
-        """Say how far the cube crept, ``up`` (3,) in IMU axes; not of a soak, whose slope is looked for."""
+    def _crept(self) -> str:
+        """Say how far the cube crept; not of a soak, whose slope is looked for."""
         if self._is_soak:
             return ""
         context, dwelling = self._context, self._dwelling
-        return crept(context.accel_rates(dwelling.runs()), dwelling.accepted_s, up)
+        return crept(context.accel_rates(dwelling.runs()), dwelling.accepted_s, context.C_sb @ self._up)
+
+    def _completed(self) -> Stage:
+        """Return the stage after enough accepted seconds: this one if some of them do not count after all."""
+        self._dwelling.drop_unstill(self._context.gate.stillness.is_still)
+        if not self._dwelling.is_complete:
+            return self
+        if why := self._crept():
+            return self._again(f"{why}; the recording starts again", must_move=False)
+        return self._accepted()
+
+    def _accepted(self) -> Stage:
+        """Accept the step, if nothing else is against it; return the stage that goes on."""
+        raise NotImplementedError
+
+    @property
+    def _up(self) -> FloatArray:
+        """The unit vector (3,) that points up, in cube axes."""
+        raise NotImplementedError
 
 
 class DwellStage(RestRecording):
@@ -138,7 +155,9 @@ class DwellStage(RestRecording):
             return restarted
         if self._dwelling.is_disturbed or not self._dwelling.kept:
             return self
-        if why := self._wrong_heading() or self._seat_fault():
+        if why := self._wrong_heading() or self._seat.fault(
+            self._dwelling, 0 if self._is_soak else self._position
+        ):
             return self._again(why, must_move=True)
         if self._is_long_enough():
             self._dwelling.stop_early()
@@ -184,9 +203,6 @@ class DwellStage(RestRecording):
     def _choices(self) -> OperatorQuestion:
         return which_position(self._face, (each.position for each in self._dwells if each.position))
 
-    def _seat_fault(self) -> str:
-        return "" if self._is_soak else self._seat.fault(self._dwelling, self._position)
-
     def _wrong_heading(self) -> str:
         """Read the heading; say what is wrong with it."""
         if self._how in {BY_EARTH, ANY_HEADING}:
@@ -222,18 +238,17 @@ class DwellStage(RestRecording):
         """Return further values for its table in ``campaign.toml``."""
         return {}
 
-    def _completed(self) -> Stage:
+    @property
+    def _up(self) -> FloatArray:
+        return face_normal(self._face)
+
+    def _accepted(self) -> Stage:
         context, dwelling = self._context, self._dwelling
-        dwelling.drop_unstill(context.gate.stillness.is_still)
-        if not dwelling.is_complete:
-            return self
-        if why := self._crept(context.C_sb @ face_normal(self._face)):
-            return self._again(f"{why}; the recording starts again", must_move=False)
         if not self.is_known and not context.bench.asks:
             self._position, self._how = self._dwells[0].position, AS_ASKED
         if not self.is_known:
             return self
-        if why := "" if self._is_soak else self._seat.last_fault(self._dwelling, self._position):
+        if why := "" if self._is_soak else self._seat.judged(dwelling.runs(), self._position):
             return self._again(why, must_move=True)
         if why := "" if self._how == ANY_HEADING else self._nothing_left():
             return self._again(why, must_move=True)
@@ -253,10 +268,8 @@ def free_look(context: StageContext, block: Block, look: BlockLook) -> BlockLook
     if look.off_deg < MIN_APART_DEG:
         fault = f"{look.off_deg:.0f} deg from the nearest face, at least {MIN_APART_DEG:.0f}: tilt it further"
     elif apart < MIN_APART_DEG:
-        fault = (
-            f"{apart:.0f} deg from an attitude already recorded, at least {MIN_APART_DEG:.0f}: tilt it in another "
-            "direction"
-        )
+        limit = f"at least {MIN_APART_DEG:.0f}: tilt it in another direction"
+        fault = f"{apart:.0f} deg from an attitude already recorded, {limit}"
     hindrance = look.hindrance if not look.is_still else fault
     return replace(look, is_upright=not fault, hindrance=hindrance)
 
@@ -279,13 +292,11 @@ class FreeAttitudeStage(RestRecording):
     def shown(self) -> dict[str, Any]:
         return self._progress(self._step, step_title(self._step)) | {"is_free": True}
 
-    def _completed(self) -> Stage:
-        context, dwelling = self._context, self._dwelling
-        dwelling.drop_unstill(context.gate.stillness.is_still)
-        if not dwelling.is_complete:
-            return self
-        if why := self._crept(context.C_sb @ context.gate.way_up(dwelling.rate()[3:])):
-            return self._again(f"{why}; the recording starts again", must_move=False)
-        context.free_attitudes[self._step.name] = np.array(dwelling.rate()[3:])
-        context.accept(self._step, dwelling.runs())
+    @property
+    def _up(self) -> FloatArray:
+        return self._context.gate.way_up(self._dwelling.rate()[3:])
+
+    def _accepted(self) -> Stage:
+        self._context.free_attitudes[self._step.name] = np.array(self._dwelling.rate()[3:])
+        self._context.accept(self._step, self._dwelling.runs())
         return self._again("", must_move=True)

@@ -214,10 +214,10 @@ class Guide:
     def _limits(self, shown: dict[str, Any]) -> tuple[LimitView, ...]:
         """Return how far each sigma is that is wanted or limited, with the dwell under way."""
         context = self.context
-        if context.limits is None:
+        if context.targets is None:
             return ()
         live = context.checklist.step(shown["live"])
-        return context.limits.limits(live, shown.get("accepted_s", 0.0), is_carried=context.is_carried)
+        return context.targets.limits(live, shown.get("accepted_s", 0.0), is_carried=context.is_carried)
 
     @property
     def _step(self) -> Step | None:

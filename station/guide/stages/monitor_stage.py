@@ -1,9 +1,8 @@
 """A rest during which attitude filters run: the calibration can be compared with the unit's later use.
 
-It is judged like a soak, by face, heading and stillness. The axes are those that lie north, east and down in its
-position, so that roll and pitch are zero for a correctly placed cube, with any filter and in any position. The
-calibration is that of the steps accepted so far, solved in another thread; samples recorded before it is ready are
-processed afterwards.
+It is judged like a soak. The axes are those that lie north, east and down in its position, so that roll and pitch
+are zero for a correctly placed cube. The calibration is that of the steps accepted so far, solved in another
+thread; samples recorded before it is ready are processed afterwards.
 """
 
 from collections.abc import Sequence

@@ -1,7 +1,6 @@
 """Placement: wait until the cube rests on a face where a step is open. Any order is accepted.
 
-There is one instruction at a time: place the cube, until it rests where a step is open; then hands off, until it
-is lifted, tipped or rotated. A cube that only rocks or is bumped need not be placed again.
+There is one instruction at a time: place the cube; then hands off, until it is lifted, tipped or rotated.
 """
 
 from typing import Any

@@ -1,8 +1,7 @@
 """A stage of a guided campaign takes each second of the stream and returns the stage that comes next.
 
 Here are the base of all stages and the one that waits for an answer, with the questions that only the operator can
-answer: which position it is, which turn, and what to do if an accepted position had a wrong heading. That shows
-only after other faces have shown the gyroscopes' biases, so that it may be an earlier position than the last.
+answer. A wrong heading shows only after other faces have shown the gyroscopes' biases.
 """
 
 from collections.abc import Callable, Iterable, Mapping

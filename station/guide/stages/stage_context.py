@@ -61,8 +61,8 @@ class BenchFacts:
 class StageContext:
     """Shared by all stages. ``position`` is where the cube is known to stand since it last moved, 0 if not.
 
-    ``planner`` says what comes next in a campaign that goes on until all wanted is met; None: the plan is fixed.
-    ``limits`` then says how far what its model limits is; None: it limits nothing.
+    ``targets`` says how far what is limited is, None where nothing is; it is also the ``planner``, which says what
+    comes next, in a campaign that goes on until all wanted is met, but None where the plan is fixed.
     """
 
     def __init__(
@@ -72,11 +72,10 @@ class StageContext:
         bench: BenchFacts,
         recorder: FolderRecorder,
         done: AcceptedSteps = NO_ACCEPTED_STEPS,
-        planner: "SequentialCampaign | None" = None,
-        limits: "SequentialCampaign | None" = None,
+        targets: "SequentialCampaign | None" = None,
     ) -> None:
         self.feed, self.checklist, self.bench, self.recorder = feed, checklist, bench, recorder
-        self.planner, self.limits = planner, planner or limits
+        self.targets, self.planner = targets, None if targets is None or targets.is_fixed else targets
         self.event_log, self.gate = EventLog(), FaceAndStillnessGate(bench.fixture.C_sb)
         self.accepted_dwells: dict[str, AcceptedDwell] = {}  # by step
         self.turns: dict[str, TurnCounts] = dict(done.turns)  # those that stand, by step
@@ -104,8 +103,8 @@ class StageContext:
         for step in steps.values():
             if self.closings.undecided(step.axis) == step.direction:
                 checklist.redo(step.name)
-        if self.limits is not None:
-            self.limits.learn(self.accepted_dwells.values(), self.gyro_k)
+        if self.targets is not None:
+            self.targets.learn(self.accepted_dwells.values(), self.gyro_k)
         self.replan()
 
     @property
@@ -230,9 +229,9 @@ class StageContext:
             self._learn(found)
         elif isinstance(step, Soak | Monitor):
             self.position = step.position
-        if self.limits is not None:
-            self.limits.accepted(step, seconds, is_carried=is_carried)
-            self.limits.learn(self.accepted_dwells.values(), self.gyro_k)
+        if self.targets is not None:
+            self.targets.accepted(step, seconds, is_carried=is_carried)
+            self.targets.learn(self.accepted_dwells.values(), self.gyro_k)
         if doubt:
             self.event_log.say("rejected", doubt)
             return

@@ -15,7 +15,7 @@ from station.guide.campaign.accepted_steps import NO_ACCEPTED_STEPS, AcceptedSte
 from station.guide.campaign.checklist import Checklist
 from station.guide.campaign.folder_recorder import FolderRecorder
 from station.guide.campaign.interrupted_campaigns import reopen
-from station.guide.campaign.sequential_campaign import SequentialCampaign, sequential_plan
+from station.guide.campaign.sequential_campaign import SequentialCampaign, targets_of
 from station.guide.stages.guide import Guide
 from station.guide.stages.stage_context import BenchFacts, StageContext
 from station.guide.view import CalibrationView, OperatorCommand
@@ -71,7 +71,7 @@ class GuideRig:
         if wanted is not None:
             write_note(self.folder, wanted)
         self.context = StageContext(
-            self.feed, Checklist(steps), self.facts, FolderRecorder(self.recorder), planner=self._planner()
+            self.feed, Checklist(steps), self.facts, FolderRecorder(self.recorder), targets=self._targets()
         )
         self.guide = Guide(self.context, warms_up=warms_up)
         self.seen: list[CalibrationView] = []
@@ -83,13 +83,13 @@ class GuideRig:
         done, steps = read_accepted_steps(self.folder), self.context.checklist.steps
         checklist = Checklist(steps, self.recorder.accepted, done.seconds, read_no_moves(self.folder))
         recorder = FolderRecorder(self.recorder)
-        self.context = StageContext(self.feed, checklist, self.facts, recorder, done, self._planner(done))
+        self.context = StageContext(self.feed, checklist, self.facts, recorder, done, self._targets(done))
         self.guide = Guide(self.context, warms_up=False)
         self.reported.clear()
 
-    def _planner(self, done: AcceptedSteps = NO_ACCEPTED_STEPS) -> SequentialCampaign | None:
-        tables = self.recorder.tables
-        return sequential_plan(self.folder, tables.site, tables.procedure, self.facts.fixture, done)
+    def _targets(self, done: AcceptedSteps = NO_ACCEPTED_STEPS) -> SequentialCampaign | None:
+        tables, fixture = self.recorder.tables, self.facts.fixture
+        return targets_of(self.folder, self.database, self.unit, tables, fixture, done)
 
     def hands(self, command: str) -> None:
         answer = self.source.device.execute(command)

@@ -4,6 +4,7 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -20,9 +21,8 @@ from station.calibrated.calibration_choice import AppliedCalibration
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import read_campaign
 from station.files.sha256sums import verify_folder
-from station.guide.campaign import folder_recorder
 from station.guide.campaign.accepted_steps import read_accepted_steps
-from station.guide.campaign.folder_recorder import interim_calibration
+from station.guide.campaign.folder_recorder import FolderRecorder
 from station.guide.campaign.interrupted_campaigns import reopen
 from station.guide.view import CalibrationView
 from station.guide.wording import filters_in_words, instruction
@@ -151,10 +151,10 @@ TRUTH = Truth.example(3)
 def calibrated(monkeypatch: pytest.MonkeyPatch) -> None:
     """Have the unit's own truth found as its calibration."""
 
-    def found(folder: Path, database: str, unit: Unit, wire: WireFormat) -> AppliedCalibration:
+    def found(_: FolderRecorder, unit: Unit, wire: WireFormat) -> AppliedCalibration:
         return AppliedCalibration(calibration_of(TRUTH), None, InUse("by hand"))
 
-    monkeypatch.setattr(folder_recorder, "interim_calibration", found)
+    monkeypatch.setattr(FolderRecorder, "interim_calibration", found)
 
 
 @pytest.mark.usefixtures("calibrated")
@@ -217,11 +217,12 @@ def test_the_campaigns_own_steps_are_the_calibration_as_soon_as_they_determine_o
     folder.mkdir()
     write_campaign(folder, simulate_campaign(truth, 7, dwell_s=10.0), truth.sample_period_s)
     unit = Unit(truth.model, truth.serial, truth.sample_period_s)
-    found = interim_calibration(folder, database, unit, COUNTS)
+    recorder = FolderRecorder(SimpleNamespace(folder=folder, database_url=database))  # type: ignore[arg-type]
+    found = recorder.interim_calibration(unit, COUNTS)
     assert found.in_use.text == "this campaign"
     assert found.document is not None
     for name, k in (("accelerometer", truth.accel_k), ("gyroscope", truth.gyro_k)):
         assert found.document[name]["scale_factor"]["value"] == pytest.approx(k.tolist(), rel=1e-3)
     (folder / "campaign.toml").unlink()
     with refused(DataRefused, ErrorCode.CALIBRATION):
-        interim_calibration(folder, database, unit, COUNTS)
+        recorder.interim_calibration(unit, COUNTS)
