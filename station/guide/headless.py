@@ -23,10 +23,8 @@ def run_headless(
     DriverError, CannotWrite, DataRefused, ProcedureError, DatabaseError
         What ended it; every accepted step stays.
     """
-    engine, operator = (
-        CalibrationEngine(database, replace(options.engine(), is_patient=False), show),
-        options.operator(),
-    )
+    engine = CalibrationEngine(database, replace(options.engine(), is_patient=False), show)
+    operator = options.operator()
     try:
         if options.first is not None:
             engine.execute(options.first)

@@ -5,7 +5,7 @@ Nothing is ever overwritten: each line says one thing once. Where somebody liste
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable
-from textwrap import wrap
+from textwrap import TextWrapper
 
 from station.guide.setup_view import Readiness
 from station.guide.step_names import files_as_steps, step_named
@@ -72,9 +72,8 @@ class PlainScreen:
         is_reported = view.stage in SPOKEN_STAGES or (view.turn is not None and view.turn.is_to_rest)
         task = view.line if is_reported or not view.link.is_live else ""
         if task:
-            at = (
-                f"[{min(view.done + 1, len(view.steps))}/{len(view.steps)}] " if view.steps and view.wanted else ""
-            )
+            total = len(view.steps)
+            at = f"[{min(view.done + 1, total)}/{total}] " if total and view.wanted else ""
             self._once("task", f"{at}{task}")
         self._hint(view)
         self._progress(view)
@@ -111,13 +110,8 @@ class PlainScreen:
         if view.stage == "dwell" and view.accepted_s >= PROGRESS_EVERY_S:
             seconds = PROGRESS_EVERY_S * (view.accepted_s // PROGRESS_EVERY_S)
             text = f"{files_as_steps(view.live)}: {seconds:.0f} s accepted"
-            more = (
-                soak_in_words(view.soak)
-                if view.soak
-                else filters_in_words(view.monitored)
-                if view.monitored
-                else ""
-            )
+            more = filters_in_words(view.monitored) if view.monitored else ""
+            more = soak_in_words(view.soak) if view.soak else more
             self._once("seconds", f"{text}, {more}" if more else text)
         elif view.stage == "warm_up" and view.warm_up is not None:
             seconds = PROGRESS_EVERY_S * (view.warm_up.seconds // PROGRESS_EVERY_S)
@@ -135,11 +129,8 @@ class PlainScreen:
 
 def between_words(text: str, width: int) -> str:
     """Return a text whose lines are at most ``width`` long where their words allow it; a table's spaces stay."""
-    lines = (
-        wrap(line, width, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False) or [line]
-        for line in text.split("\n")
-    )
-    return "\n".join(part for parts in lines for part in parts)
+    wrapper = TextWrapper(width, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)
+    return "\n".join(part for line in text.split("\n") for part in wrapper.wrap(line) or [line])
 
 
 def ready_lines(ready: Readiness) -> list[str]:

@@ -3,28 +3,25 @@
 Readiness is computed in the background: the form waits neither for the database nor for what that imports.
 """
 
-from concurrent.futures import Executor, Future
-from typing import TYPE_CHECKING
-
-from fixtures_db.database import Database
-from fixtures_db.errors import DatabaseError
-from station.files.campaign_setup import Setup
-from station.guide.options import CalibrationOptions
-from station.guide.setup_view import PortCheck, Readiness
-
-if TYPE_CHECKING:
-    from station.guide.campaign.live_campaign import GuidedCampaign
 import tomllib
+from concurrent.futures import Executor, Future
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING
 
 from drivers.serial_port import list_ports
 from fixtures_db.campaigns import day_of, in_state, is_expired
+from fixtures_db.database import Database
+from fixtures_db.errors import DatabaseError
 from fixtures_db.fixtures import fixture_rows
 from fixtures_db.schema import CampaignRow, CubeRow, SlabRow
+from station.files.campaign_setup import Setup
 from station.guide.campaign.folder_lock import is_locked
-from station.guide.setup_view import Choice, StartView, UnfinishedCampaign
+from station.guide.options import CalibrationOptions
+from station.guide.setup_view import Choice, PortCheck, Readiness, StartView, UnfinishedCampaign
+
+if TYPE_CHECKING:
+    from station.guide.campaign.live_campaign import GuidedCampaign
 
 Asked = tuple[Setup, PortCheck | None, PortCheck | None]  # set-up, the looks at its port and at its receiver
 
@@ -57,12 +54,9 @@ class ReadinessInBackground:
 
 
 def current_readiness(
-    database: Database,
-    options: CalibrationOptions,
-    setup: Setup,
-    check: PortCheck | None,
+    database: Database, options: CalibrationOptions, setup: Setup, check: PortCheck | None,
     receiver: PortCheck | None,
-) -> Readiness:
+) -> Readiness:  # fmt: skip
     """Return how ready a set-up is now; a look at another port than the set-up's says nothing."""
     from station.guide.campaign.campaign_start import usual_steps
     from station.guide.campaign.readiness import read_prior_knowledge, readiness
@@ -82,9 +76,8 @@ def announce_readiness(
     if (unit := campaign.unit_check()) is None:
         return None
     setup = (read_note(campaign.folder, Setup) or Setup()).model_copy(update={"url": unit.url})
-    ready = current_readiness(
-        database, options, setup, unit, PortCheck(url=setup.gnss, is_good=True, text="connected")
-    )
+    receiver = PortCheck(url=setup.gnss, is_good=True, text="connected")
+    ready = current_readiness(database, options, setup, unit, receiver)
     campaign.say("", "this run " + ", ".join(ready.outcomes))
     return ready
 
@@ -98,20 +91,16 @@ def start_view(database: Database, setup: Setup) -> StartView:
     with database.read() as session:
         cubes = [_reference(row, f" {row.side_mm:g} mm") for row in fixture_rows(session, CubeRow)]
         slabs = [_reference(row) for row in fixture_rows(session, SlabRow)]
+    ports = [_port(port.device, port.description, port.serial_number) for port in list_ports()]
     return StartView(
-        setup=setup,
-        ports=tuple(
-            Choice(
-                key=f"serial://{port.device}",
-                title=f"{port.device} {port.description}".strip(),
-                note=f"serial number {port.serial_number}" if port.serial_number else "",
-            )
-            for port in list_ports()
-        ),
-        cubes=tuple(cubes),
-        slabs=tuple(slabs),
+        setup=setup, ports=tuple(ports), cubes=tuple(cubes), slabs=tuple(slabs),
         unfinished=tuple(unfinished_campaigns(database)),
-    )
+    )  # fmt: skip
+
+
+def _port(device: str, description: str, serial: str | None) -> Choice:
+    note = f"serial number {serial}" if serial else ""
+    return Choice(key=f"serial://{device}", title=f"{device} {description}".strip(), note=note)
 
 
 def _reference(row: CubeRow | SlabRow, size: str = "") -> Choice:
@@ -135,20 +124,11 @@ def _described(row: CampaignRow) -> UnfinishedCampaign:
     began = row.started_utc.astimezone()
     is_today = began.date() == datetime.now(UTC).astimezone().date()
     when = f"{began:%H:%M}" if is_today else f"{began:%Y-%m-%d %H:%M}"
+    title = f"campaign of {when}, {done} of {total} done, {row.imu.model} {row.imu.serial}"
     return UnfinishedCampaign(
-        folder=row.folder,
-        title=f"campaign of {when}, {done} of {total} done, {row.imu.model} {row.imu.serial}",
-        serial=row.imu.serial,
-        done=done,
-        total=total,
-        state=_state(folder),
-    )
-
-
-def _state(folder: Path) -> Literal["free", "in use", "not here"]:
-    if not (folder / TOML).is_file():
-        return "not here"
-    return "in use" if is_locked(folder) else "free"
+        folder=row.folder, title=title, serial=row.imu.serial, done=done, total=total,
+        state="not here" if not (folder / TOML).is_file() else "in use" if is_locked(folder) else "free",
+    )  # fmt: skip
 
 
 def _planned(folder: Path) -> int:

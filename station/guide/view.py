@@ -325,8 +325,6 @@ class CalibrationSession(Protocol):
     @property
     def view(self) -> CalibrationView:
         """The newest view."""
-        ...
 
     def send(self, command: OperatorCommand) -> None:
         """Ask something of the engine."""
-        ...

@@ -5,7 +5,8 @@ from math import floor, log10
 from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak, Step, Turn
 from procedures.free_positions.free_attitudes import UpDirection
 from procedures.positions import ATTITUDES, face_of, position_name
-from station.guide.view import MonitoredView, SoakView
+from station.guide.step_names import files_as_steps
+from station.guide.view import MonitoredView, SoakView, StepView
 
 _WORDS = {"U": "up", "D": "down", "E": "east", "W": "west", "N": "north", "S": "south"}
 
@@ -45,17 +46,9 @@ def times_in_words(turn: Turn) -> str:
     return "once" if turn.revolutions == 1 else f"{turn.revolutions} times"
 
 
-def step_title(step: Step) -> str:
-    """Return a step's name for people."""
-    if isinstance(step, Dwell):
-        return f"position {step.words}"
-    if isinstance(step, FreePosition):
-        return f"free position {step.number}"
-    if isinstance(step, Soak):
-        return f"soak {step.number}"
-    if isinstance(step, Monitor):
-        return f"monitor {step.number}"
-    return f"turn {step.axis.upper()}{step.direction}"
+def step_title(step: Step | StepView) -> str:
+    """Return a step's name for people: ``position 3``, ``turn X+``."""
+    return files_as_steps(step.name)
 
 
 def rest_before(turn: Turn) -> str:
@@ -88,9 +81,7 @@ def filters_in_words(seen: MonitoredView) -> str:
     """Return it for people: ``joint roll 0.003 pitch -0.001, mixer ..., 0.002 deg apart``."""
     if not seen.filters:
         return seen.text
-    parts = [
-        f"{reading.name} roll {reading.roll_deg:+.3f} pitch {reading.pitch_deg:+.3f}" for reading in seen.filters
-    ]
+    parts = [f"{one.name} roll {one.roll_deg:+.3f} pitch {one.pitch_deg:+.3f}" for one in seen.filters]
     apart = "" if seen.difference_deg is None else f"; {seen.difference_deg:.3f} deg apart"
     return f"{', '.join(parts)}{apart}"
 

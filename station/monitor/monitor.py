@@ -35,7 +35,7 @@ from station.stream.auxiliary import Companion
 from station.stream.live.live_feed import LiveFeed
 from station.stream.live.stream_trouble import without_numbers
 from station.stream.recorder.sample_times import SampleMoments
-from station.stream.stream_events import EventLog, Sound, StreamState
+from station.stream.stream_events import EventLog, Sound
 
 if TYPE_CHECKING:  # graphs and their libraries: only where it is located
     from station.locate.live_locator import LiveLocator
@@ -86,20 +86,16 @@ class Monitor:
         C = self._C = np.diag([1.0, -1.0, -1.0]) if options.C is None else options.C
         counts = feed.wire.output == "increments"
         self._sensors = Sensors(applied.document, applied.nominal, C, feed.period, counts=counts)
-        self._applied, self._reported_north, self._reported_vehicle = applied, False, False
+        self._applied = applied
         self._silence = AidSilence(options.aid)
         can_compass = options.latitude is not None and options.heading is None and applied.document is not None
-        self._track = AttitudeEstimator(
-            options.aid,
-            self._settings,
-            heading,
-            self._compass if can_compass else None,
-            partial(in_a_vehicle, calibration=applied.document),
-        )
+        is_vehicle = partial(in_a_vehicle, calibration=applied.document)
+        compass = self._compass if can_compass else None
+        self._track = AttitudeEstimator(options.aid, self._settings, heading, compass, is_vehicle)
         self._filters = LiveFilters(
             options.filters, options.aid, self._track, applied.document, options.gravity, options.gains
         )
-        self._notes: dict[str, str] = {}  # by filter, what is against it
+        self._reported: dict[str, str] = {}  # what was said last, by what it is about
         self._rest = ErrorAtRest(options.gravity, options.latitude, options.heading, self._sensors.quantum(TICK_S))
         self._watch, self._health = AlarmWatch(options.alarms), StreamHealth(feed)
         self._size = max(1, round(TICK_S / feed.period))
@@ -108,8 +104,6 @@ class Monitor:
         self._event_log, self._marks = EventLog(), 0
         self._speed: float | None = None
         self._moments = SampleMoments()
-        self._silent = ""  # channels that do not change, as text
-        self._heard: dict[str, str] = {}  # by stream, the words of its trouble
         unit = feed.unit
         self.view = MonitorView(
             unit=f"{unit.model} {unit.serial}" if unit else "", aid=options.aid, in_use=self._in_use, folder=folder
@@ -168,11 +162,9 @@ class Monitor:
         self._change(is_over=True, recording="", line="ended")
 
     def _settings(self, log: AttitudeLog, knows_heading: bool) -> KalmanSettings:
-        options, document = self._options, self._applied.document
-        quantum = self._sensors.quantum(self._feed.period)
-        return filter_settings(
-            document, options.aid, log, options.gravity, options.latitude, knows_heading, quantum
-        )
+        options, quantum = self._options, self._sensors.quantum(self._feed.period)
+        bench = options.gravity, options.latitude
+        return filter_settings(self._applied.document, options.aid, log, *bench, knows_heading, quantum)
 
     def _compass(self, log: AttitudeLog) -> tuple[float, float] | None:
         """Return what a rest's gyros say of the heading [rad]."""
@@ -180,18 +172,25 @@ class Monitor:
         assert self._applied.document is not None
         return heading_at_rest(log, self._options.latitude, gyro_bias_std(self._applied.document))
 
-    def _report_north(self) -> None:
-        if self._track.north is not None and not self._reported_north:
-            self._reported_north = True
+    def _report_attitude(self, filters: Sequence[FilterReading]) -> None:
+        """Say once that north is known, that it moves like a vehicle, and what is against a filter."""
+        if self._track.north is not None and "north" not in self._reported:
             heading, std = np.degrees(self._track.north)
-            self._say(
-                "accepted", "north", f"north from the Earth's rate: heading {heading % 360:.1f} deg, u = {std:.1f}"
-            )
+            text = self._reported["north"] = f"heading {heading % 360:.1f} deg, u = {std:.1f}"
+            self._say("accepted", "north", f"north from the Earth's rate: {text}")
+        notes = {f"note {reading.name}": reading.note for reading in filters}
+        if self._track.is_vehicle:
+            notes["vehicle"] = VEHICLE_WARNING
+        for about, text in notes.items():
+            if text and text != self._reported.get(about):
+                self._say("rejected", "vehicle" if about == "vehicle" else "law", text)
+            self._reported[about] = text
 
-    def _report_vehicle(self) -> None:
-        if self._track.is_vehicle and not self._reported_vehicle:
-            self._reported_vehicle = True
-            self._say("rejected", "vehicle", VEHICLE_WARNING)
+    def _report_trouble(self, event: str, about: str, trouble: str, well: str) -> None:
+        """Say what is wrong as it appears, not again for each new figure, and when it is over."""
+        if (words := without_numbers(trouble)) != self._reported.get(about, ""):
+            self._reported[about] = words
+            self._say("rejected" if words else "accepted", event, trouble or well)
 
     def _zero(self) -> None:
         reading = self.view.reading
@@ -268,21 +267,12 @@ class Monitor:
         point = reading.t, reading.roll, reading.pitch, *reading.rate, speed, reading.residual, reading.sigma
         apart = difference(filters)
         self._history.append(ChartPoint(*point, np.nan if apart is None else apart.angle))
-        self._report_north()
-        self._report_vehicle()
-        self._report_notes(filters)
+        self._report_attitude(filters)
         self._ring(reading)
         if self._recording is not None:
             self._recording.take_filters(self.view)
         for sink in self._sinks:
             sink(self.view)
-
-    def _report_notes(self, filters: Sequence[FilterReading]) -> None:
-        """Say what is against a filter as it appears."""
-        for reading in filters:
-            if reading.note and reading.note != self._notes.get(reading.name):
-                self._say("rejected", "law", reading.note)
-            self._notes[reading.name] = reading.note
 
     def _location(self) -> Location | None:
         """Return where the unit is, if that is asked for; what is new about it is reported once."""
@@ -306,22 +296,13 @@ class Monitor:
         for text in ended:
             self._say("", "alarm over", text)
         silent = self._feed.silent
-        if without_numbers(silent) != without_numbers(self._silent):
-            self._say("rejected" if silent else "accepted", "channel", silent or "all channels work again")
-        self._silent = silent
+        self._report_trouble("channel", "channels", silent, "all channels work again")
         self._change(alarms=(*self._watch.on.values(), *([silent] if silent else [])))
 
     def _is_well(self, trouble: str) -> None:
         if trouble != self._health.trouble:
             self._health.trouble = trouble
             self._say("rejected" if trouble else "accepted", "stream", trouble or "data arrive again")
-
-    def _hear_of(self, stream: StreamState) -> None:
-        """Say what is wrong with what stands alongside the IMU as it appears, and when it is over."""
-        if (words := without_numbers(stream.trouble)) != self._heard.get(stream.name, ""):
-            self._heard[stream.name] = words
-            well = f"{stream.name}: well again"
-            self._say("rejected" if words else "accepted", "stream", stream.trouble or well)
 
     def _say(self, sound: Sound, event: str, text: str) -> None:
         self._event_log.say(sound, text)
@@ -332,7 +313,7 @@ class Monitor:
     def _show(self) -> None:
         streams = (self._health.look(), *self._auxiliary.streams())
         for each in streams[1:]:
-            self._hear_of(each)
+            self._report_trouble("stream", each.name, each.trouble, f"{each.name}: well again")
         recording = self._recording.name if self._recording is not None else ""
         self._change(
             streams=streams, at_rest=self._rest.comparison, history=tuple(self._history),

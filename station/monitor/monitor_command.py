@@ -3,7 +3,7 @@
 import sys
 import tempfile
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from datetime import datetime
@@ -41,7 +41,9 @@ from station.stream.camera import (
 )
 from station.stream.live.live_feed import ChunkSource, LiveFeed, RestartableReader, open_feed
 from station.stream.live.stream_trouble import refuse_partial
+from station.stream.recorder.sample_times import Utc
 from station.stream.replay import Replay, is_mcap, recorded_choice, recorded_gnss
+from station.stream.sample_rate import host_sample_rate
 from station.stream.stream_events import EVENTS_FILE
 
 if TYPE_CHECKING:
@@ -49,10 +51,6 @@ if TYPE_CHECKING:
     from station.monitor.locator_thread import LocatorThread
     from station.stream.gnss_feed import GnssFeed  # pymavlink: only where a receiver is read
     from station.stream.wheel import WheelDescription
-from collections.abc import Sequence
-
-from station.stream.recorder.sample_times import Utc
-from station.stream.sample_rate import host_sample_rate
 
 
 def calibrated_output(
@@ -97,7 +95,6 @@ def calibrated_output(
 
 
 WHEEL_FILE = "wheel.toml"  # of `station.stream.wheel`, which takes cantools
-
 Output = Literal["screen", "plain", "json"]
 
 
@@ -144,8 +141,7 @@ def run(
         What port, disk or calibration refuse; nothing is left behind.
     """
     with ExitStack() as stack:
-        sinks = (_write_json,) if output == "json" else ()
-        monitor = _opened(wanted, sinks, stack)
+        monitor = _opened(wanted, (lambda view: _say(json_line(view)),) if output == "json" else (), stack)
         stays = output == "screen" and wanted.seconds == float("inf")
         session = stack.enter_context(MonitorThread(monitor, stays=stays, seconds=wanted.seconds))
         if output == "screen":
@@ -158,7 +154,8 @@ def run(
 
 def _opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], ...], stack: ExitStack) -> Monitor:
     """Return the engine of a device or a replay, with its folder."""
-    described = _described(wanted)
+    file = _companion_file(wanted, wanted.camera, CAMERA_FILE)
+    described = None if file is None else read_description(file)
     if described is not None:
         opencv()  # reported before anything is begun
     rolling = _wheel_described(wanted)
@@ -186,11 +183,10 @@ def _opened(wanted: MonitorRequest, sinks: tuple[Callable[[MonitorView], None], 
     recording = None if folder is None else MonitorRecording(folder, feed.wire, utc)
     stream_out = calibrated_output(wanted.stream, feed, applied, wanted.C, utc, recording, stack)
     if recording is not None:
-        recording.note("begin", wanted.url, float("nan"), 0)
-        recording.note("aid", aid_name, float("nan"), 0)
-        recording.note("laws", ",".join(filters), float("nan"), 0)
-        if gains is not None:
-            recording.note("gains", f"{gains.k1!r} {gains.k2!r}", float("nan"), 0)
+        how = {"begin": wanted.url, "aid": aid_name, "laws": ",".join(filters)}
+        how |= {} if gains is None else {"gains": f"{gains.k1!r} {gains.k2!r}"}
+        for event, text in how.items():
+            recording.note(event, text, float("nan"), 0)
         if wanted.records:
             recording.begin()
     latitude = None if wanted.latitude_deg is None else float(np.radians(wanted.latitude_deg))
@@ -251,14 +247,10 @@ def _filters(wanted: MonitorRequest) -> tuple[tuple[str, ...], Gains | None]:
 
 
 def _locating(
-    wanted: MonitorRequest,
-    feed: LiveFeed,
-    applied: AppliedCalibration,
-    aid: "GnssFeed | RecordedCompanion[Record] | None",
-    camera: CameraDescription | None,
-    wheel: "WheelDescription | None",
-    stack: ExitStack,
-) -> "LiveLocator | LocatorThread | None":
+    wanted: MonitorRequest, feed: LiveFeed, applied: AppliedCalibration,
+    aid: "GnssFeed | RecordedCompanion[Record] | None", camera: CameraDescription | None,
+    wheel: "WheelDescription | None", stack: ExitStack,
+) -> "LiveLocator | LocatorThread | None":  # fmt: skip
     if not wanted.locate:
         return None
     from station.files.fusion_folder.fusion_tables import mount_of
@@ -273,42 +265,39 @@ def _locating(
     return locating(feed, applied, wanted.C, wanted.lever_arm, stack, live=not is_replay, camera=eye, wheel=rolls)
 
 
-def _described(wanted: MonitorRequest) -> CameraDescription | None:
-    """Return the camera's file that was named, or that a recording has; None where nothing is located by it."""
+def _companion_file(wanted: MonitorRequest, named: Path | None, name: str) -> Path | None:
+    """Return a companion's file that was named, or that a recording has; None where nothing is located by it."""
     address = parse_device_url(wanted.url)
-    recorded = Path(address.name).parent / CAMERA_FILE
-    file = wanted.camera or (recorded if address.scheme == "replay" and recorded.exists() else None)
-    return None if file is None or not wanted.locate else read_description(file)
+    recorded = Path(address.path).parent / name if address.scheme == "replay" else None
+    file = named or (recorded if recorded is not None and recorded.exists() else None)
+    return file if wanted.locate else None
+
+
+def _recorded_in(source: ChunkSource, session: str, what: str) -> Path | None:
+    """Return the folder of a replay, None of a live source; refuse one that has none of a companion's files."""
+    if not isinstance(source, Replay):
+        return None
+    recorded = Path(source.address.name).parent
+    if not any(recorded.glob(f"{session}_*.mcap")):
+        raise DataRefused(recorded, None, f"no {session}_*.mcap", what, "name another recording")
+    return recorded
 
 
 def _camera(
     described: CameraDescription, source: ChunkSource, work_folder: Path, stack: ExitStack
 ) -> Companion[CameraImage]:
     """Return the camera, live or recorded."""
-    if isinstance(source, Replay):
-        recorded = Path(source.address.name).parent
-        _refuse_without(recorded, CAMERA_SESSION, "the images of a camera")
-        return RecordedCompanion("camera", recorded_images(recorded), read_late_messages(recorded, "camera"))
-    return stack.enter_context(open_camera(described, work_folder))
-
-
-def _refuse_without(recorded: Path, session: str, what: str) -> None:
-    """Refuse a recording that has none of a companion's files."""
-    if not any(recorded.glob(f"{session}_*.mcap")):
-        raise DataRefused(recorded, None, f"no {session}_*.mcap", what, "name another recording")
+    if (recorded := _recorded_in(source, CAMERA_SESSION, "the images of a camera")) is None:
+        return stack.enter_context(open_camera(described, work_folder))
+    return RecordedCompanion("camera", recorded_images(recorded), read_late_messages(recorded, "camera"))
 
 
 def _wheel_described(wanted: MonitorRequest) -> "WheelDescription | None":
-    """Return the wheel's file that was named, or that a recording has; None where nothing is located by it."""
-    address = parse_device_url(wanted.url)
-    recorded = Path(address.path).parent if address.scheme == "replay" else None
-    if not wanted.locate or not (wanted.wheel or (recorded and (recorded / WHEEL_FILE).exists())):
+    if (file := _companion_file(wanted, wanted.wheel, WHEEL_FILE)) is None:
         return None
     from station.stream.wheel import described_in, read_description
 
-    if wanted.wheel is not None:
-        return read_description(wanted.wheel)
-    return None if recorded is None else described_in(recorded)
+    return read_description(file) if wanted.wheel is not None else described_in(file.parent)
 
 
 def _wheel(
@@ -317,13 +306,9 @@ def _wheel(
     """Return the wheel, live or recorded."""
     from station.stream.wheel import WHEEL_SESSION, open_wheel, recorded_wheel
 
-    if isinstance(source, Replay):
-        recorded = Path(source.address.name).parent
-        _refuse_without(recorded, WHEEL_SESSION, "the frames of a wheel")
-        return RecordedCompanion(
-            "wheel", recorded_wheel(recorded, described), read_late_messages(recorded, "wheel")
-        )
-    return stack.enter_context(open_wheel(described, work_folder))
+    if (recorded := _recorded_in(source, WHEEL_SESSION, "the frames of a wheel")) is None:
+        return stack.enter_context(open_wheel(described, work_folder))
+    return RecordedCompanion("wheel", recorded_wheel(recorded, described), read_late_messages(recorded, "wheel"))
 
 
 def _source(
@@ -352,10 +337,6 @@ def _mavlink_out(where: str, stack: ExitStack) -> Callable[[MonitorView], None]:
         out.attitude(reading.t, np.radians(reading.roll), np.radians(reading.pitch), (p, q, r), float(yaw))
 
     return send
-
-
-def _write_json(view: MonitorView) -> None:
-    _say(json_line(view))
 
 
 def _follow(session: MonitorThread, *, plain: bool, rings: bool) -> None:

@@ -54,10 +54,8 @@ def _filters(filters: Sequence[FilterReading]) -> dict[str, Any]:
             "gyro_bias_deg_h": list(reading.bias),
         }  # fmt: skip
         if reading.settles is not None:
-            values = {
-                f"{name}_deg": value for name, value in reading.settles._asdict().items() if math.isfinite(value)
-            }
-            one["final_bias"] = values
+            settles = reading.settles._asdict().items()
+            one["final_bias"] = {f"{name}_deg": value for name, value in settles if math.isfinite(value)}
         document["laws"].append(one | ({"note": reading.note} if reading.note else {}))
     if (apart := difference(filters)) is not None:
         document["difference"] = {f"{name}_deg": value for name, value in apart._asdict().items()}

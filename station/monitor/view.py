@@ -87,16 +87,12 @@ class MonitorSession(Protocol):
     @property
     def view(self) -> MonitorView:
         """The newest view."""
-        ...
 
     def send(self, verb: MonitorVerb) -> None:
         """Ask something of the engine."""
-        ...
 
 
 ALARM_RELEASE_SHARE = 0.95  # of the limit: where an alarm ends
-
-
 ALARMS: dict[str, tuple[str, Callable[[AttitudeReading], float]]] = {  # unit, and what is held against the limit
     "roll": ("deg", lambda reading: abs(reading.roll)),
     "pitch": ("deg", lambda reading: abs(reading.pitch)),

@@ -22,50 +22,23 @@ from station.tui.screens.framed_screen import StageScreen
 from station.tui.screens.modals import ANSWER_LATER, Modal, QuestionScreen
 
 EXTRA_COLOURS = {  # colours that no theme of Textual's has; the axes are red, green and blue
-    "axis-x": "#ff6b6b",
-    "axis-y": "#5fd38d",
-    "axis-z": "#5aa9ff",
-    "muted": "#8a99a8",
-    "sky": "#1f5a8c",
-    "ground": "#5c4326",
-}
-
+    "axis-x": "#ff6b6b", "axis-y": "#5fd38d", "axis-z": "#5aa9ff",
+    "muted": "#8a99a8", "sky": "#1f5a8c", "ground": "#5c4326",
+}  # fmt: skip
 STATION = Theme(
-    name="station",
-    primary="#4aa3df",
-    secondary="#2f6f9f",
-    accent="#ffb454",
-    warning="#ffb454",
-    error="#ff6b6b",
-    success="#5fd38d",
-    foreground="#dde5ec",
-    background="#10161d",
-    surface="#18212b",
-    panel="#202c38",
+    "station", primary="#4aa3df", secondary="#2f6f9f", accent="#ffb454", warning="#ffb454", error="#ff6b6b",
+    success="#5fd38d", foreground="#dde5ec", background="#10161d", surface="#18212b", panel="#202c38",
     variables=EXTRA_COLOURS,
-)
+)  # fmt: skip
 HIGH_CONTRAST = Theme(
-    name="high-contrast",
-    primary="#00d7ff",
-    secondary="#00afd7",
-    accent="#ffff00",
-    warning="#ffff00",
-    error="#ff5f5f",
-    success="#00ff5f",
-    foreground="#ffffff",
-    background="#000000",
-    surface="#000000",
-    panel="#1c1c1c",
+    "high-contrast", primary="#00d7ff", secondary="#00afd7", accent="#ffff00", warning="#ffff00", error="#ff5f5f",
+    success="#00ff5f", foreground="#ffffff", background="#000000", surface="#000000", panel="#1c1c1c",
     text_alpha=1.0,
     variables={
-        "axis-x": "#ff5f5f",
-        "axis-y": "#00ff5f",
-        "axis-z": "#5fafff",
-        "muted": "#ffffff",
-        "sky": "#0000af",
-        "ground": "#5f3700",
+        "axis-x": "#ff5f5f", "axis-y": "#00ff5f", "axis-z": "#5fafff",
+        "muted": "#ffffff", "sky": "#0000af", "ground": "#5f3700",
     },
-)
+)  # fmt: skip
 
 
 class Palette(CommandPalette):

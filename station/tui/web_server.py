@@ -88,12 +88,9 @@ class Tab(AppService):
     def __init__(self, command: str, websocket: web.WebSocketResponse, downloads: DownloadManager) -> None:
         self._websocket = websocket
         super().__init__(
-            command,
-            write_bytes=websocket.send_bytes,
-            write_str=websocket.send_str,
-            close=self._close,
+            command, write_bytes=websocket.send_bytes, write_str=websocket.send_str, close=self._close,
             download_manager=downloads,
-        )
+        )  # fmt: skip
 
     async def run(self) -> None:
         """Stream what the program draws until it has ended."""
@@ -133,11 +130,7 @@ class LoopbackServer(Server):
     """Serves ``command`` to each tab; `serve` blocks."""
 
     def __init__(
-        self,
-        command: Sequence[str],
-        announce: Callable[[str], None],
-        port: int,
-        report: Callable[[], Path | None],
+        self, command: Sequence[str], announce: Callable[[str], None], port: int, report: Callable[[], Path | None]
     ) -> None:
         self._socket = socket.create_server((LOOPBACK, port))
         port = self._socket.getsockname()[1]
@@ -145,13 +138,10 @@ class LoopbackServer(Server):
         self._announce, self._report = announce, report
         self._open: set[web.WebSocketResponse] = set()
         super().__init__(
-            f"exec {shlex.join(command)}",  # no shell stays between us and the program
-            LOOPBACK,
-            port,
-            title="station",
-            public_url=f"http://{self.guard.authority}",
+            f"exec {shlex.join(command)}", LOOPBACK, port,  # no shell stays between us and the program
+            title="station", public_url=f"http://{self.guard.authority}",
             templates_path=Path(__file__).with_name("templates"),
-        )
+        )  # fmt: skip
 
     def serve(self, debug: bool = False) -> None:
         """Serve until SIGINT or SIGTERM; every tab's process has ended when this returns."""

@@ -130,11 +130,8 @@ def read_accepted_steps(folder: Path) -> AcceptedSteps:
     bad = frozenset(_dwell(one).name for one in folder_read.tables.dwell if one.number and one.kept_seat_rad)
     of_now = [one for one in folder_read.steps if (getattr(one.table, "turn_on", None) or 1) == turn_on]
     last = max((float(one.data.series.t[-1]) for one in of_now if one.data is not None), default=None)
-    placements = tuple(
-        (step.name, placement)
-        for name, placement in placements_in(loaded)
-        if (step := step_of(tables[name])) is not None
-    )
+    made = ((step_of(tables[name]), placement) for name, placement in placements_in(loaded))
+    placements = tuple((step.name, placement) for step, placement in made if step is not None)
     earlier = tuple((dwell, on) for dwell, on in known if on != turn_on and dwell.step.name not in bad)
     rests = _turn_rests(loaded, turn_on)
     return AcceptedSteps(

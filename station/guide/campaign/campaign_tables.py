@@ -1,6 +1,6 @@
 """Cube, site, procedure and error terms as ``campaign.toml`` holds them, from the database and the set-up."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
@@ -46,15 +46,10 @@ def cube_fixture(
     if cube_id is not None:
         with database.read() as session:
             fixture, side = cube(session, cube_id), fixture_row(session, CubeRow, cube_id).side_mm
+        found = {name: (one.up_tilt.tolist(), one.covariance.tolist()) for name, one in fixture.faces.items()}
         faces = [
-            FaceTable.model_validate(
-                {
-                    "resting": name,
-                    "up_tilt_rad": face.up_tilt.tolist(),
-                    "covariance_rad2": face.covariance.tolist(),
-                }
-            )
-            for name, face in fixture.faces.items()
+            FaceTable.model_validate({"resting": name, "up_tilt_rad": tilt, "covariance_rad2": covariance})
+            for name, (tilt, covariance) in found.items()
         ]
         measured = None if fixture.measured is None else measured_table(fixture.measured)
         table = FixtureTable(id=cube_id, side_mm=side, face=faces, measured=measured)
@@ -65,24 +60,17 @@ def cube_fixture(
 
 def site_table(setup: Setup) -> SiteTable:
     """Return the set-up's site; raise `DataRefused` if a value is out of its range."""
-    return _checked(
-        SiteTable,
-        {
-            "latitude_deg": setup.latitude_deg, "longitude_deg": setup.longitude_deg, "height_m": setup.height_m,
-            "gravity_m_s2": setup.gravity_m_s2, "gravity_std_m_s2": setup.gravity_std_m_s2,
-        },
-    )  # fmt: skip
+    return _table_of(setup, SiteTable)
 
 
 def procedure_table(setup: Setup) -> ProcedureTable:
     """Return how well the set-up says headings and closures are; raise `DataRefused` out of range."""
-    care = {"heading_std_deg": setup.heading_std_deg, "closure_std_deg": setup.closure_std_deg}
-    return _checked(ProcedureTable, care)
+    return _table_of(setup, ProcedureTable)
 
 
-def _checked(table: type[T], values: Mapping[str, object]) -> T:
+def _table_of(setup: Setup, table: type[T]) -> T:
     try:
-        return table.model_validate(values)
+        return table.model_validate(setup.model_dump(include=set(table.model_fields)))
     except ValidationError as error:
         fault = error.errors(include_url=False)[0]
         what = ".".join(str(part) for part in fault["loc"])
@@ -108,9 +96,8 @@ def planned_bench(
     sites = (read_campaign_toml(folder)[0].site for folder in campaigns if latitude is None)
     stated = next((site for site in sites if site is not None), None)
     if setup.latitude_deg is None and stated is None:
-        raise DataRefused(
-            "set-up", None, "no latitude", "the latitude of the surface plate in deg", "state it: --latitude DEG"
-        )
+        expected = "the latitude of the surface plate in deg"
+        raise DataRefused("set-up", None, "no latitude", expected, "state it: --latitude DEG")
     at, care = stated or site_table(setup), procedure_table(setup)
     fixture, _ = cube_fixture(database, cube or None)
     return bench_of(at, care, fixture)

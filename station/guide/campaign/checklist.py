@@ -6,22 +6,12 @@ from dataclasses import replace
 from procedures.campaign.plan_steps import Dwell, FreePosition, Monitor, Soak, Step, Turn
 from procedures.frames import AXES
 from procedures.positions import POSITIONS, face_of, position_name
-from station.guide import view
-from station.guide.view import StepView
+from station.guide.view import StepState, StepView
 
 MOVE_S = 45.0  # what a person takes to place the cube
 TURN_SPEED_DEG_S = 35.0
 GRIP_S = 20.0  # before and after a turn, in addition to its rests
-STEP_FIELDS = (
-    "position",
-    "repeat",
-    "number",
-    "up",
-    "axis",
-    "direction",
-    "revolutions",
-    "start_position",
-)  # in a view
+STEP_FIELDS = "position repeat number up axis direction revolutions start_position".split()  # of a view
 
 
 class Checklist:
@@ -43,7 +33,7 @@ class Checklist:
         self._notes = dict(notes or {})
         self._redo: list[str] = []
         self._chosen = ""
-        self._shown = dict[str, view.StepView]()
+        self._shown = dict[str, StepView]()
         self.latest = next(reversed([n for n, count in (attempts or {}).items() if count]), "")  # accepted last
 
     @property
@@ -77,6 +67,12 @@ class Checklist:
         wanted = self.wanted
         here = [s for s in self.steps if isinstance(s, Dwell) and self.is_open(s) and face_of(s.position) == face]
         return sorted((s for s in here if not s.repeat or s == wanted), key=lambda step: step != wanted)
+
+    def has_work(self, face: str) -> bool:
+        """Say whether something is to be done with a face up: the wanted step, an open dwell, soak or monitor."""
+        wanted = self.wanted
+        is_turn = isinstance(wanted, Turn) and face_of(wanted.start_position) == face
+        return is_turn or bool(self.open_dwells(face) or self.open_soak(face))
 
     def open_soak(self, face: str) -> Soak | Monitor | None:
         """Return the open soak or monitor with a face up, the wanted one first."""
@@ -135,31 +131,29 @@ class Checklist:
         """Return how long the open steps will take with no break."""
         return sum(step_duration(step) for step in self.open_steps)
 
-    def views(self, live: str) -> tuple[view.StepView, ...]:
+    def views(self, live: str) -> tuple[StepView, ...]:
         """Return the steps as a screen shows them; ``live`` is being recorded."""
         return tuple(self._view(step, live) for step in self.steps)
 
-    def _view(self, step: Step, live: str) -> view.StepView:
-        name = step.name
-        state: view.StepState = "redo" if name in self._redo else "done"
-        if name == live:
-            state = "live"
-        elif not self.attempts[name]:
-            state = "todo"
-        values = (state, self.attempts[name], self._seconds.get(name, 0.0), self._notes.get(name, ""))
+    def _view(self, step: Step, live: str) -> StepView:
+        name, attempts = step.name, self.attempts[step.name]
+        state: StepState = "live" if name == live else "todo" if not attempts else "done"
+        if state == "done" and name in self._redo:
+            state = "redo"
+        seconds, note = self._seconds.get(name, 0.0), self._notes.get(name, "")
         shown = self._shown.get(name)
-        if shown is None or (shown.state, shown.attempts, shown.seconds, shown.note) != values:
-            shown = self._shown[name] = self._view_of(step, *values)
+        if shown is None or (shown.state, shown.attempts, shown.seconds, shown.note) != (
+            state,
+            attempts,
+            seconds,
+            note,
+        ):
+            own = {field: getattr(step, field) for field in STEP_FIELDS if hasattr(step, field)}
+            shown = self._shown[name] = StepView(
+                name=name, state=state, attempts=attempts, seconds=seconds, note=note, is_free=is_free(step),
+                is_soak=isinstance(step, Soak), is_monitor=isinstance(step, Monitor), **own,
+            )  # fmt: skip
         return shown
-
-    def _view_of(
-        self, step: Step, state: view.StepState, attempts: int, seconds: float, note: str
-    ) -> view.StepView:
-        own = {name: getattr(step, name) for name in STEP_FIELDS if hasattr(step, name)}
-        return view.StepView(
-            name=step.name, state=state, attempts=attempts, seconds=seconds, note=note,
-            is_free=is_free(step), is_soak=isinstance(step, Soak), is_monitor=isinstance(step, Monitor), **own,
-        )  # fmt: skip
 
 
 def is_free(step: Step) -> bool:
@@ -186,14 +180,11 @@ def why_not_solvable(steps: Sequence[StepView]) -> str:
     faces = {face_of(step.position or step.start_position) for step in done}
     if {face[0] for face in faces} == set(AXES) and len(faces) > len(AXES):
         return ""
-    missing = {step.position for step in steps if step.position and not step.repeat and not step.attempts}
-    to_do = ", ".join(filter(None, [in_ranges(p for p in missing if p <= len(POSITIONS)), *_others(missing)]))
+    missing = sorted({step.position for step in steps if step.position and not step.repeat and not step.attempts})
+    others = [position_name(p) for p in missing if p > len(POSITIONS)]
+    to_do = ", ".join(filter(None, [in_ranges(p for p in missing if p <= len(POSITIONS)), *others]))
     least = "each of X, Y and Z must have pointed up or down, and one of them both"
     return f"Not enough steps to solve: {least}. Positions to do: {to_do}."
-
-
-def _others(positions: Iterable[int]) -> list[str]:
-    return [position_name(p) for p in sorted(positions) if p > len(POSITIONS)]
 
 
 def in_ranges(numbers: Iterable[int]) -> str:

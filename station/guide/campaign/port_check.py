@@ -146,17 +146,12 @@ def _write(
 ) -> None:
     now = utc_now(gnss)
     values = {
-        "source": gnss.address.text,
-        "system": gnss.decoder.system,
-        **seen,
+        "source": gnss.address.text, "system": gnss.decoder.system, **seen,
         "height_above": "ellipsoid" if site.is_ellipsoidal else "mean sea level",
-        "horizontal_std_m": site.horizontal_std,
-        "vertical_std_m": site.vertical_std,
-        "fixes": site.fixes,
-        "utc": None if now is None else now.isoformat(),
-        "stated_by_operator": stated,
+        "horizontal_std_m": site.horizontal_std, "vertical_std_m": site.vertical_std, "fixes": site.fixes,
+        "utc": None if now is None else now.isoformat(), "stated_by_operator": stated,
         "warnings": _warnings(site, seen, stated),
-    }
+    }  # fmt: skip
     known = {name: value for name, value in values.items() if value not in (None, [], {})}
     replace_file(folder / GNSS_FILE, (json.dumps(known, indent=1) + "\n").encode())
 
@@ -181,24 +176,16 @@ def check_port(url: str, seconds: float = PORT_LOOK_S) -> PortCheck:
     bad = counters.bad_crc + counters.bad_length
     remedies = _remedies(seen, bad)
     return PortCheck(
-        url=url,
-        is_good=not remedies,
-        format=seen.format,
-        model=seen.model or "",
-        serial=seen.serial or "",
-        output="rate" if isinstance(seen.samples, RateBlock) else "increments",
-        rate_hz=seen.rate_hz,
-        frames=seen.frames,
-        bad_frames=bad,
-        noise=noise_in_words(seen.samples, seen.rate_hz),
+        url=url, is_good=not remedies, format=seen.format, model=seen.model or "", serial=seen.serial or "",
+        output="rate" if isinstance(seen.samples, RateBlock) else "increments", rate_hz=seen.rate_hz,
+        frames=seen.frames, bad_frames=bad, noise=noise_in_words(seen.samples, seen.rate_hz),
         text="; ".join(remedies) or "the frames are correct",
-    )
+    )  # fmt: skip
 
 
 def check_receiver(url: str, seconds: float = LISTEN_S) -> PortCheck:
     """Listen to a receiver; what is wrong stands in ``text``, with what to do. Never raises."""
     from station.device_probe import probe_gnss
-    from station.stream.gnss_feed import site_in_words
 
     try:
         feed = probe_gnss(url, seconds, RECEIVER_FIXES).feed
@@ -229,24 +216,15 @@ def noise_in_words(samples: SampleBlock, rate_hz: float | None) -> str:
 
 
 def _remedies(seen: "ImuProbe", bad: int) -> list[str]:
-    counters, remedies = seen.counters, list[str]()
-    if bad > BAD_SHARE * (seen.frames + bad):
-        remedies.append(
-            f"{bad} of {seen.frames + bad} frames are damaged, expected less than {BAD_SHARE:.0%}; check cable, "
-            f"ground and termination"
-        )
-    if counters.counter_jumps:
-        remedies.append(
-            f"frames are missing at {counters.counter_jumps} places, expected none; check that the baud rate is "
-            f"high enough and nothing else reads the port"
-        )
-    if counters.bad_status:
-        remedies.append(
-            f"the device reports a fault in {counters.bad_status} of {seen.frames} frames, expected none; "
-            f"let it warm up, or see its manual"
-        )
-    if seen.silent:
-        remedies.append(seen.silent)
-    if missing := sorted(ALL_CHANNELS - seen.channels):
-        remedies.append(f"{seen.format} sends no {', '.join(missing)}, expected six channels; {RECORD_INSTEAD}")
-    return remedies
+    missing, jumps, faults = ALL_CHANNELS - seen.channels, seen.counters.counter_jumps, seen.counters.bad_status
+    problems = {
+        f"{bad} of {seen.frames + bad} frames are damaged, expected less than {BAD_SHARE:.0%}; check cable, "
+        "ground and termination": bad > BAD_SHARE * (seen.frames + bad),
+        f"frames are missing at {jumps} places, expected none; check that the baud rate is high enough and "
+        "nothing else reads the port": jumps,
+        f"the device reports a fault in {faults} of {seen.frames} frames, expected none; let it warm up, or see "
+        "its manual": faults,
+        seen.silent: seen.silent,
+        f"{seen.format} sends no {', '.join(sorted(missing))}, expected six channels; {RECORD_INSTEAD}": missing,
+    }
+    return [text for text, is_so in problems.items() if is_so]

@@ -66,10 +66,8 @@ def _software() -> str:
     return software_version()
 
 
-NEVER_DETERMINED = (
-    "gyroscope.bias_12_position",
-    "gyroscope.bias_two_direction",
-)  # closed forms of accelerometers alone
+# closed forms of accelerometers alone
+NEVER_DETERMINED = ("gyroscope.bias_12_position", "gyroscope.bias_two_direction")
 NO_COMMIT = "the station runs neither from a checkout nor from an installed wheel"
 StateAndText = tuple[ReadyState, str]  # of a line
 SAYS_NONE = {"operator": "no operator", "software.commit": NO_COMMIT}
@@ -99,11 +97,9 @@ def readiness(
         lines["software"] = "lacks", NO_COMMIT
     return Readiness(
         lines=tuple(ReadyLine(name=name, state=state, text=text) for name, (state, text) in lines.items()),
-        can_pass=None if no_pass is None else not no_pass,
-        no_pass=no_pass or "",
-        can_certify=not no_certificate,
-        no_certificate=no_certificate,
-    )
+        can_pass=None if no_pass is None else not no_pass, no_pass=no_pass or "",
+        can_certify=not no_certificate, no_certificate=no_certificate,
+    )  # fmt: skip
 
 
 def _no_pass(model: str, check: PortCheck | None, known: PriorKnowledge) -> str | None:

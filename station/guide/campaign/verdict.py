@@ -48,22 +48,14 @@ def verdict_view(results: "CampaignResults", database: Database) -> Verdict:
     left_out = read_left_out(results.folder)
     moved = {} if previous is None else shifts(applied(found), parameters(previous))
     verdict = Verdict(
-        word=results.outcome.word,
-        in_words=results.outcome.in_words,
-        sentence=results.outcome.sentence,
-        doubt=results.doubt,
-        status=results.status,
-        status_reason=results.status_reason,
-        worst_residual=worst_residual(results.solution.residuals),
-        change=change_in_words(moved, previous),
-        diagnosis=verdict_sentence(results.diagnosis),
-        diagnosis_text=diagnosis_text(results.diagnosis),
+        word=results.outcome.word, in_words=results.outcome.in_words, sentence=results.outcome.sentence,
+        doubt=results.doubt, status=results.status, status_reason=results.status_reason,
+        worst_residual=worst_residual(results.solution.residuals), change=change_in_words(moved, previous),
+        diagnosis=verdict_sentence(results.diagnosis), diagnosis_text=diagnosis_text(results.diagnosis),
         rows=verdict_rows(found, results.outcome, moved, results.budgets),
         warnings=tuple(gap_in_words(warning, left_out) for warning in warnings_of(results.document)),
-        redo=_to_redo(results),
-        report=str(results.report_file),
-        solution=str(results.solution_file),
-    )
+        redo=_to_redo(results), report=str(results.report_file), solution=str(results.solution_file),
+    )  # fmt: skip
     return verdict_without_file_names(verdict)
 
 
@@ -110,32 +102,22 @@ def verdict_rows(
     budgets: Sequence["ParameterBudget"] = (),
 ) -> tuple[VerdictRow, ...]:
     """Return the table: what a calibration applies, then what else is limited."""
-    judged = {one.limit.parameter: one for one in outcome.judged}
-    budget = {one.name: one for one in budgets}
+    judged, budget = {one.limit.parameter: one for one in outcome.judged}, {one.name: one for one in budgets}
     names = dict.fromkeys((*applied(found), *judged))
-    return tuple(
-        _row(name, found.get(name), judged.get(name), moved.get(name), budget.get(name)) for name in names
-    )
+    return tuple(_row(n, found.get(n), judged.get(n), moved.get(n), budget.get(n)) for n in names)
 
 
 def _row(
-    name: str,
-    found: Parameter | None,
-    judged: JudgedLimit | None,
-    moved: ParameterShift | None,
+    name: str, found: Parameter | None, judged: JudgedLimit | None, moved: ParameterShift | None,
     budget: "ParameterBudget | None",
-) -> VerdictRow:
+) -> VerdictRow:  # fmt: skip
     """Return a line; its sigma is the budget's, which a guarded limit is narrowed by, if there is one."""
     value, unit = ("not measured", "") if found is None else shown(found)
     combined = found if found is None or budget is None else replace(found, std=budget.std)
     expanded = None if found is None or budget is None else replace(found, std=budget.expanded)
     return VerdictRow(
-        name=title_of(name),
-        value=value,
+        name=title_of(name), value=value, unit=unit, change="" if moved is None else str(moved),
         sigma="" if combined is None else shown_sigma(combined),
         expanded="" if expanded is None else shown_sigma(expanded),
-        unit=unit,
-        limit="" if judged is None else judged_in_words(judged),
-        verdict="" if judged is None else judged.word,
-        change="" if moved is None else str(moved),
-    )
+        limit="" if judged is None else judged_in_words(judged), verdict="" if judged is None else judged.word,
+    )  # fmt: skip

@@ -103,12 +103,7 @@ class CubeTracker:
     def show_newest(self) -> None:
         """Take what has come since the last whole second, for show only."""
         buffer, block, base = self._context.feed.buffer, self._block, self._base
-        if (
-            block is None
-            or base is None
-            or buffer.end <= block.last
-            or block.last < max(buffer.begin, buffer.first)
-        ):
+        if block is None or base is None or not max(buffer.begin, buffer.first) <= block.last < buffer.end:
             return
         newest = max(block.last, buffer.end - max(round(GRAVITY_WINDOW_S / self._context.feed.period), 1))
         accel = as_counts(buffer.block(newest, buffer.end), self._context.feed.period).accel
@@ -160,9 +155,8 @@ class CubeTracker:
             return level
         std = context.gyro_std(rest.seconds)
         turned = heading_corrected(without_heading(level), first, 0.0, 0.0)
-        off, off_std = earth_heading(
-            rate, std, turned.C_lb, context.bench.latitude, context.C_sb, k, context.known
-        )
+        bench = context.bench.latitude, context.C_sb
+        off, off_std = earth_heading(rate, std, turned.C_lb, *bench, k, context.known)
         whole = float(np.angle(np.exp(1j * (first + off))))
         return heading_corrected(level, whole, off_std, self._k_std)
 
@@ -172,9 +166,8 @@ class CubeTracker:
         self._outdated = self._outdated if position == self._outdated else 0
         if position == self._outdated or level.heading_std(self._k_std) < KNOWN_HEADING_STD:
             return level
-        return heading_corrected(
-            without_heading(level), heading_to_position(level, position), MARKS_STD, self._k_std
-        )
+        angle = heading_to_position(level, position)
+        return heading_corrected(without_heading(level), angle, MARKS_STD, self._k_std)
 
     def _moved(self, base: CubeAttitude, counts: FloatArray) -> CubeAttitude:
         """Return the cube after the ``counts`` (n, 3) of the gyros; without their scale its heading is lost."""
@@ -212,11 +205,8 @@ class CubeTracker:
             self._turned = {axes[n]: each.counts / (2 * np.pi) for n, each in context.turns.items() if n in axes}
         else:
             found = rough_scale_factor(context.known, context.bench.latitude, context.C_sb)
-            self._scale = (
-                None
-                if found is None or found[1] > ROUGH_K_STD
-                else (found[0], float(np.hypot(found[1], SCALE_SPREAD)))
-            )
+            is_sure = found is not None and found[1] <= ROUGH_K_STD
+            self._scale = (found[0], float(np.hypot(found[1], SCALE_SPREAD))) if found and is_sure else None
 
 
 class FastMoveWatch:
@@ -249,7 +239,5 @@ class FastMoveWatch:
         self._reported = begin
         context.chain.too_fast(coning)
         enough = ceil(long_enough_s(coning, (block.first - first) * period))
-        arcsec = coning / RAD_PER_ARCSEC
-        context.event_log.say(
-            "still", f"moved too fast: {arcsec:.0f} arcsec of coning; at least {enough} s for a flip"
-        )
+        found = f"{coning / RAD_PER_ARCSEC:.0f} arcsec of coning"
+        context.event_log.say("still", f"moved too fast: {found}; at least {enough} s for a flip")

@@ -11,11 +11,8 @@ from station.stream.recorder.sample_buffer import SampleBuffer
 
 MAX_MOVE_S = 600.0  # s of rows that are kept from step to step, which bounds the memory that a break takes
 MIN_MOVE_S = 1.0  # s; a turn that follows a turn at once leaves no move between them
-LOST, RESTARTED, LONG = (
-    "samples were lost",
-    "the data stream restarted",
-    f"it took more than {MAX_MOVE_S / 60:.0f} min",
-)
+LOST, RESTARTED = "samples were lost", "the data stream restarted"
+LONG = f"it took more than {MAX_MOVE_S / 60:.0f} min"
 SWITCHED, INTERRUPTED = "the unit was switched off and on", "the campaign was interrupted"
 DEAD = "a channel was dead during the transfer"
 SAME, UNEVEN = "the step before was recorded again", "its samples did not arrive at the unit's period"

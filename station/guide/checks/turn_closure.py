@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from procedures.arrays import FloatArray
 from procedures.bench.seating_check import (
     Closing,
     TurnCounts,
@@ -92,9 +93,8 @@ class TurnClosures:
             Choice(key=TURN_AGAIN, title=again),
             Choice(key=WIDEN_CLOSURE, title=f"accept them: closure error {wide:.2g} deg (u), not {stated:.2g}"),
         )
-        return OperatorQuestion(
-            text=f"The rotations about {axis.upper()} do not meet the stated closure error.", choices=choices
-        )
+        text = f"The rotations about {axis.upper()} do not meet the stated closure error."
+        return OperatorQuestion(text=text, choices=choices)
 
 
 def agreement_in_words(seen: TurnCounts, partner: TurnCounts | None, closure_std: float) -> str:
@@ -111,11 +111,7 @@ def earth_rate_text(change: tuple[float, float] | None) -> str:
 
 
 def heading_moved(
-    before: CertainDwell,
-    after: CertainDwell,
-    latitude: float,
-    C_sb: np.ndarray[tuple[int, int], np.dtype[np.float64]],
-    k: float,
+    before: CertainDwell, after: CertainDwell, latitude: float, C_sb: FloatArray, k: float
 ) -> tuple[float, float] | None:
     """Return the change of heading [deg], counter-clockwise, with 1 sigma; None where it is not determined.
 

@@ -177,11 +177,11 @@ class DwellStage(RestRecording):
         shown = self._progress(step, step_title(step) if self.is_known else f"{step_title(step)}?")
         if self._question and self._dwelling.is_complete:
             shown["hint"] = "recorded; it is accepted when the heading of the cube is known"
-        return shown | {
-            "question": self._question, "position": self._position,
-            "heading": self._how or "measuring the Earth rate",
+        gates = {
+            "position": self._position, "heading": self._how or "measuring the Earth rate",
             "seating": self._seat.words, "is_seated": not self._seat.is_to_lift,
         }  # fmt: skip
+        return shown | {"question": self._question, "gates": gates}
 
     @property
     def _is_along_marks(self) -> bool:
@@ -290,7 +290,7 @@ class FreeAttitudeStage(RestRecording):
         return self._again("the data stream was interrupted; the recording starts again", must_move=False)
 
     def shown(self) -> dict[str, Any]:
-        return self._progress(self._step, step_title(self._step)) | {"is_free": True}
+        return self._progress(self._step, step_title(self._step)) | {"gates": {"is_free": True}}
 
     @property
     def _up(self) -> FloatArray:

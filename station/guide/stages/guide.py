@@ -152,33 +152,23 @@ class Guide:
         """Return ``base`` with everything filled in that the guide knows."""
         context = self.context
         shown = {"hint": "", "live": ""} | self._stage.shown()
-        extras = {
-            key: shown.pop(key)
-            for key in ("position", "heading", "seating", "is_seated", "is_free")
-            if key in shown
-        }
+        gates = shown.pop("gates", {})
         if self._heading.text:
             shown["hint"] = self._heading.text
         if self._is_paused:
             shown |= {"stage": "paused", "line": "paused: nothing is recorded", "hint": "p goes on"}
         if self.trouble:
             shown |= {"line": self._remedy, "hint": self.trouble}
-        return base.model_copy(
-            update=shown
-            | {
-                "steps": context.checklist.views(shown["live"]),
-                "wanted": wanted.name if (wanted := context.checklist.wanted) else "",
-                "can_redo": context.checklist.latest,
-                "can_do_more": context.planner is not None and wanted is None,
-                "remaining_s": max(context.checklist.remaining_s() - shown.get("accepted_s", 0.0), 0.0),
-                "gates": None if self.trouble else self._gates(extras),
-                "pose": None if self.trouble else self._pose(),
-                "link": self._link(),
-                "limits": self._limits(shown),
-                "events": context.event_log.events,
-                "time_s": self._time_s,
-            }
-        )
+        checklist, wanted = context.checklist, context.checklist.wanted
+        shown |= {
+            "steps": checklist.views(shown["live"]), "wanted": wanted.name if wanted else "",
+            "can_redo": checklist.latest, "can_do_more": context.planner is not None and wanted is None,
+            "remaining_s": max(checklist.remaining_s() - shown.get("accepted_s", 0.0), 0.0),
+            "gates": None if self.trouble else self._gates(gates),
+            "pose": None if self.trouble else self._pose(), "link": self._link(), "limits": self._limits(shown),
+            "events": context.event_log.events, "time_s": self._time_s,
+        }  # fmt: skip
+        return base.model_copy(update=shown)
 
     @property
     def _may_stand_wrong(self) -> bool:
@@ -190,26 +180,23 @@ class Guide:
     def _is_recording(self) -> bool:
         return isinstance(self._stage, DwellStage | TurnStage | FreeAttitudeStage)
 
-    def _gates(self, extras: dict[str, object]) -> GatesView | None:
+    def _gates(self, known: dict[str, object]) -> GatesView | None:
+        """Return both gates, with what the stage says of them."""
         if (look := self._look) is None or (isinstance(self._stage, TurnStage) and self._stage.is_moving):
             return None
         limit = STILL_NOISE_RATIO**0.5
         gates = GatesView(
             face=look.face, off_deg=look.off_deg, limit_deg=self.context.gate.limit_deg,
-            is_right_face=look.is_upright and self._has_work(look.face),
+            is_right_face=look.is_upright and self.context.checklist.has_work(look.face),
             is_wanted_face=face_wanted(self._step) in {"", look.face},
             still=look.still * limit, still_limit=limit, still_channel=look.channel, is_still=look.is_still,
             position=self.context.position,
         )  # fmt: skip
-        if extras.get("is_free"):
-            is_apart = (
-                nearest_deg(self.context.gate.way_up(self._accel), self.context.tilts_taken()) >= MIN_APART_DEG
-            )
-            extras = extras | {
-                "is_right_face": look.off_deg >= MIN_APART_DEG and is_apart,
-                "limit_deg": MIN_APART_DEG,
-            }
-        return gates.model_copy(update=extras)
+        if known.get("is_free"):
+            apart = nearest_deg(self.context.gate.way_up(self._accel), self.context.tilts_taken())
+            is_apart = min(look.off_deg, apart) >= MIN_APART_DEG
+            known = known | {"is_right_face": is_apart, "limit_deg": MIN_APART_DEG}
+        return gates.model_copy(update=known)
 
     def _limits(self, shown: dict[str, Any]) -> tuple[LimitView, ...]:
         """Return how far each sigma is that is wanted or limited, with the dwell under way."""
@@ -229,12 +216,6 @@ class Guide:
         pose = pose_view(self._tracker, self.context, self._step)
         is_turning = isinstance(self._stage, TurnStage) and self._stage.is_moving
         return pose.model_copy(update={"text": "", "turn_deg": None}) if pose and is_turning else pose
-
-    def _has_work(self, face: str) -> bool:
-        checklist = self.context.checklist
-        wanted = checklist.wanted
-        turns_here = getattr(wanted, "axis", None) is not None and face == f"{getattr(wanted, 'axis', '')}_up"
-        return bool(checklist.open_dwells(face) or checklist.open_soak(face)) or turns_here
 
     def _link(self) -> LinkView:
         feed = self.context.feed
@@ -267,9 +248,8 @@ class Guide:
         if step is None or not self.context.checklist.redo(name):
             self.context.event_log.say("", "nothing to repeat yet")
             return
-        self.context.event_log.say(
-            "", f"{step_title(step)} will be recorded again; the earlier recording is used until then"
-        )
+        until = "will be recorded again; the earlier recording is used until then"
+        self.context.event_log.say("", f"{step_title(step)} {until}")
         self._look_again()
 
     def _look_again(self) -> None:

@@ -129,9 +129,7 @@ class FiltersAtRest:
         for block in self._waiting:
             if block.is_broken:
                 self._filters.reset()
-            elif (
-                self._end is not None
-            ):  # the attitude is unchanged: for a filter the discarded seconds do not exist
+            elif self._end is not None:  # the attitude is unchanged: for a filter discarded seconds do not exist
                 self._discarded_s += (block.first - self._end) * period
             self._end = block.last
             for at in range(block.first, block.last, size):
@@ -154,17 +152,15 @@ class FiltersAtRest:
         C = ENU_NED @ nominal_C_lb(self._step.position) @ context.C_sb.T
         counts = feed.wire.output == "increments"
         self._sensors = Sensors(applied.document, applied.nominal, C, feed.period, counts=counts)
-        self._rest = ErrorAtRest(
-            context.recorder.gravity, context.bench.latitude, 0.0, self._sensors.quantum(TICK_S)
-        )
+        gravity, latitude = context.recorder.gravity, context.bench.latitude
+        self._rest = ErrorAtRest(gravity, latitude, 0.0, self._sensors.quantum(TICK_S))
         quantum = self._sensors.quantum(feed.period)
 
         def settings(log: AttitudeLog, knows_heading: bool) -> KalmanSettings:
-            gravity, latitude = context.recorder.gravity, context.bench.latitude
             return filter_settings(applied.document, "none", log, gravity, latitude, knows_heading, quantum)
 
         joint = AttitudeEstimator("none", settings, 0.0)
-        self._filters = LiveFilters(self._step.filters, "none", joint, applied.document, context.recorder.gravity)
+        self._filters = LiveFilters(self._step.filters, "none", joint, applied.document, gravity)
         self.calibration = applied.in_use.text
         return True
 

@@ -77,7 +77,7 @@ class PlacementStage(Stage):
         what = instruction(step, way=tilt or (1, 1, 0)) if step else "all steps are done"
         hint = self._why or (self._hint if not self._must_move else "")
         shown: dict[str, Any] = {"stage": "place", "line": what, "hint": hint}
-        shown |= {"tilt": tilt, "is_free": self._is_free}
+        shown |= {"tilt": tilt, "gates": {"is_free": self._is_free}}
         if step and not is_known:
             shown |= {"stage": "settle", "line": LEARNING, "hint": self._why}
         elif self._is_placed:
@@ -85,8 +85,8 @@ class PlacementStage(Stage):
             if isinstance(step, Turn) and self._face == face_of(step.start_position):
                 shown["line"] = rest_before(step)
         if self._context.off_seat:  # one thing at a time: not where it is to go next
-            shown |= {"line": SET_DOWN_AGAIN, "hint": _without_instruction(self._why)}
-            shown |= {"is_seated": False, "seating": _without_instruction(self._why)}
+            why = self._why.removesuffix("; lift, wipe, set down")  # which stands above it
+            shown |= {"line": SET_DOWN_AGAIN, "hint": why, "gates": {"is_seated": False, "seating": why}}
         return shown
 
     def _stands(self, look: BlockLook) -> bool:
@@ -99,10 +99,7 @@ class PlacementStage(Stage):
 
     def _has_work(self, look: BlockLook) -> bool:
         """Say whether something is to do as the cube rests now."""
-        step, checklist = self._context.checklist.wanted, self._context.checklist
-        if self._is_free or (isinstance(step, Turn) and face_of(step.start_position) == look.face):
-            return True
-        return bool(checklist.open_dwells(look.face) or checklist.open_soak(look.face))
+        return self._is_free or self._context.checklist.has_work(look.face)
 
     def _stays(self, block: Block, look: BlockLook) -> bool:
         """Say whether the cube is still where it was put: neither lifted nor tipped nor turned away."""
@@ -121,11 +118,8 @@ class PlacementStage(Stage):
             return False
         if self._is_free or not position:  # tilted as requested: accepted without another placement
             return self._is_free
-        if (
-            isinstance(step, Dwell)
-            and step.repeat
-            and self._context.checklist.latest in self._context.accepted_dwells
-        ):
+        was_dwell = self._context.checklist.latest in self._context.accepted_dwells
+        if isinstance(step, Dwell) and step.repeat and was_dwell:
             return False  # a seating of its own
         if isinstance(step, Soak):
             return look.face == step.face and step.position in {0, position}
@@ -152,9 +146,7 @@ class PlacementStage(Stage):
             return MonitorStage(context, soak, self._again)
         if soak and (soak == step or not dwells):
             return DwellStage(context, face, [soak], self._again)
-        if dwells:
-            return DwellStage(context, face, dwells, self._again)
-        return self._wrong(face)
+        return DwellStage(context, face, dwells, self._again) if dwells else self._wrong(face)
 
     def _again(self, why: str, *, must_move: bool) -> Stage:
         if why:
@@ -162,22 +154,9 @@ class PlacementStage(Stage):
         return PlacementStage(self._context, must_move=must_move, why=why if must_move else "")
 
     def _wrong(self, face: str) -> Stage:
-        turns = [each for each in open_turns(self._context) if face_of(each.start_position) == face]
-        left = (
-            f"{step_title(turns[0])} follows later, or choose it now"
-            if turns
-            else "nothing remains to be done there"
-        )
-        why = f"{face_in_words(face)}: {'its positions are done; ' if turns else ''}{left}"
-        return self._again(why, must_move=True)
-
-
-def open_turns(context: StageContext) -> list[Turn]:
-    """Return the turns that are to be done."""
-    checklist = context.checklist
-    return [step for step in checklist.steps if isinstance(step, Turn) and checklist.is_open(step)]
-
-
-def _without_instruction(why: str) -> str:
-    """Return why a seat is no good without the instruction, which stands above it."""
-    return why.removesuffix("; lift, wipe, set down")
+        left = "nothing remains to be done there"
+        for step in self._context.checklist.open_steps:
+            if isinstance(step, Turn) and face_of(step.start_position) == face:
+                left = f"its positions are done; {step_title(step)} follows later, or choose it now"
+                break
+        return self._again(f"{face_in_words(face)}: {left}", must_move=True)

@@ -56,7 +56,6 @@ class NextStage(Protocol):
 
     def __call__(self, why: str, *, must_move: bool) -> Stage:
         """Return the stage."""
-        ...
 
 
 class QuestionStage(Stage):

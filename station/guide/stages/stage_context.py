@@ -169,11 +169,9 @@ class StageContext:
         for again in turns_to_repeat(found, step):
             self.checklist.redo(again)
         if not self.bench.asks and self.closings.is_unresolvable(step.axis):
-            wide = np.degrees(self.closings.found_std(step.axis))
-            remedy = f"check marks and stop, or state a closure error of {wide:.2g} deg"
-            raise DataRefused(
-                "hand turns", None, why, f"closures of {np.degrees(stated):.2g} deg", remedy, ErrorCode.PROCEDURE
-            )
+            wide, expected = self.closings.found_std(step.axis), f"closures of {np.degrees(stated):.2g} deg"
+            remedy = f"check marks and stop, or state a closure error of {np.degrees(wide):.2g} deg"
+            raise DataRefused("hand turns", None, why, expected, remedy, ErrorCode.PROCEDURE)
 
     def widen_closure(self, axis: str) -> None:
         """State the closure that the turns about an axis show, as the operator's act; they stand as they are."""
@@ -182,9 +180,8 @@ class StageContext:
         for step in self.checklist.steps:
             if isinstance(step, Turn) and step.axis == axis:
                 self.checklist.keep(step.name)
-        self.event_log.say(
-            "", f"closure error is now {np.degrees(now):.2g} deg (u); this is recorded, and uncertainties increase"
-        )
+        text = f"closure error is now {np.degrees(now):.2g} deg (u)"
+        self.event_log.say("", f"{text}; this is recorded, and uncertainties increase")
 
     def accept(
         self,

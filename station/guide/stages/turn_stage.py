@@ -22,13 +22,7 @@ from station.guide.checks.turn_closure import (
 from station.guide.stages.stage import NEITHER, OTHER_WAY, TAKE, NextStage, Stage, which_position, which_turn
 from station.guide.stages.stage_context import StageContext
 from station.guide.view import OperatorQuestion, TurnView
-from station.guide.wording import (
-    rest_before,
-    step_title,
-    times_in_words,
-    turn_instruction,
-    turn_sense,
-)
+from station.guide.wording import rest_before, step_title, times_in_words, turn_instruction, turn_sense
 from station.stream.live.rotation_detection import RotationDetector
 from station.stream.live.stillness import Block, runs_of_blocks
 
@@ -73,13 +67,12 @@ class TurnStage(Stage):
         self._rested.append(block)
         if why := self._wrong_heading():
             return self._again(why, must_move=True)
-        if self._position and self._watch.rested_s >= self._watch.rest_blocks - 0.5:
+        if self._position and self._is_rested:
             if why := self._seat.judged(runs_of_blocks(self._watch.rests[0], None), self._step.start_position):
                 return self._again(why, must_move=True)
             self._is_ready = True
-            self._context.event_log.say(
-                "start", f"turn now: {times_in_words(self._step)} {turn_sense(self._step)}"
-            )
+            how = f"{times_in_words(self._step)} {turn_sense(self._step)}"
+            self._context.event_log.say("start", f"turn now: {how}")
         return self
 
     def interrupted(self) -> Stage:
@@ -101,7 +94,7 @@ class TurnStage(Stage):
 
     def shown(self) -> dict[str, Any]:
         watch = self._watch
-        per_degree = self._context.rough_gyro_k(watch.rest_rate) * np.pi / 180
+        per_degree = self._gyro_k * np.pi / 180
         turn = TurnView(
             revolutions=0.0 if self._is_wrong_way else self._revolutions(),
             wanted=self._step.revolutions,
@@ -122,7 +115,7 @@ class TurnStage(Stage):
                 hint = f"wrong direction: turn {turn_sense(self._step)}, seen from above"
         return {
             "stage": "turn", "live": self._step.name, "line": line, "hint": hint, "turn": turn,
-            "question": self._question, "position": self._position, "seating": self._seat.words,
+            "question": self._question, "gates": {"position": self._position, "seating": self._seat.words},
         }  # fmt: skip
 
     @property
@@ -135,16 +128,16 @@ class TurnStage(Stage):
     def _question(self) -> OperatorQuestion | None:
         if self._asks_of_closing:
             return self._context.closings.question(self._step.axis)
-        if (
-            self._is_wrong_way
-            and self._takes_other is None
-            and (other := self._other)
-            and self._context.bench.asks
-        ):
+        asks = self._context.bench.asks
+        if asks and self._is_wrong_way and self._takes_other is None and (other := self._other):
             return which_turn(self._step, other)
-        if self._position or not self._context.bench.asks or self._watch.rested_s < self._watch.rest_blocks - 0.5:
+        if self._position or not asks or not self._is_rested:
             return None
         return which_position(face_of(self._step.start_position))
+
+    @property
+    def _is_rested(self) -> bool:
+        return self._watch.rested_s >= self._watch.rest_blocks - 0.5
 
     @property
     def _is_round(self) -> bool:
@@ -159,18 +152,20 @@ class TurnStage(Stage):
         if context.turns:
             return ""
         found = abs(self._revolutions())
-        if (
-            rough_scale_factor(context.known, context.bench.latitude, context.C_sb) is None
-            or round(found) == wanted
-        ):
+        k = rough_scale_factor(context.known, context.bench.latitude, context.C_sb)
+        if k is None or round(found) == wanted:
             return ""
         return f"about {found:.1f} revolutions were made, expected {wanted}"
 
     def _revolutions(self) -> float:
         """Return how far it has turned since it began to move."""
-        if not self._watch.is_moving:
-            return 0.0
-        return self._watch.turned_counts / (2 * np.pi * self._context.rough_gyro_k(self._watch.rest_rate))
+        watch = self._watch
+        return watch.turned_counts / (2 * np.pi * self._gyro_k) if watch.is_moving else 0.0
+
+    @property
+    def _gyro_k(self) -> float:
+        """The gyros' scale factor [count/rad], roughly."""
+        return self._context.rough_gyro_k(self._watch.rest_rate)
 
     def _wrong_heading(self) -> str:
         """Find where the cube stands; say what is wrong with it."""
@@ -180,7 +175,7 @@ class TurnStage(Stage):
             found = context.heading(rate, len(self._rested), face_of(step.start_position))
             if found.is_sure:
                 self._position = found.position or -1
-            elif not context.bench.asks and self._watch.rested_s >= self._watch.rest_blocks - 0.5:
+            elif not context.bench.asks and self._is_rested:
                 self._position = step.start_position
         if self._position in {0, step.start_position}:
             return ""
@@ -196,16 +191,13 @@ class TurnStage(Stage):
         if watch.is_moving:
             context.moved()
             self._is_back |= bool(watch.rested_s) and self._is_round
+        if self._is_wrong_way and (why := self._other_way()):
+            return self._again(why, must_move=False)
         if self._is_wrong_way:
-            if why := self._other_way():
-                return self._again(why, must_move=False)
-            if self._is_wrong_way:
-                return self
-        if look.is_still and look.face != face_of(self._step.start_position):
-            return self._again(f"{step_title(self._step)}: the cube was tipped over; repeat", must_move=False)
-        if not watch.is_over:
             return self
-        return self._over()
+        if look.is_still and look.face != face_of(self._step.start_position):
+            return self._repeated("the cube was tipped over")
+        return self._over() if watch.is_over else self
 
     def _over(self) -> Stage:
         """Judge the whole turn."""
@@ -214,12 +206,11 @@ class TurnStage(Stage):
             context.event_log.say("still", "touched before the rotation: keep your hands off")
             return self._again("", must_move=False)
         if why := watch.fault() or self._wrong_count():
-            return self._again(f"{step_title(self._step)}: {why}; repeat", must_move=False)
+            return self._repeated(why)
         change = self._heading_moved()
         closure_deg = np.degrees(context.closings.closure_std)
         if change is not None and abs(change[0]) > GROSS_SIGMAS * np.hypot(change[1], closure_deg):
-            why = f"closure error {abs(change[0]):.1f} deg (u = {change[1]:.1f} deg)"
-            return self._again(f"{step_title(self._step)}: {why}; repeat", must_move=False)
+            return self._repeated(f"closure error {abs(change[0]):.1f} deg (u = {change[1]:.1f} deg)")
         before, after = (rest_rates(context, self._step.start_position, each) for each in self._rests)
         if why := tilt_change(before, after):
             return self._again(f"{step_title(self._step)}: {why}; lift, wipe, rotate again", must_move=True)
@@ -231,6 +222,9 @@ class TurnStage(Stage):
             remember_rests(context, self._step, before, after)
         context.position = 0 if self._is_touched else self._step.start_position
         return self._again("", must_move=not self._is_touched)
+
+    def _repeated(self, why: str) -> Stage:
+        return self._again(f"{step_title(self._step)}: {why}; repeat", must_move=False)
 
     @property
     def _is_wrong_way(self) -> bool:
@@ -278,8 +272,8 @@ class TurnStage(Stage):
         context, (before, after) = self._context, self._rests
         if not before or not after:
             return None
-        k = context.rough_gyro_k(self._watch.rest_rate)
-        return heading_moved(self._known(before), self._known(after), context.bench.latitude, context.C_sb, k)
+        known = self._known(before), self._known(after)
+        return heading_moved(*known, context.bench.latitude, context.C_sb, self._gyro_k)
 
     def _known(self, blocks: list[Block]) -> CertainDwell:
         rate = np.mean([block.rate[:3] for block in blocks], axis=0)

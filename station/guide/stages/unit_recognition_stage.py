@@ -10,6 +10,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from procedures.arrays import FloatArray
 from procedures.frames import AXES
 from station.files.campaign_folder.plan_file import UnitRecord
 from station.guide.checks.face_and_stillness import BlockLook
@@ -23,9 +24,7 @@ from station.stream.live.stillness import MIN_VARIANCE, TICKS_PER_BLOCK, Block
 MAX_ACCELEROMETER_CHANGE = 1e-3  # of g: turn-on repeatability of bias and scale factor together
 MAX_GYROSCOPE_CHANGE = 0.3  # of the greatest gyro rate at rest
 MAX_NOISE_RATIO = 2.0  # ratio of sigmas
-MAX_PERIOD_DIFFERENCE = (
-    2e-2  # relative: where a device sends no time it was measured for 3 s, by a busy machine to 1 %
-)
+MAX_PERIOD_DIFFERENCE = 2e-2  # relative: without device time it was measured for 3 s, by a busy machine to 1 %
 
 
 class Sameness(NamedTuple):
@@ -61,25 +60,19 @@ def same_unit(before: UnitRecord, now: UnitRecord) -> Sameness:
     return Sameness("yes", "it sends no serial number, but its rates and noise match the first dwell")
 
 
-def _face(rate: np.ndarray[tuple[int], np.dtype[np.float64]]) -> str:
+def _face(rate: FloatArray) -> str:
     upright = int(np.argmax(np.abs(rate[3:])))
     return f"IMU {AXES[upright]} {'up' if rate[3 + upright] > 0 else 'down'}"
 
 
-def _differences(*arrays: np.ndarray[tuple[int], np.dtype[np.float64]]) -> list[str]:
-    """Say what differs more than switching off and on explains; arrays (6,): rates now, then, noise now, then."""
-    rate, other, noise, other_noise = arrays
+def _differences(rate: FloatArray, other: FloatArray, noise: FloatArray, other_noise: FloatArray) -> list[str]:
+    """Say what differs more than switching off and on explains; all (6,), ``other`` are those of before."""
     upright = int(np.argmax(np.abs(other[3:])))
     shift = (rate - other)[3:] / abs(other[3 + upright])
-    parts = [
-        f"accelerometer {AXES[i]} by {shift[i] * 1e3:+.1f} mg"
-        for i in range(3)
-        if abs(shift[i]) > MAX_ACCELEROMETER_CHANGE
-    ]
-    turn_on = MAX_GYROSCOPE_CHANGE * np.abs(other[:3]).max() + 5 * np.sqrt(
-        TICKS_PER_BLOCK * (noise + other_noise)[upright]
-    )
-    if abs(rate[upright] - other[upright]) > turn_on:
+    moved = np.flatnonzero(np.abs(shift) > MAX_ACCELEROMETER_CHANGE).tolist()
+    parts = [f"accelerometer {AXES[i]} by {shift[i] * 1e3:+.1f} mg" for i in moved]
+    sigma = np.sqrt(TICKS_PER_BLOCK * (noise + other_noise)[upright])
+    if abs(rate[upright] - other[upright]) > MAX_GYROSCOPE_CHANGE * np.abs(other[:3]).max() + 5 * sigma:
         parts.append(f"gyro {AXES[upright]} {rate[upright]:.4g} instead of {other[upright]:.4g} counts/s")
     ratio = np.sqrt(noise / other_noise)
     for i in np.flatnonzero((ratio > MAX_NOISE_RATIO) | (ratio < 1 / MAX_NOISE_RATIO)).tolist():
@@ -133,8 +126,7 @@ class UnitRecognitionStage(Stage):
         found = same_unit(self._before, self._before.model_copy(update={**seen, "serial_from_wire": False}))
         if not self._context.bench.asks:
             if found.answer != "yes":
-                raise UnitChanged(
-                    self._context.feed.address.name, f"a unit that {found.text}", self._before.serial
-                )
+                other = f"a unit that {found.text}"
+                raise UnitChanged(self._context.feed.address.name, other, self._before.serial)
             self._answer = "y"
         self._text = f"It sends no serial number; {found.text}."

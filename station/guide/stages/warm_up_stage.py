@@ -97,10 +97,9 @@ class WarmUpStage(Stage):
 
     def _figures(self, state: WarmUpState) -> dict[str, object]:
         left = None if state.left_s is None else state.left_s - (self._now - self._stated)
+        is_known = left is not None and left >= MIN_SHOWN_LEFT_S  # else it is over, and goes on
         shown: dict[str, object] = {
-            "left_s": left
-            if left is not None and left >= MIN_SHOWN_LEFT_S
-            else None,  # over, and it goes on: nobody knows
+            "left_s": left if is_known else None,
             "temperature_rate_c_min": _per_minute(state.temperature_rate),
             "temperature_limit_c_min": _per_minute(state.temperature_limit),
         }
@@ -138,9 +137,8 @@ class WarmUpStage(Stage):
         found = dwell_seconds(noise, k, wanted)
         context.set_dwell(found.seconds)
         wish = "" if found.is_reached else f", {wanted * UG_PER_G:.2g} ug cannot be reached"
-        known = f"{found.bias_std_g * UG_PER_G:.2g} ug"
-        text = f"each dwell lasts {found.seconds:.0f} s, for a bias known to {known}{wish}"
-        context.event_log.say("", text)
+        text = f"each dwell lasts {found.seconds:.0f} s, for a bias known to {found.bias_std_g * UG_PER_G:.2g} ug"
+        context.event_log.say("", text + wish)
 
 
 def waits_for(warm: WarmUpView) -> str:

@@ -16,7 +16,7 @@ from station.guide.view import CalibrationView, CommandVerb, OperatorCommand
 from station.tui.screens.framed_screen import StageScreen
 from station.tui.screens.modals import ReadyLines, ReadyScreen
 from station.tui.widgets.common import duration_in_words
-from station.tui.widgets.setup_entries import seconds_needed
+from station.tui.widgets.setup_entries import MISSING, seconds_needed
 from station.tui.widgets.setup_form import SetupForm, SetupInput
 
 START_HELP = (
@@ -27,13 +27,7 @@ START_HELP = (
 )
 CONSIDER_S = 0.2  # after the last letter
 LOOK_VERBS: dict[str, CommandVerb] = {"url": "check", "gnss": "listen"}  # what looks at the address in a field
-
-
-UNFINISHED_STATES = {
-    "free": "▶ resume: Enter",
-    "in use": "✗ in use elsewhere",
-    "not here": "✗ its folder is not here",
-}
+STATES = {"free": "▶ resume: Enter", "in use": "✗ in use elsewhere", "not here": "✗ its folder is not here"}
 
 
 class UnfinishedList(OptionList):
@@ -54,10 +48,8 @@ class UnfinishedList(OptionList):
             return
         self.campaigns = campaigns
         self.display = bool(campaigns)
-        self.set_options(
-            Option(Content(f"{c.title:50} {UNFINISHED_STATES[c.state]}"), disabled=c.state != "free")
-            for c in campaigns
-        )
+        lines = ((Content(f"{c.title:50} {STATES[c.state]}"), c.state != "free") for c in campaigns)
+        self.set_options(Option(line, disabled=is_disabled) for line, is_disabled in lines)
         self.highlighted = next((i for i, c in enumerate(campaigns) if c.state == "free"), None)
 
     @property
@@ -176,7 +168,7 @@ class StartScreen(StageScreen):
 
     def _changed(self, name: str) -> None:
         problem = self.form.problems().get(name, "")
-        self._typed = "" if problem.startswith("is needed") else self._named(name, problem)
+        self._typed = "" if problem.startswith(MISSING) else self._named(name, problem)
         self.form.show_looks()
         self._say()
         if not self._waits:
@@ -192,9 +184,9 @@ class StartScreen(StageScreen):
 
     def _all_named(self, found: Mapping[str, str]) -> str:
         """Say what is wrong; of several that are missing only the labels."""
-        missing = [name for name, problem in found.items() if problem.startswith("is needed")]
+        missing = [name for name, problem in found.items() if problem.startswith(MISSING)]
         labels = [self.form.fields[name].entry.label for name in missing]
-        phrases = [f"{', '.join(labels[:-1])} and {labels[-1]} are needed"] if len(missing) > 1 else []
+        phrases = [f"{', '.join(labels[:-1])} and {labels[-1]} are required"] if len(missing) > 1 else []
         phrases += [
             self._named(name, problem) for name, problem in found.items() if not phrases or name not in missing
         ]
@@ -219,9 +211,8 @@ class StartScreen(StageScreen):
         campaign, check = self.unfinished.campaigns[event.option_index], (self.view.start or StartView()).check
         is_its = check is not None and check.is_good and check.serial in {"", campaign.serial}
         url = self.form.texts()["url"]
-        self.action_order(
-            "resume", folder=campaign.folder, url=url if is_its and check and check.url == url else ""
-        )
+        url = url if is_its and check and check.url == url else ""
+        self.action_order("resume", folder=campaign.folder, url=url)
 
     def action_look(self) -> None:
         for name in LOOK_VERBS:

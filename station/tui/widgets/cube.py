@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from textual.content import Content
 
-from procedures.positions import ATTITUDES, POSITIONS, TURN_START, face_of, position_name
+from procedures.positions import ATTITUDES, POSITIONS, TURN_START, face_of
 from station.guide.view import PoseView, StepView
 from station.tui.widgets.common import Canvas, ValueWidget
 
@@ -63,28 +63,13 @@ def start_of(step: StepView) -> int:
 
 def is_counter_clockwise(step: StepView) -> bool:
     """Return whether a turn is counter-clockwise seen from above: right-handed about the axis that points up."""
-    points_up = ATTITUDES[start_of(step) - 1]["xyz".index(step.axis)] == "U"
-    return points_up == (step.direction == "+")
-
-
-def short_step_title(step: StepView) -> str:
-    """Return a step's short name: ``position 3``, ``turn X +``."""
-    if step.is_monitor:
-        return f"monitor {step.number}"
-    if step.is_soak or step.is_free:
-        return f"{'soak' if step.is_soak else 'free position'} {step.number}"
-    again = " repeated" * bool(step.repeat) + f" ({step.repeat})" * (step.repeat > 1)
-    return (
-        f"position {position_name(step.position)}{again}"
-        if step.position
-        else f"turn {step.axis.upper()} {step.direction}"
-    )
+    return face_of(start_of(step)).endswith("up") == (step.direction == "+")
 
 
 LEFT = 1  # columns of slab left of the cube
 RIGHT = 3
 SLANT = "\u2571"  # box drawings: a diagonal from corner to corner
-SHADE = {"U": "60%", "S": "42%", "E": "26%"}  # of the axis's colour: the light comes from above
+SHADE = {"U": 60, "S": 42, "E": 26}  # % of the axis's colour: the light comes from above
 EDGE = "$foreground"
 SLAB = "$foreground 13%"
 UNKNOWN_FACE = "?"  # a face that nobody knows
@@ -119,17 +104,13 @@ class PictureSize:
         return self.depth + self.height + 1
 
 
-PICTURE_SIZES = tuple(
-    PictureSize(width=4 * depth - 2, height=4 * depth // 3, depth=depth) for depth in range(3, 13)
-)
+PICTURE_SIZES = tuple(PictureSize(4 * depth - 2, 4 * depth // 3, depth) for depth in range(3, 13))
 SMALL, LARGE = PICTURE_SIZES[0], PICTURE_SIZES[4]
 
 
 def largest_picture(columns: int, rows: int) -> PictureSize:
     """Return the largest size that fits; the smallest where none does."""
-    return max(
-        (s for s in PICTURE_SIZES if s.columns <= columns and s.rows <= rows), default=SMALL, key=lambda s: s.depth
-    )
+    return [SMALL, *(s for s in PICTURE_SIZES if s.columns <= columns and s.rows <= rows)][-1]
 
 
 def draw_cube(canvas: Canvas, faces: dict[str, str], size: PictureSize, turn: str = "") -> None:
@@ -172,10 +153,9 @@ def draw_hidden(canvas: Canvas, size: PictureSize, faces: dict[str, str]) -> Non
 
 
 def _fill(canvas: Canvas, size: PictureSize, faces: dict[str, str]) -> None:
-    shade = {way: f"{axis_colour(faces[way])} {percent}" for way, percent in SHADE.items()}
-    for way in SHADE:
-        if faces[way] == UNKNOWN_FACE:
-            shade[way] = f"$foreground {int(SHADE[way][:-1]) // 2}%"
+    unknown = {way for way in SHADE if faces[way] == UNKNOWN_FACE}
+    percents = {way: percent // 2 if way in unknown else percent for way, percent in SHADE.items()}
+    shade = {way: f"{axis_colour(faces[way])} {percent}%" for way, percent in percents.items()}
     for row in range(size.bottom + 1):
         back = max(size.depth - row, 0)
         canvas.fill(row, size.corner + back, _side_end(size, row) - size.corner - back + 1, shade["E"])
@@ -206,14 +186,11 @@ def _edges(canvas: Canvas, size: PictureSize) -> None:
 
 
 def _labels(canvas: Canvas, size: PictureSize, faces: dict[str, str]) -> None:
-    middle = LEFT + 1 + size.width // 2
-    top = size.depth // 2
-    front = size.depth + size.height // 2
-    side = (size.depth + size.height) // 2
+    middle, top = LEFT + 1 + size.width // 2, size.depth // 2
     for way, row, column in (
         ("U", top, middle + (size.depth - top)),
-        ("S", front, middle),
-        ("E", side, size.corner + 1 + size.depth // 2),
+        ("S", size.depth + size.height // 2, middle),
+        ("E", (size.depth + size.height) // 2, size.corner + 1 + size.depth // 2),
     ):
         word = DIRECTIONS[way]
         if way == "U" and size.depth < 4:  # both in one line
@@ -248,9 +225,8 @@ def draw_turned(canvas: Canvas, C_lb: Sequence[Sequence[float]], size: PictureSi
     for axis, sign in normals:
         _outline(canvas, C, axis, sign, size)
     for axis, sign in normals:
-        a, b = (_on_screen(C[:, i], size) - _on_screen(np.zeros(3), size) for i in range(3) if i != axis)
         row, column = _on_screen(sign * C[:, axis], size)
-        if abs(a[0] * b[1] - a[1] * b[0]) * 4 > MIN_NAME_COLUMNS * 2:
+        if abs(np.linalg.det(_spans(C, axis, size))) * 4 > MIN_NAME_COLUMNS * 2:
             canvas.put(round(row), round(column) - 1, _name(axis, sign), "bold $foreground")
 
 
@@ -259,20 +235,22 @@ def _on_screen(point: Floats, size: PictureSize) -> Floats:
     east, north, up = SCALE * point
     half = np.array([size.height + 1, size.width + 1]) / 2
     middle = np.array([size.bottom - half[0] - size.depth / 2, LEFT + half[1] + size.depth / 2])
-    screen: Floats = middle + np.array(
-        [-up * half[0] - north * size.depth / 2, east * half[1] + north * size.depth / 2]
-    )
+    back = north * size.depth / 2
+    screen: Floats = middle + np.array([-up * half[0] - back, east * half[1] + back])
     return screen
 
 
+def _spans(C: Floats, axis: int, size: PictureSize) -> Floats:
+    """Return the half edges (2, 2) of a face on the screen, a column each: rows and columns that they go."""
+    edges = [_on_screen(C[:, i], size) - _on_screen(np.zeros(3), size) for i in range(3) if i != axis]
+    return np.column_stack(edges)
+
+
 def _face(canvas: Canvas, C: Floats, axis: int, sign: int, size: PictureSize) -> None:
-    middle = _on_screen(sign * C[:, axis], size)
-    a, b = (_on_screen(C[:, i], size) - _on_screen(np.zeros(3), size) for i in range(3) if i != axis)
-    spans = np.column_stack((a, b))
+    normal, spans = sign * C[:, axis], _spans(C, axis, size)
     if abs(np.linalg.det(spans)) < 1e-6:
         return
-    inverse = np.linalg.inv(spans)
-    normal = sign * C[:, axis]
+    middle, inverse = _on_screen(normal, size), np.linalg.inv(spans)
     percent = round(26 + 34 * max(normal[2], 0) + 16 * max(-normal[1], 0))  # the light comes from above
     for row in range(size.rows - 1):
         for column in range(size.columns):
@@ -334,9 +312,7 @@ def _wanted(canvas: Canvas, step: StepView, size: PictureSize) -> None:
         for row, line in enumerate(TILTED_PICTURE.split("\n")):
             canvas.put(row, 1, line, "bold")
         return
-    turn = ""
-    if step.axis:
-        turn = "counter-clockwise" if is_counter_clockwise(step) else "clockwise"
+    turn = "counter-clockwise" if step.axis and is_counter_clockwise(step) else "clockwise" if step.axis else ""
     draw_cube(canvas, faces(start_of(step)), size, turn)
 
 

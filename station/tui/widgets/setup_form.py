@@ -13,7 +13,7 @@ from textual.widgets import Input, Label, Select, Static
 from station.files.campaign_setup import Setup
 from station.guide.setup_view import Choice, PortCheck, StartView
 from station.tui.widgets.common import ValueWidget
-from station.tui.widgets.setup_entries import ENTRIES, Entry, problems, setup_of, texts_of
+from station.tui.widgets.setup_entries import ENTRIES, MISSING, Entry, problems, setup_of, texts_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -280,7 +280,7 @@ class SetupForm(VerticalScroll, can_focus=False):
         found = problems(texts)
         if self._check and self._check.is_good:
             silent = [name for name in ("model", "serial") if not texts[name]]
-            found |= dict.fromkeys(silent, "is required: this device does not send it")
+            found |= dict.fromkeys(silent, f"{MISSING}: this device does not send it")
         return found
 
     def setup(self) -> Setup:
@@ -295,4 +295,4 @@ class SetupForm(VerticalScroll, can_focus=False):
         found = self.problems()
         for field in self.fields.values():
             problem = found.get(field.entry.name, "")
-            field.judge("" if problem.startswith("is needed") else problem)
+            field.judge("" if problem.startswith(MISSING) else problem)

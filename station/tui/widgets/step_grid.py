@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 from textual.content import Content
 
-from procedures.positions import POSITIONS, position_name
+from procedures.positions import POSITIONS, face_of, position_name
 from station.guide.view import StepState, StepView
 from station.tui.widgets.common import ValueWidget
-from station.tui.widgets.cube import faces, is_counter_clockwise, start_of
+from station.tui.widgets.cube import is_counter_clockwise, start_of
 
 FACE_COLUMNS = ("X up", "X down", "Y up", "Y down", "Z up", "Z down")
 TURNS = 2  # the row of the turns
@@ -93,7 +93,8 @@ def _header(steps: tuple[StepView, ...], row: int, width: int) -> str:
         return " " + ", ".join(dict.fromkeys(_kind_below(step) for step in steps if _is_below(step)))
     if row < TURNS:
         return "".join(f" {name}".ljust(width) for name in FACE_COLUMNS)
-    turns = {step.axis: f" turn {step.axis.upper()}, {_up(step)}" for step in steps if step.axis}
+    ups = {step.axis: face_of(start_of(step)).partition("_")[2] for step in steps if step.axis}
+    turns = {axis: f" turn {axis.upper()}, {axis.upper()} {up}" for axis, up in ups.items()}
     return "".join(turns.get(axis, "").ljust(2 * width) for axis in "xyz")
 
 
@@ -137,11 +138,6 @@ def _kind_below(step: StepView) -> str:
     if step.position > len(POSITIONS) and not step.number:
         return "where X, Y, Z point"
     return "s: soaks" if step.is_soak else "m: monitors" if step.is_monitor else "free positions"
-
-
-def _up(step: StepView) -> str:
-    looks = faces(start_of(step))
-    return f"{step.axis.upper()} {'up' if looks['U'].startswith('+') else 'down'}"
 
 
 def _short(step: StepView) -> str:

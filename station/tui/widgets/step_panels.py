@@ -7,9 +7,8 @@ from textual.content import Content
 from procedures.positions import position_name
 from procedures.units import S_PER_MIN
 from station.guide.view import GatesView, LimitView, MonitoredView, SoakView, StepView, TurnView, WarmUpView
-from station.guide.wording import rounded
+from station.guide.wording import rounded, step_title
 from station.tui.widgets.common import ValueWidget, against_limit, bar, duration_in_words, pointer
-from station.tui.widgets.cube import short_step_title
 
 
 class AcceptedBar(ValueWidget[tuple[float, float]]):
@@ -67,9 +66,9 @@ class MonitoredLines(ValueWidget[MonitoredView]):
             return Content.assemble((" LAWS  ", "bold"), seen.text)
         lines = [
             Content.assemble(
-                (f" {reading.name:7}", "bold"), f"roll {reading.roll_deg:+.3f} pitch {reading.pitch_deg:+.3f} deg"
+                (f" {one.name:7}", "bold"), f"roll {one.roll_deg:+.3f} pitch {one.pitch_deg:+.3f} deg"
             )
-            for reading in seen.filters
+            for one in seen.filters
         ]
         if seen.difference_deg is not None:
             lines.append(Content.assemble((" APART ", "bold"), f" {seen.difference_deg:.3f} deg"))
@@ -84,7 +83,7 @@ class StepWords(ValueWidget[StepView]):
     def _drawn(self, step: StepView) -> Content:
         parts = [step.state, f"{step.seconds:.0f} s" if step.attempts else ""]
         parts += [f"{step.superseded} superseded" if step.superseded else "", step.note]
-        return Content.assemble((f"{short_step_title(step)}: ", "bold"), ", ".join(word for word in parts if word))
+        return Content.assemble((f"{step_title(step)}: ", "bold"), ", ".join(word for word in parts if word))
 
 
 OTHER_FACE_DEG = 45.0  # deg, beyond which another face is the one that is up
@@ -190,17 +189,11 @@ class LimitsLines(ValueWidget[Limits]):
     def _line(self, one: LimitView, left: str, name: str) -> Content:
         width = self.size.width - len(name)
         # a number is not cut: first the minutes go, which the title has as well, then the bar
-        phrase = next(
-            (f" {text} " for text in (one.text + left, one.text) if _has_bar(text, width)), f" {one.text}"
-        )
+        fitting = (f" {text} " for text in (one.text + left, one.text) if len(text) + 2 + LEAST_BAR <= width)
+        phrase = next(fitting, f" {one.text}")
         room = max(width - len(phrase), 0)
         colour = "$success" if one.share >= 1 else "$accent"
         return Content.assemble((name, "bold"), bar(one.share, room, colour), (phrase, "bold"))
-
-
-def _has_bar(text: str, width: int) -> bool:
-    """Say whether there is room for a bar after a text, in a line of so many columns."""
-    return len(text) + 2 + LEAST_BAR <= width
 
 
 class WarmUpPanel(ValueWidget[WarmUpView]):
