@@ -3,6 +3,7 @@
 Also pairs of files, new folders and free names, and how often a growing file is flushed.
 """
 
+import csv
 import json
 import os
 import secrets
@@ -76,6 +77,16 @@ def replace_files(contents: Mapping[Path, bytes]) -> None:
     finally:
         for each in aside.values():
             each.unlink(missing_ok=True)
+
+
+def add_rows(path: Path, header: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
+    """Add rows to a CSV file, which begins with its header; raise `CannotWrite` if the disk refuses."""
+    try:
+        is_new = not path.exists()
+        with path.open("a", newline="", encoding="utf-8") as stream:
+            csv.writer(stream).writerows([header, *rows] if is_new else rows)
+    except OSError as error:
+        raise cannot_write(path, error) from error
 
 
 def write_json(path: Path, document: Mapping[str, Any]) -> None:

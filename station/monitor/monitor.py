@@ -1,7 +1,7 @@
 """The engine: a live feed to attitude, tick by tick, and everything a screen shows of it."""
 
 from collections import deque
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -81,7 +81,9 @@ class Monitor:
     ) -> None:  # fmt: skip
         self._feed, self._options, self._recording = feed, options, recording
         self._sinks, self._in_use = sinks, applied.in_use
-        self._auxiliary = AuxiliaryReaders(aid, options.camera, options.wheel, self._note_late_messages)
+        self._auxiliary = AuxiliaryReaders(aid, options.camera, options.wheel)
+        if recording is not None:
+            self._auxiliary.note_late_messages = recording.note_late_messages
         heading = np.nan if options.heading is None else options.heading
         C = self._C = np.diag([1.0, -1.0, -1.0]) if options.C is None else options.C
         counts = feed.wire.output == "increments"
@@ -239,10 +241,6 @@ class Monitor:
                 self._options.locating.take(LocatorTick(imu, marks, data.records, data.images, data.wheel, pulses))
             self._go_on(tick, data.records, now_ns)
         buffer.forget_before(self._at)
-
-    def _note_late_messages(self, stream: str, read_ns: Iterable[int], counted_ns: int) -> None:
-        if self._recording is not None:
-            self._recording.note_late_messages(stream, read_ns, counted_ns)
 
     def _go_on(self, tick: CalibratedTick, records: Sequence[Record], now_ns: int) -> None:
         aiding = aiding_of(records, self._options.aid, now_ns)

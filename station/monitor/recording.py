@@ -3,16 +3,14 @@
 `laws.csv` holds what each attitude filter read, tick by tick; a replay into a folder writes it again.
 """
 
-import csv
 from collections.abc import Iterable
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TextIO
 
 from drivers.wire import FrameKind, WireFormat
 from station.attitude.live_readings import difference
 from station.errors import cannot_write
-from station.files.atomic_file import FlushInterval, free_path
+from station.files.atomic_file import FlushInterval, add_rows, free_path
 from station.files.mcap_files import BY_OUTPUT, StepWriter
 from station.files.sha256sums import append_hash
 from station.monitor.view import MonitorView
@@ -22,42 +20,6 @@ from station.stream.recorder.sample_times import PulseAges, RowTimes, Utc
 from station.stream.stream_events import EVENTS_FILE
 
 FILTERS_FILE = "laws.csv"
-
-
-class FilterReadingsFile:
-    """A table of roll and pitch [deg] by filter, and of the angle between them; opened with the first row."""
-
-    def __init__(self, folder: Path) -> None:
-        self._path = folder / FILTERS_FILE
-        self._stream: TextIO | None = None
-
-    def write(self, view: MonitorView) -> None:
-        """Write a row; raise `CannotWrite` if the disk refuses."""
-        assert view.reading is not None
-        apart = difference(view.filters)
-        row = [view.reading.t, view.reading.sample]
-        for reading in view.filters:
-            row += [reading.roll, reading.pitch]
-        try:
-            rows = csv.writer(self._stream or self._opened(view))
-            rows.writerow([*map(repr, row), *([] if apart is None else map(repr, apart))])
-        except OSError as error:
-            raise cannot_write(self._path, error) from error
-
-    def close(self) -> None:
-        """Finish the table; what comes after is added to it."""
-        if self._stream is not None:
-            self._stream.close()
-        self._stream = None
-
-    def _opened(self, view: MonitorView) -> TextIO:
-        is_new = not self._path.exists()
-        self._stream = self._path.open("a", newline="", encoding="utf-8", buffering=1)
-        if is_new:
-            names = [f"{reading.name}_{angle}_deg" for reading in view.filters for angle in ("roll", "pitch")]
-            apart = ["difference_roll_deg", "difference_pitch_deg", "difference_angle_deg"]
-            csv.writer(self._stream).writerow(["t_s", "sample", *names, *(apart if len(view.filters) > 1 else [])])
-        return self._stream
 
 
 FLUSH_S = 0.2
@@ -74,7 +36,6 @@ class MonitorRecording:
         self._folder, self._wire, self._times = folder, wire, RowTimes(utc)
         self._writer: StepWriter | None = None
         self._pace, self._begin = FlushInterval(FLUSH_S), -1
-        self._filters = FilterReadingsFile(folder)
         self.name = ""
 
     def begin(self) -> str:
@@ -118,13 +79,18 @@ class MonitorRecording:
         self._writer, self.name = None, ""
         if writer is not None:
             append_hash(self._folder, name, writer.close())
-        self._filters.close()
         return name
 
     def take_filters(self, view: MonitorView) -> None:
         """Write what the filters read, if a file is open; raise `CannotWrite` if the disk refuses."""
-        if self.name and view.filters:
-            self._filters.write(view)
+        if not self.name or not view.filters or view.reading is None:
+            return
+        columns: dict[str, float] = {"t_s": view.reading.t, "sample": view.reading.sample}
+        for one in view.filters:
+            columns |= {f"{one.name}_roll_deg": one.roll, f"{one.name}_pitch_deg": one.pitch}
+        if (apart := difference(view.filters)) is not None:
+            columns |= {f"difference_{name}_deg": value for name, value in apart._asdict().items()}
+        add_rows(self._folder / FILTERS_FILE, columns, [map(repr, columns.values())])
 
     def note_late_messages(self, stream: str, read_ns: Iterable[int], counted_ns: int) -> None:
         """Write what counts in a later tick than it was read in; raise `CannotWrite` if the disk refuses."""
@@ -132,13 +98,5 @@ class MonitorRecording:
 
     def note(self, event: str, text: str, device_s: float, sample: int) -> None:
         """Write what happened; raise `CannotWrite` if the disk refuses."""
-        path = self._folder / EVENTS_FILE
-        try:
-            is_new = not path.exists()
-            with path.open("a", newline="", encoding="utf-8") as stream:
-                rows = csv.writer(stream)
-                if is_new:
-                    rows.writerow(EVENT_COLUMNS)
-                rows.writerow((datetime.now(UTC).isoformat(), f"{device_s:.6f}", sample, event, text))
-        except OSError as error:
-            raise cannot_write(path, error) from error
+        row = datetime.now(UTC).isoformat(), f"{device_s:.6f}", sample, event, text
+        add_rows(self._folder / EVENTS_FILE, EVENT_COLUMNS, [row])

@@ -13,7 +13,8 @@ from typing import Generic, Protocol, TypeVar
 from drivers.camera import CameraImage
 from drivers.can.frame_record import WheelReading
 from drivers.errors import DriverError
-from station.errors import DataRefused, cannot_write
+from station.errors import DataRefused
+from station.files.atomic_file import add_rows
 from station.files.mcap_files.gnss_file import Record
 from station.stream.live.live_feed import ChunkSource
 from station.stream.reader import Chunk, StreamGap
@@ -34,16 +35,7 @@ def note_late_messages(folder: Path, stream: str, read_ns: Iterable[int], counte
     CannotWrite
         If the disk refuses.
     """
-    path = folder / LATE_MESSAGES_FILE
-    try:
-        is_new = not path.exists()
-        with path.open("a", newline="", encoding="utf-8") as table:
-            rows = csv.writer(table)
-            if is_new:
-                rows.writerow(COLUMNS)
-            rows.writerows((stream, read, counted_ns) for read in read_ns)
-    except OSError as error:
-        raise cannot_write(path, error) from error
+    add_rows(folder / LATE_MESSAGES_FILE, COLUMNS, ((stream, read, counted_ns) for read in read_ns))
 
 
 def read_late_messages(folder: Path, stream: str) -> LateMessages:

@@ -29,16 +29,8 @@ class Guard:
     def __init__(self, authority: str) -> None:
         self.authority = authority
         self.token = secrets.token_urlsafe(24)
-
-    @property
-    def url(self) -> str:
-        """The address of the page."""
-        return f"http://{self.authority}/{self.token}/"
-
-    @property
-    def report(self) -> str:
-        """The path of the report."""
-        return f"/{self.token}/{REPORT_PATH}"
+        self.url = f"http://{authority}/{self.token}/"  # the address of the page
+        self.report = f"/{self.token}/{REPORT_PATH}"  # the path of the report
 
     def fault(self, request: web.Request) -> str:
         """Return why a request is refused, empty if it is not."""

@@ -1,7 +1,6 @@
 """A campaign on a live device (reader, stream, guide, folder), or one that is complete and needs no device."""
 
 from contextlib import ExitStack
-from pathlib import Path
 
 from drivers.errors import DeadChannel, DriverError, LinkLost
 from procedures.campaign.plan_steps import Turn
@@ -19,7 +18,7 @@ from station.stream.connected_unit import Unit, UnitChanged
 from station.stream.gnss_feed import GnssFeed
 from station.stream.live.live_feed import LiveFeed, RestartableReader
 from station.stream.recorder.accepted_step_writer import CampaignRecorder
-from station.stream.stream_events import EventLog, Sound
+from station.stream.stream_events import EventLog
 
 
 class LiveCampaign:
@@ -32,24 +31,16 @@ class LiveCampaign:
         options: CalibrationOptions, stack: ExitStack, gnss: GnssFeed | None = None,
     ) -> None:  # fmt: skip
         self._reader, self._feed, self._stack, self._is_patient = reader, feed, stack, options.is_patient
-        self.unit, self.guide, self.recorder = unit, guide, recorder
+        self.unit, self.guide, self.recorder, self.folder = unit, guide, recorder, recorder.folder
+        self.say, self.execute = guide.context.event_log.say, guide.execute
         self._rate_watch = SampleRateWatch(feed, guide.context.event_log, gnss)
         recorder.utc = None if gnss is None else gnss.utc
         recorder.pulse = feed.wire.pulse
 
     @property
-    def folder(self) -> Path:
-        """Where it is recorded."""
-        return self.recorder.folder
-
-    @property
     def is_complete(self) -> bool:
         """Whether nothing is left to record."""
         return self.guide.is_complete
-
-    def say(self, sound: Sound, text: str) -> None:
-        """Tell the operator."""
-        self.guide.context.event_log.say(sound, text)
 
     def round(self) -> None:
         """Take what has come, waiting for it a moment.
@@ -94,10 +85,6 @@ class LiveCampaign:
         unit = PortCheck(url=self._reader.reader.address.text, is_good=True, rate_hz=rate, output=imu.output)
         return unit.model_copy(update={"model": imu.model, "serial": imu.serial})
 
-    def execute(self, command: OperatorCommand) -> None:
-        """Execute a command."""
-        self.guide.execute(command)
-
     @property
     def disk(self) -> DiskSpace:
         """The room that the open steps need, and what there is."""
@@ -130,12 +117,8 @@ class FinishedCampaign:
 
     def __init__(self, recorder: CampaignRecorder, checklist: Checklist, stack: ExitStack) -> None:
         self._recorder, self._checklist, self._stack = recorder, checklist, stack
-        self._event_log = EventLog()
-
-    @property
-    def folder(self) -> Path:
-        """Where it was recorded."""
-        return self._recorder.folder
+        self.folder, self._event_log = recorder.folder, EventLog()
+        self.say = self._event_log.say
 
     @property
     def disk(self) -> DiskSpace:
@@ -147,10 +130,6 @@ class FinishedCampaign:
 
     def execute(self, command: OperatorCommand) -> None:
         """Do nothing: what needs the device needs a `LiveCampaign`."""
-
-    def say(self, sound: Sound, text: str) -> None:
-        """Tell the operator."""
-        self._event_log.say(sound, text)
 
     def view(self, base: CalibrationView) -> CalibrationView:
         """Return ``base`` with everything filled in."""

@@ -58,10 +58,6 @@ class FaceAndStillnessGate:
         """The angle off the vertical up to which a face counts as resting on the slab."""
         return LIMIT_DEG - self._allowance
 
-    def learn(self, block: Block) -> None:
-        """Take a block, still or not."""
-        self.stillness.learn(block)
-
     def learn_rest(self, gyro: FloatArray) -> None:
         """Take the gyros' count rates of an accepted rest, ``gyro`` (3,) [count/s]."""
         rest = np.abs(gyro)

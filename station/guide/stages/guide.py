@@ -80,7 +80,7 @@ class Guide:
     def take(self, block: Block) -> None:
         """Take a second of the stream."""
         context = self.context
-        context.gate.learn(block)
+        context.gate.stillness.learn(block)
         self._accel = block.rate[3:]
         self._time_s = block.ends if context.feed.gives_time else None
         look = self._look = context.look = context.gate.look(block)

@@ -63,11 +63,6 @@ class FiltersAtRest:
         """The first sample that is still needed."""
         return self._waiting[0].first if self._waiting else None
 
-    @property
-    def newest(self) -> tuple[FilterReading, ...]:
-        """The last readings of the filters."""
-        return self._read[-1][1] if self._read else ()
-
     def take(self, accepted: Sequence[Block]) -> None:
         """Take the seconds accepted so far; those that were not taken before are read."""
         self._waiting += [block for block in accepted if block.first >= self._taken]
@@ -110,7 +105,7 @@ class FiltersAtRest:
 
     def view(self) -> MonitoredView:
         """Return what is shown."""
-        filters = self.newest
+        filters = self._read[-1][1] if self._read else ()
         apart = difference(filters)
         waits = "" if self._asked.done() else "solving the accepted steps"
         return MonitoredView(

@@ -76,7 +76,8 @@ class StageContext:
     ) -> None:
         self.feed, self.checklist, self.bench, self.recorder = feed, checklist, bench, recorder
         self.targets, self.planner = targets, None if targets is None or targets.is_fixed else targets
-        self.event_log, self.gate = EventLog(), FaceAndStillnessGate(bench.fixture.C_sb)
+        self.C_sb = bench.fixture.C_sb  # (3, 3), from the cube's axes to the IMU's
+        self.event_log, self.gate = EventLog(), FaceAndStillnessGate(self.C_sb)
         self.accepted_dwells: dict[str, AcceptedDwell] = {}  # by step
         self.turns: dict[str, TurnCounts] = dict(done.turns)  # those that stand, by step
         steps = {step.name: step for step in checklist.steps if isinstance(step, Turn)}
@@ -106,11 +107,6 @@ class StageContext:
         if self.targets is not None:
             self.targets.learn(self.accepted_dwells.values(), self.gyro_k)
         self.replan()
-
-    @property
-    def C_sb(self) -> FloatArray:
-        """The rotation (3, 3) from the cube's axes to the IMU's."""
-        return self.bench.fixture.C_sb
 
     @property
     def well_seated(self) -> list[AcceptedDwell]:

@@ -6,7 +6,7 @@ upright gyroscope's hold its bias and the vertical part of the Earth rate. A uni
 """
 
 from collections.abc import Callable
-from typing import Any, Literal, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -27,37 +27,23 @@ MAX_NOISE_RATIO = 2.0  # ratio of sigmas
 MAX_PERIOD_DIFFERENCE = 2e-2  # relative: without device time it was measured for 3 s, by a busy machine to 1 %
 
 
-class Sameness(NamedTuple):
-    """Whether it is the same unit, and why, in words."""
+def same_unit(before: UnitRecord, rate: FloatArray, noise: FloatArray, period: float) -> tuple[bool, str]:
+    """Say whether a unit at rest looks like the one of ``before``, and why, in words: evidence, no proof.
 
-    answer: Literal["yes", "no", "unsure"]
-    text: str
-
-
-def same_unit(before: UnitRecord, now: UnitRecord) -> Sameness:
-    """Say whether the unit connected ``now`` is the one of ``before``.
-
-    The wire's serial number decides where both have one. Else it is ``yes`` if rates and noise agree on the same
-    face: evidence, no proof, so that the operator should be asked still.
+    ``rate`` (6,) [count/s] and ``noise`` (6,), its variances [count^2]; ``period`` [s].
     """
-    if before.serial_from_wire and now.serial_from_wire:
-        if (before.model, before.serial) == (now.model, now.serial):
-            return Sameness("yes", f"it sends serial number {now.serial}, as at the start of the campaign")
-        text = f"it sends {now.model} {now.serial}, the campaign started with {before.model} {before.serial}"
-        return Sameness("no", text)
-    if abs(now.period / before.period - 1) > MAX_PERIOD_DIFFERENCE:
-        text = f"it sends every {now.period:.6g} s, the campaign's unit every {before.period:.6g} s"
-        return Sameness("no", text)
-    if before.rate is None or before.noise is None or now.rate is None or now.noise is None:
-        return Sameness("unsure", "it sends no serial number, and no dwell is recorded yet to compare with")
-    rate, other = np.array(now.rate), np.array(before.rate)
+    if abs(period / before.period - 1) > MAX_PERIOD_DIFFERENCE:
+        return False, f"it sends every {period:.6g} s, the campaign's unit every {before.period:.6g} s"
+    if before.rate is None or before.noise is None:
+        return False, "no dwell is recorded yet to compare with"
+    other = np.array(before.rate)
     if (here := _face(rate)) != (there := _face(other)):
-        text = f"it rests with {here}; put it down with {there}, as in the campaign's first dwell, to compare"
-        return Sameness("unsure", text)
-    noise, other_noise = (np.maximum(np.array(each), MIN_VARIANCE) for each in (now.noise, before.noise))
-    if unlike := _differences(rate, other, noise, other_noise):
-        return Sameness("unsure", f"different from the campaign's first dwell: {', '.join(unlike)}")
-    return Sameness("yes", "it sends no serial number, but its rates and noise match the first dwell")
+        why = "as in the campaign's first dwell, to compare"
+        return False, f"it rests with {here}; put it down with {there}, {why}"
+    now, then = (np.maximum(each, MIN_VARIANCE) for each in (noise, np.array(before.noise)))
+    if unlike := _differences(rate, other, now, then):
+        return False, f"different from the campaign's first dwell: {', '.join(unlike)}"
+    return True, "its rates and noise match the first dwell"
 
 
 def _face(rate: FloatArray) -> str:
@@ -122,11 +108,11 @@ class UnitRecognitionStage(Stage):
 
     def _compare(self) -> None:
         rate = np.mean([block.rate for block in self._blocks], axis=0)
-        seen = {"rate": tuple(rate.tolist()), "noise": tuple(self._context.gate.stillness.noise.tolist())}
-        found = same_unit(self._before, self._before.model_copy(update={**seen, "serial_from_wire": False}))
-        if not self._context.bench.asks:
-            if found.answer != "yes":
-                other = f"a unit that {found.text}"
-                raise UnitChanged(self._context.feed.address.name, other, self._before.serial)
+        context = self._context
+        is_alike, why = same_unit(self._before, rate, context.gate.stillness.noise, context.feed.period)
+        if not context.bench.asks:
+            if not is_alike:
+                found = f"a unit that sends no serial number; {why}"
+                raise UnitChanged(context.feed.address.name, found, self._before.serial)
             self._answer = "y"
-        self._text = f"It sends no serial number; {found.text}."
+        self._text = f"It sends no serial number; {why}."

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import ClassVar
+from typing import ClassVar, get_args
 
 from textual.app import ComposeResult
 from textual.binding import ActiveBinding, Binding
@@ -11,7 +11,7 @@ from textual.content import Content
 from textual.screen import Screen
 from textual.widgets import Static
 
-from station.guide.view import CalibrationView, CommandVerb, LinkView, OperatorCommand, StageName
+from station.guide.view import ENDED_STAGES, CalibrationView, CommandVerb, LinkView, OperatorCommand, StageName
 from station.text import plural
 from station.tui.screens.modals import MIN_COLUMNS, ConfirmScreen, HelpScreen, keys_of
 from station.tui.widgets.common import (
@@ -24,9 +24,9 @@ from station.tui.widgets.common import (
     duration_in_words,
 )
 
-RUNNING: tuple[StageName, ...] = (
-    "start", "connecting", "warm_up", "place", "settle", "dwell", "turn", "paused", "solving", "verdict",
-)  # fmt: skip
+RUNNING: tuple[StageName, ...] = tuple(
+    stage for stage in get_args(StageName) if stage not in {*ENDED_STAGES, "stored"}
+)
 CANCEL_TEXT = (
     "All recordings stay as files in the folder. The database is unchanged: no calibration is stored, "
     "and this campaign cannot be resumed."
@@ -45,7 +45,7 @@ def progress(view: CalibrationView) -> str:
     total = len(view.steps)
     if not total:
         return ""
-    if view.stage in ("cancelled", "left", "failed"):
+    if view.stage in ENDED_STAGES:
         return f"{view.done} of {total} steps done"
     step = f"step {view.done + 1} of {total}" if view.done < total else f"{total} of {total} steps done"
     return f"{step}, {duration_in_words(view.remaining_s)} left" if view.remaining_s > 0 else step

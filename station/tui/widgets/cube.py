@@ -1,7 +1,6 @@
 """The cube as it is to stand or to be turned, next to the cube as it stands; its orientation in words."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from math import cos, radians
 from textwrap import wrap
@@ -75,36 +74,22 @@ SLAB = "$foreground 13%"
 UNKNOWN_FACE = "?"  # a face that nobody knows
 
 
-@dataclass(frozen=True, slots=True)
 class PictureSize:
-    """Columns and rows of the front face without its edges, and how deep the cube goes back, in rows."""
+    """Columns and rows of a cube's picture; ``depth``, the rows by which it goes back, determines them all."""
 
-    width: int
-    height: int
-    depth: int
-
-    @property
-    def columns(self) -> int:
-        """The picture's width."""
-        return self.corner + self.depth + RIGHT
-
-    @property
-    def rows(self) -> int:
-        """The picture's height, with the line of hidden faces."""
-        return self.bottom + 2
-
-    @property
-    def corner(self) -> int:
-        """The column of the front face's right edge."""
-        return LEFT + self.width + 1
-
-    @property
-    def bottom(self) -> int:
-        """The row of the front face's lower edge."""
-        return self.depth + self.height + 1
+    def __init__(self, depth: int) -> None:
+        self.depth, self.width, self.height = depth, 4 * depth - 2, 4 * depth // 3  # of the front without edges
+        self.corner, self.bottom = (
+            LEFT + self.width + 1,
+            depth + self.height + 1,
+        )  # right and lower edge of the front
+        self.columns, self.rows = (
+            self.corner + depth + RIGHT,
+            self.bottom + 2,
+        )  # of all, with the hidden faces' line
 
 
-PICTURE_SIZES = tuple(PictureSize(4 * depth - 2, 4 * depth // 3, depth) for depth in range(3, 13))
+PICTURE_SIZES = tuple(map(PictureSize, range(3, 13)))
 SMALL, LARGE = PICTURE_SIZES[0], PICTURE_SIZES[4]
 
 
