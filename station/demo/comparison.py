@@ -37,31 +37,6 @@ class TrueAndFound:
         """The error in standard uncertainties."""
         return (self.value - self.truth) / self.std
 
-    @property
-    def kind(self) -> str:
-        """What it is one of: ``accelerometer bias``."""
-        return self.title.rpartition(" ")[0]
-
-    @property
-    def relative(self) -> float:
-        """What its error is multiplied by: that of a scale factor is shown in ppm."""
-        return PPM_PER_ONE / self.truth if self.unit.startswith("count/") else 1.0
-
-    @property
-    def shown(self) -> str:
-        """The unit of `error` and `u`."""
-        return "ppm" if self.unit.startswith("count/") else self.unit
-
-    @property
-    def error(self) -> float:
-        """The error, in the unit `shown`."""
-        return (self.value - self.truth) * self.relative
-
-    @property
-    def u(self) -> float:
-        """The standard uncertainty, in the unit `shown`."""
-        return self.std * self.relative
-
 
 def compared(document: Mapping[str, Any], truth: Mapping[str, float]) -> list[TrueAndFound]:
     """Return every parameter of a `solution/1` whose truth is known."""
@@ -76,12 +51,15 @@ def compared(document: Mapping[str, Any], truth: Mapping[str, float]) -> list[Tr
 def comparison_text(rows: list[TrueAndFound]) -> str:
     """Return the comparison as a table, a line per kind of parameter; u is the standard uncertainty."""
     lines = [f"{'parameter':<28}{'error rms':>11}{'u rms':>11}  {'unit':<8}{'largest error/u':>17}"]
-    for kind, same in groupby(rows, lambda row: row.kind):
+    for kind, same in groupby(rows, lambda row: row.title.rpartition(" ")[0]):
         group = list(same)
-        error, u = _rms([row.error for row in group]), _rms([row.u for row in group])
+        is_scale = group[0].unit.startswith("count/")  # whose errors are relative
+        unit, scale = ("ppm", [PPM_PER_ONE / row.truth for row in group]) if is_scale else (group[0].unit, 1.0)
+        error = _rms(np.array([row.value - row.truth for row in group]) * scale)
+        u = _rms(np.array([row.std for row in group]) * scale)
         largest = max((row.sigmas for row in group), key=abs)
         mark = " *" if abs(largest) > NOTABLE else ""
-        lines.append(f"{kind:<28}{error:>11.2g}{u:>11.2g}  {group[0].shown:<8}{largest:>+17.2f}{mark}")
+        lines.append(f"{kind:<28}{error:>11.2g}{u:>11.2g}  {unit:<8}{largest:>+17.2f}{mark}")
     rms, many = _rms([row.sigmas for row in rows]), sum(abs(row.sigmas) > NOTABLE for row in rows)
     expected = len(rows) * erfc(NOTABLE / np.sqrt(2))
     lines.append(f"{len(rows)} parameters: error/u is {rms:.2f} rms (expected: 1); * above {NOTABLE:g}: {many}")
@@ -96,7 +74,7 @@ def _comment(rows: Sequence[TrueAndFound]) -> str:
     return "" if worst <= high else f"! {worst:.1f} is larger than in {100 * LIKELY:.0f} of 100 runs"
 
 
-def _rms(values: Sequence[float]) -> float:
+def _rms(values: Sequence[float] | FloatArray) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 

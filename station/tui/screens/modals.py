@@ -107,13 +107,13 @@ class HelpScreen(Modal[None]):
 
 def keys_of(screen: Screen[None]) -> dict[str, str]:
     """Return the keys that work on a screen, by what they do."""
-    keys: dict[str, str] = {}
+    keys: dict[str, list[str]] = {}
     for active in screen.active_bindings.values():
         is_shown = active.binding.show or (active.node is screen and active.binding.tooltip)
         if is_shown and active.enabled:
             what = active.tooltip or active.binding.description
-            keys[what] = ", ".join(filter(None, (keys.get(what), screen.app.get_key_display(active.binding))))
-    return keys
+            keys.setdefault(what, []).append(screen.app.get_key_display(active.binding))
+    return {what: ", ".join(dict.fromkeys(each)) for what, each in keys.items()}
 
 
 ANSWER_LATER = ""
