@@ -7,7 +7,6 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable
 from textwrap import TextWrapper
 
-from station.guide.setup_view import Readiness
 from station.guide.step_names import files_as_steps, step_named
 from station.guide.view import (
     ENDED_STAGES,
@@ -65,8 +64,10 @@ class PlainScreen:
             if self._asks:
                 self._once("keys", KEYS_HELP)
         if view.readiness:
-            self._once("ready", "\n".join(ready_lines(view.readiness)))
-            self._written["ends"] = ", ".join(view.readiness.outcomes)
+            words, outcomes = {"ready": "ready", "note": "note", "lacks": "LACKS"}, view.readiness.outcomes
+            lines = [f"{words[line.state]:6} {line.name}: {line.text}" for line in view.readiness.lines]
+            self._once("ready", "\n".join([*lines, *outcomes]))
+            self._written["ends"] = ", ".join(outcomes)
         for event in self._new_events.of(view.events):
             self._hear(event)
         is_reported = view.stage in SPOKEN_STAGES or (view.turn is not None and view.turn.is_to_rest)
@@ -133,12 +134,6 @@ def between_words(text: str, width: int) -> str:
     return "\n".join(part for line in text.split("\n") for part in wrapper.wrap(line) or [line])
 
 
-def ready_lines(ready: Readiness) -> list[str]:
-    """Return how ready a campaign is as lines, and how it can end."""
-    words = {"ready": "ready", "note": "note", "lacks": "LACKS"}
-    return [*(f"{words[line.state]:6} {line.name}: {line.text}" for line in ready.lines), *ready.outcomes]
-
-
 def verdict_lines(verdict: Verdict) -> list[str]:
     """Return a verdict as lines: the sentence, what stands behind it, the numbers."""
     reason = f": {verdict.status_reason}" if verdict.status_reason else ""
@@ -180,13 +175,6 @@ def _once_more(typed: str, first: OperatorCommand) -> OperatorCommand | None:
     return first.model_copy(update={"setup": setup} if setup else {"url": typed})
 
 
-def shown_at_end(line: str, view: CalibrationView) -> str:
-    """Return what a line of input asks to be shown of a verdict, empty if it asks for something else."""
-    if view.verdict is None:
-        return ""
-    return {"d": view.verdict.diagnosis_text, "o": view.verdict.report}.get(line.strip(), "")
-
-
 def listen(
     session: CalibrationSession,
     lines: Iterable[str],
@@ -195,16 +183,11 @@ def listen(
 ) -> None:
     """Turn lines of input into commands until there are no more; ``first`` is what may be refused."""
     for line in lines:
-        if text := shown_at_end(line, session.view):
+        view, (key, _, rest) = session.view, line.strip().partition(" ")
+        texts = {"d": view.verdict.diagnosis_text, "o": view.verdict.report} if view.verdict else {}
+        if text := texts.get(line.strip()):
             say(text)
-        elif (command := command_of(line, session.view, first)) is not None:
+        elif (command := command_of(line, view, first)) is not None:
             session.send(command)
         else:
-            say(_not_understood(line, session.view))
-
-
-def _not_understood(line: str, view: CalibrationView) -> str:
-    key, _, rest = line.strip().partition(" ")
-    if key in STEP_VERBS and rest:
-        return f"there is no step {rest.strip()!r}; {KEYS_HELP}"
-    return KEYS_HELP
+            say(f"there is no step {rest.strip()!r}; {KEYS_HELP}" if key in STEP_VERBS and rest else KEYS_HELP)

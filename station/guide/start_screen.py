@@ -61,8 +61,8 @@ def current_readiness(
     from station.guide.campaign.campaign_start import usual_steps
     from station.guide.campaign.readiness import read_prior_knowledge, readiness
 
-    check = check if check is not None and check.url == setup.url else None
-    steps, rate = tuple(options.steps), None if check is None else check.rate_hz
+    rate = check.rate_hz if check is not None and check.url == setup.url else None
+    steps = tuple(options.steps)
     facts = read_prior_knowledge(database, options.root, steps or usual_steps(setup), rate, usual=not steps)
     return readiness(setup, facts, check, receiver)
 

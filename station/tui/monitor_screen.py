@@ -121,9 +121,8 @@ class MonitorScreen(Screen[None]):
             self.set_class(view.location.is_located, "-placed")
             self.map.show(view.location)
             self.where.show(view)
-        self.title_line.show(
-            (f"{view.unit or 'FOG station'}  monitor", f"{_filters(view)}aid {view.aid}{_at(view)}")
-        )
+        names = f"law {', '.join(reading.name for reading in view.filters)}  " if view.filters else ""
+        self.title_line.show((f"{view.unit or 'FOG station'}  monitor", f"{names}aid {view.aid}{_at(view)}"))
         self.state.show(state_of(view))
         self.horizon.show(view.shown)
         self.readings.show(view)
@@ -149,23 +148,18 @@ class MonitorScreen(Screen[None]):
         self._send(verb)
 
     def action_leave(self) -> None:
-        if not self.view.recording:
-            self._send("leave")
-            return
-
         def answered(answer: bool | None) -> None:
             if answer:
                 self._send("leave")
 
-        self.app.push_screen(ConfirmScreen("End the monitor?", END_TEXT, "Yes, end it", ()), answered)
+        if self.view.recording:
+            self.app.push_screen(ConfirmScreen("End the monitor?", END_TEXT, "Yes, end it", ()), answered)
+        else:
+            answered(True)
 
     def action_help(self) -> None:
         text = MONITOR_HELP if self.view.location is None else HELP_LOCATED
         self.app.push_screen(HelpScreen("monitor", text, keys_of(self)))
-
-
-def _filters(view: MonitorView) -> str:
-    return f"law {', '.join(reading.name for reading in view.filters)}  " if view.filters else ""
 
 
 def _at(view: MonitorView) -> str:

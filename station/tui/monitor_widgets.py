@@ -1,7 +1,6 @@
 """The parts of the monitor's screen; each draws one value."""
 
 import math
-import textwrap
 from collections.abc import Sequence
 from textwrap import wrap
 
@@ -62,10 +61,9 @@ class Readings(ValueWidget[MonitorView]):
         steep = "  undefined at ±90°" if abs(reading.pitch) > STEEP_PITCH_DEG else ""
         p, q, r = (_short(rate, 3) for rate in reading.rate)
         x, y, z = (_short(bias, 2) for bias in reading.bias)
-        is_shown_elsewhere = (
-            reading.heading is None or view.location is not None
-        )  # with the position, as of the same moment
-        heading = "" if is_shown_elsewhere else f"  HDG {(reading.heading or 0.0) % 360:.1f}"
+        heading = ""
+        if reading.heading is not None and view.location is None:  # else it stands with the position
+            heading = f"  HDG {reading.heading % 360:.1f}"
         sigma = f"u {reading.sigma:14.3f} deg   "
         if math.isnan(reading.sigma):  # a complementary filter has none
             sigma = f"by {view.filters[0].name:21}"
@@ -73,9 +71,7 @@ class Readings(ValueWidget[MonitorView]):
         return Content("\n").join((
             Content.assemble("ROLL   ", (f"{shown[0]:+9.3f} deg", "bold $accent"), (zero[0] + steep, "$warning")),
             Content.assemble("PITCH  ", (f"{shown[1]:+9.3f} deg", "bold $accent"), (zero[1], "$warning")),
-            Content.assemble(
-                sigma, (f"{symbol} {reading.mode:7}", f"bold {colour}"), heading
-            ),
+            Content.assemble(sigma, (f"{symbol} {reading.mode:7}", f"bold {colour}"), heading),
             Content.assemble("RATE  ", f"p {p}  q {q}  r {r} deg/s"),
             Content.assemble("BIAS  ", f"x {x}  y {y}  z {z} deg/h"),
             Content.assemble(f"RESIDUAL {reading.residual:7.3f} deg{warm}"),
@@ -100,8 +96,8 @@ class RestComparison(ValueWidget[RestErrorComparison]):
                 Content.styled("shown after 2 s at rest", "$muted"),
             ))  # fmt: skip
         rows = [
-            _row(name, getattr(errors.calibrated, part), getattr(errors.nominal, part), unit)
-            for name, part, unit in (("level", "level", "deg"), ("drift", "drift", "deg/h"), ("g", "g", "mg"))
+            _row(name, getattr(errors.calibrated, name), getattr(errors.nominal, name), unit)
+            for name, unit in (("level", "deg"), ("drift", "deg/h"), ("g", "mg"))
         ]
         head = f"AT REST {errors.seconds:.0f} s".ljust(17) + "calibrated    nominal"
         return Content("\n").join((Content.styled(head, "bold"), *rows, Content.styled(errors.earth, "$muted")))
@@ -128,7 +124,7 @@ class FilterTable(ValueWidget[tuple[FilterReading, ...]]):
 def _settles(reading: FilterReading, lines: int) -> list[Content]:
     """Return the bias of a filter at this bank, or what is against the filter, in one line or two."""
     if reading.note:
-        return [Content.styled(line, "$warning") for line in textwrap.wrap(reading.note, FILTER_COLUMNS)[:lines]]
+        return [Content.styled(line, "$warning") for line in wrap(reading.note, FILTER_COLUMNS)[:lines]]
     if reading.settles is None:
         return [Content.styled(f"bias of {reading.name}: needs a velocity", "$muted")]
     roll, pitch, roll_std, pitch_std = reading.settles
@@ -215,9 +211,7 @@ def _dot_row(value: float, low: float, high: float, rows: int) -> int:
 def _range(low: float, high: float) -> str:
     """Return a range in at most 12 characters."""
     size = max(abs(low), abs(high))
-    digits = 0 if size >= 100 else 1 if size >= 10 else 2
-    if high - low < 10**-digits and size < 10:
-        digits = 3
+    digits = 0 if size >= 100 else 1 if size >= 10 else 2 if high - low >= 0.01 else 3
     return f"{low:.{digits}f}..{high:.{digits}f}"[: LABEL_COLUMNS - 1]
 
 
@@ -273,10 +267,8 @@ class LocationReadings(ValueWidget[MonitorView]):
         if not location.is_located:
             head = Content.assemble(("… NOT LOCATED", "bold $warning"), f"   {plural(location.fixes, 'fix')}")
             width = max(self.content_size.width - 1, 20)
-            why = [line for part in (_camera_and_wheel(location), location.why) for line in wrap(part, width)][
-                : READING_LINES - 1
-            ]
-            return Content("\n").join((head, *(Content(line) for line in why)))
+            why = [line for part in (_camera_and_wheel(location), location.why) for line in wrap(part, width)]
+            return Content("\n").join((head, *map(Content, why[: READING_LINES - 1])))
         east, north, up = (f"{value:+.2f}" for value in location.enu)
         outliers, newest = plural(location.outliers, "outlier"), f"newest {location.fix_age:.1f} s"
         return Content("\n").join((

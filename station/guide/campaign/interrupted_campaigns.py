@@ -23,9 +23,6 @@ from station.files.sha256sums import SHA256SUMS, read_hashes
 from station.guide.campaign.folder_lock import LOCK_FILE
 from station.stream.recorder.accepted_step_writer import TOML, CampaignRecorder, step_of
 
-_POLL_S = 0.01
-
-
 RESUMABLE_STATES = ("recording", "recorded")
 
 

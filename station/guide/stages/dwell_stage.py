@@ -26,26 +26,6 @@ from station.guide.view import OperatorQuestion, SoakView
 from station.guide.wording import soak_in_words, step_title
 from station.stream.live.stillness import Block
 
-
-class SoakTemperature:
-    """Follows the temperature of a soak's blocks; devices that say none leave it unknown."""
-
-    def __init__(self) -> None:
-        self._now, self._low, self._high = math.nan, math.inf, -math.inf
-
-    def take(self, block: Block) -> None:
-        """Take a second of the stream."""
-        if not math.isnan(block.temperature):
-            self._now = block.temperature
-            self._low, self._high = min(self._now, self._low), max(self._now, self._high)
-
-    def view(self, left_s: float) -> SoakView:
-        """Return what is shown, with ``left_s`` seconds to go."""
-        if math.isnan(self._now):
-            return SoakView(left_s=left_s)
-        return SoakView(temperature_c=self._now, low_c=self._low, high_c=self._high, left_s=left_s)
-
-
 FaceStep = Dwell | Soak | Monitor
 RestStep = FaceStep | FreePosition
 ASK_AFTER_S = 10.0  # of accepted seconds without a sure heading
@@ -63,7 +43,7 @@ class RestRecording(Stage):
         period = context.feed.period
         samples = round(step.seconds / period)
         self._dwelling = DwellAttempt(samples, period, context.rough_gyro_k, drifts=self._is_soak)
-        self._thermometer = SoakTemperature()
+        self._temperatures: list[float] = []  # [degC] of a device that says them
         self._shows_soak = isinstance(step, Soak)
         context.event_log.say("start", "recording: keep your hands off")
 
@@ -74,7 +54,7 @@ class RestRecording(Stage):
     def _restarted(self, block: Block, look: BlockLook) -> Stage | None:
         """Take a second of the stream; return the stage that starts again, None while this one continues."""
         was_disturbed = self._dwelling.is_disturbed
-        self._thermometer.take(block)
+        self._temperatures += [] if math.isnan(block.temperature) else [block.temperature]
         if why := self._dwelling.take(block, look):
             if why == TOUCHED:
                 self._context.event_log.say("still", "the cube is still touched: keep your hands off")
@@ -94,7 +74,10 @@ class RestRecording(Stage):
     def _progress(self, step: RestStep, where: str) -> dict[str, Any]:
         """Return the fields of a view that say how far it is."""
         accepted_s = min(self._dwelling.accepted_s, step.seconds)
-        soak = self._thermometer.view(step.seconds - accepted_s) if self._shows_soak else None
+        soak = SoakView(left_s=step.seconds - accepted_s) if self._shows_soak else None
+        if soak and (seen := self._temperatures):
+            now = {"temperature_c": seen[-1], "low_c": min(seen), "high_c": max(seen)}
+            soak = soak.model_copy(update=now)
         line = f"{where}: {accepted_s:.0f} of {step.seconds:.0f} s, hands off"
         return {
             "stage": "dwell", "live": step.name, "accepted_s": accepted_s, "wanted_s": step.seconds,

@@ -178,9 +178,8 @@ class StageScreen(Screen[None]):
         self.confirm("Cancel the campaign?", CANCEL_TEXT, "Yes, cancel", "cancel")
 
     def action_help(self) -> None:
-        self.app.push_screen(
-            HelpScreen(self.view.stage, self.HELPS.get(self.view.stage, self.view.line), keys_of(self))
-        )
+        text = self.HELPS.get(self.view.stage, self.view.line)
+        self.app.push_screen(HelpScreen(self.view.stage, text, keys_of(self)))
 
 
 NO_DATA = "NO DATA"

@@ -81,9 +81,8 @@ def _line(cells: tuple[str, ...], widths: list[int], colour: str, _: int) -> lis
     if cells is TABLE_HEADER:
         return [_aligned(cells, widths, range(len(TABLE_HEADER))).stylize("bold $muted")]
     before, after = (_aligned(cells, widths, part) for part in (range(VERDICT), range(VERDICT + 1, len(cells))))
-    return [
-        Content(GAP).join([before, Content.styled(cells[VERDICT].ljust(widths[VERDICT]), f"bold {colour}"), after])
-    ]
+    verdict = Content.styled(cells[VERDICT].ljust(widths[VERDICT]), f"bold {colour}")
+    return [Content(GAP).join([before, verdict, after])]
 
 
 def _stacked(cells: tuple[str, ...], widths: list[int], colour: str, width: int) -> list[Content]:
@@ -108,9 +107,8 @@ def _stacked(cells: tuple[str, ...], widths: list[int], colour: str, width: int)
 
 
 def _aligned(cells: tuple[str, ...], widths: list[int], columns: Iterable[int]) -> Content:
-    return Content(
-        GAP.join(cells[k].rjust(widths[k]) if k in RIGHT_COLUMNS else cells[k].ljust(widths[k]) for k in columns)
-    )
+    aligned = (cells[k].rjust(widths[k]) if k in RIGHT_COLUMNS else cells[k].ljust(widths[k]) for k in columns)
+    return Content(GAP.join(aligned))
 
 
 def _cells(row: VerdictRow, symbol: str) -> tuple[str, ...]:
@@ -258,17 +256,16 @@ def _is_opened(report: Path) -> bool:
     return webbrowser.open(report.absolute().as_uri())
 
 
+SAFE = "All accepted steps are safe; `station resume` continues"
 ENDED_LOOKS: dict[StageName, tuple[str, str, str]] = {
     "cancelled": (
-        "✗ CANCELLED", "$warning",
+        "✗ CANCELLED",
+        "$warning",
         "All recordings stay as files in the folder; the database is unchanged.",
     ),
-    "left": ("‖ LEFT", "$primary", "All accepted steps are safe; `station resume` continues from here."),
-    "failed": (
-        "✗ STOPPED", "$error",
-        "All accepted steps are safe; `station resume` continues after you correct this.",
-    ),
-}  # fmt: skip
+    "left": ("‖ LEFT", "$primary", f"{SAFE} from here."),
+    "failed": ("✗ STOPPED", "$error", f"{SAFE} after you correct this."),
+}
 
 
 class EndedScreen(StageScreen):

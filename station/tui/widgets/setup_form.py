@@ -8,7 +8,7 @@ from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.events import DescendantBlur
 from textual.message import Message
-from textual.widgets import Input, Label, Select, Static
+from textual.widgets import Input, Label, Select
 
 from station.files.campaign_setup import Setup
 from station.guide.setup_view import Choice, PortCheck, StartView
@@ -175,12 +175,9 @@ class PickList(Vertical):
 
 
 FIELD_PAIRS = (
-    ("latitude_deg", "longitude_deg"),
-    ("height_m", "operator"),
-    ("gravity_m_s2", "gravity_std_m_s2"),
-    ("dwell_s", "bias_ug"),
-    ("revolutions", "repeats"),
-)
+    ("latitude_deg", "longitude_deg"), ("height_m", "operator"), ("gravity_m_s2", "gravity_std_m_s2"),
+    ("dwell_s", "bias_ug"), ("revolutions", "repeats"),
+)  # fmt: skip
 ADDRESS_FIELDS = ("url", "gnss")
 
 
@@ -217,7 +214,7 @@ class SetupForm(VerticalScroll, can_focus=False):
             yield self._pair(*names)
 
     def _pair(self, *names: str) -> Horizontal:
-        return Horizontal(*(self.fields[name] if name else Static() for name in names), classes="pair")
+        return Horizontal(*(self.fields[name] for name in names), classes="pair")
 
     def offer(self, start: StartView) -> None:
         """Take what the engine offers."""
@@ -234,9 +231,8 @@ class SetupForm(VerticalScroll, can_focus=False):
     def show_looks(self) -> None:
         """Show what the looks found of the addresses that stand there now."""
         texts, start = self.texts(), self._start
-        use = "compared with the stated latitude"
-        if not texts["latitude_deg"]:
-            use = "it fills in the empty fields below"
+        is_stated = bool(texts["latitude_deg"])
+        use = "compared with the stated latitude" if is_stated else "it fills in the empty fields below"
         self.look.show(AddressLook(texts["url"], start.check, start.is_checking))
         self.heard.show(AddressLook(texts["gnss"], start.receiver, start.is_listening, use))
         self.heard.display = bool(texts["gnss"])
