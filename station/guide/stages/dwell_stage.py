@@ -138,9 +138,10 @@ class DwellStage(RestRecording):
             return restarted
         if self._dwelling.is_disturbed or not self._dwelling.kept:
             return self
-        if why := self._wrong_heading() or self._seat.fault(
-            self._dwelling, 0 if self._is_soak else self._position
-        ):
+        why = self._wrong_heading()
+        if not why and not self._is_soak:
+            why = self._seat.fault(self._dwelling, self._position)
+        if why:
             return self._again(why, must_move=True)
         if self._is_long_enough():
             self._dwelling.stop_early()

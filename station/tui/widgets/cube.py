@@ -79,14 +79,8 @@ class PictureSize:
 
     def __init__(self, depth: int) -> None:
         self.depth, self.width, self.height = depth, 4 * depth - 2, 4 * depth // 3  # of the front without edges
-        self.corner, self.bottom = (
-            LEFT + self.width + 1,
-            depth + self.height + 1,
-        )  # right and lower edge of the front
-        self.columns, self.rows = (
-            self.corner + depth + RIGHT,
-            self.bottom + 2,
-        )  # of all, with the hidden faces' line
+        self.corner, self.bottom = LEFT + self.width + 1, depth + self.height + 1  # right, lower edge of the front
+        self.columns, self.rows = self.corner + depth + RIGHT, self.bottom + 2  # with the line of hidden faces
 
 
 PICTURE_SIZES = tuple(map(PictureSize, range(3, 13)))
