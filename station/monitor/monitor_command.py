@@ -127,6 +127,12 @@ class MonitorRequest:
     serial: str = ""
     database: str | None = None
 
+    @property
+    def replayed(self) -> Path | None:
+        """The file that is replayed, None of a live device."""
+        address = parse_device_url(self.url)
+        return Path(address.path) if address.scheme == "replay" else None
+
 
 def run(
     wanted: MonitorRequest, output: Output, show: Callable[[MonitorSession], None], *, quiet: bool = False
@@ -207,7 +213,7 @@ def _folder(wanted: MonitorRequest, stack: ExitStack) -> Path | None:
     """Return the new folder of the run; None for a replay that asks for none."""
     folder = wanted.folder
     if folder is None:
-        if parse_device_url(wanted.url).scheme == "replay":
+        if wanted.replayed is not None:
             return None
         root = platformdirs.user_data_path("fog-station") / "monitor"
         folder = root / f"{datetime.now():%Y-%m-%d_%H%M%S}"
@@ -233,10 +239,8 @@ def _aid(
 
 def _filters(wanted: MonitorRequest) -> tuple[tuple[str, ...], Gains | None]:
     """Return the filters and their gains, in a replay as they were unless others are asked for."""
-    address, filters = parse_device_url(wanted.url), wanted.filters
-    gains = None if wanted.tau_s is None else Gains.of_time_constant(wanted.tau_s)
-    if address.scheme == "replay":
-        file = Path(address.path)
+    filters, gains = wanted.filters, None if wanted.tau_s is None else Gains.of_time_constant(wanted.tau_s)
+    if (file := wanted.replayed) is not None:
         try:
             filters = filters or parse_filters(recorded_choice(file, "laws"))
             if gains is None and (text := recorded_choice(file, "gains")):
@@ -267,10 +271,9 @@ def _locating(
 
 def _companion_file(wanted: MonitorRequest, named: Path | None, name: str) -> Path | None:
     """Return a companion's file that was named, or that a recording has; None where nothing is located by it."""
-    address = parse_device_url(wanted.url)
-    recorded = Path(address.path).parent / name if address.scheme == "replay" else None
-    file = named or (recorded if recorded is not None and recorded.exists() else None)
-    return file if wanted.locate else None
+    if named is None and wanted.replayed is not None and (wanted.replayed.parent / name).exists():
+        named = wanted.replayed.parent / name
+    return named if wanted.locate else None
 
 
 def _recorded_in(source: ChunkSource, session: str, what: str) -> Path | None:
@@ -314,8 +317,7 @@ def _wheel(
 def _source(
     wanted: MonitorRequest, folder: Path, stack: ExitStack
 ) -> tuple[ChunkSource, RestartableReader | None]:
-    address = parse_device_url(wanted.url)
-    if address.scheme == "replay" and is_mcap(Path(address.path)):
+    if wanted.replayed is not None and is_mcap(wanted.replayed):
         return Replay(wanted.url, wanted.speed), None
     reader = RestartableReader(wanted.url, folder)
     stack.callback(reader.close)
