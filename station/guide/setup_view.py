@@ -85,7 +85,6 @@ class UnfinishedCampaign(FrozenValue):
     title: str  # "campaign of 12:40, 7 of 18 done, SIM-FOG3 SIM-7"
     serial: str
     done: int
-    total: int
     state: Literal["free", "in use", "not here"]
 
 

@@ -126,7 +126,7 @@ def _described(row: CampaignRow) -> UnfinishedCampaign:
     when = f"{began:%H:%M}" if is_today else f"{began:%Y-%m-%d %H:%M}"
     title = f"campaign of {when}, {done} of {total} done, {row.imu.model} {row.imu.serial}"
     return UnfinishedCampaign(
-        folder=row.folder, title=title, serial=row.imu.serial, done=done, total=total,
+        folder=row.folder, title=title, serial=row.imu.serial, done=done,
         state="not here" if not (folder / TOML).is_file() else "in use" if is_locked(folder) else "free",
     )  # fmt: skip
 

@@ -139,11 +139,10 @@ class FilterView(FrozenValue):
 
 
 class MonitoredView(FrozenValue):
-    """A monitor step: what each filter reads, the angle between two, by which calibration; ``text``: why not."""
+    """A monitor step: what each filter reads, the angle between two; ``text``: why not."""
 
     filters: tuple[FilterView, ...] = ()
     difference_deg: float | None = None
-    calibration: str = ""
     text: str = ""
 
 

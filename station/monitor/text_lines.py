@@ -150,8 +150,7 @@ def filters_line(filters: Sequence[FilterReading]) -> str:
 
 def settles_in_words(reading: FilterReading) -> str:
     """Return the bias of a filter at this bank, where it will settle: You and Lee (8)."""
-    if reading.settles is None:
-        return f"bias of {reading.name}: needs a velocity"
+    assert reading.settles is not None
     roll, pitch, roll_std, pitch_std = reading.settles
     within = [f" +- {std:.3f}" if math.isfinite(std) else "" for std in (roll_std, pitch_std)]
     return f"bias of {reading.name} at this bank: roll {roll:+.3f}{within[0]}, pitch {pitch:+.3f}{within[1]} deg"

@@ -111,7 +111,7 @@ class FiltersAtRest:
         return MonitoredView(
             filters=tuple(FilterView(name=one.name, roll_deg=one.roll, pitch_deg=one.pitch) for one in filters),
             difference_deg=None if apart is None else apart.angle,
-            calibration=self.calibration, text=self.why or waits or ("" if filters else "measuring the noise"),
+            text=self.why or waits or ("" if filters else "measuring the noise"),
         )  # fmt: skip
 
     def _go_on(self) -> None:

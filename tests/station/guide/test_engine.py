@@ -132,7 +132,8 @@ def test_a_killed_engine_is_reported_and_its_campaign_continues(device: Simulate
     with open_db(tmp_path / "s.db") as database:
         [found] = unfinished_campaigns(database)
     assert found.done >= 4
-    assert (found.total, found.state) == (8, "free")
+    assert "of 8 done" in found.title
+    assert found.state == "free"
     again = OperatorCommand(verb="resume", folder=found.folder)
     with engine_process(options_for(device, tmp_path, again)) as path, Screen(path) as screen:
         view = screen.wait(at("verdict"))

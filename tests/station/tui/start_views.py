@@ -53,15 +53,15 @@ START = CalibrationView(
         unfinished=(
             UnfinishedCampaign(
                 folder=FOLDER, title="campaign of 12:40, 7 of 18 done, SIM-FOG3 SIM-7",
-                serial="SIM-7", done=7, total=18, state="free",
+                serial="SIM-7", done=7, state="free",
             ),
             UnfinishedCampaign(
                 folder="/srv/b", title="campaign of 09:12, 3 of 18 done, FOG-A 0231",
-                serial="0231", done=3, total=18, state="in use",
+                serial="0231", done=3, state="in use",
             ),
             UnfinishedCampaign(
                 folder="/srv/c", title="campaign of yesterday, 17 of 18 done, FOG-A 0199",
-                serial="0199", done=17, total=18, state="not here",
+                serial="0199", done=17, state="not here",
             ),
         ),
     ),

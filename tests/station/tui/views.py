@@ -161,7 +161,7 @@ MONITORING = running(
             FilterView(name="joint", roll_deg=0.0123, pitch_deg=-0.0041),
             FilterView(name="mixer", roll_deg=0.0131, pitch_deg=-0.0029),
         ),
-        difference_deg=0.0014, calibration="this campaign",
+        difference_deg=0.0014,
     ),
     gates=GatesView(face="z_up", off_deg=0.3, is_right_face=True, still=1.1, still_channel="gz", is_still=True,
                 position=9, heading="from the Earth rate"),
