@@ -112,8 +112,7 @@ class _Left:
 
     def sums(self, values: FloatArray) -> FloatArray:
         """Return the sum over each path (paths,) of ``values`` (m,)."""
-        total: FloatArray = np.add.reduceat(values, self.starts)
-        return total
+        return np.add.reduceat(values, self.starts)
 
     def at_nodes(self, values: FloatArray) -> FloatArray:
         """Return each path's value (paths,) at its nodes (m,), or as the one that it is for all."""

@@ -67,8 +67,7 @@ def without_lines(values: FloatArray) -> FloatArray:
         return values
     waves = _waves(n, turns)
     c = _fitted(np.hstack((smooth, waves)), values)
-    found: FloatArray = values - waves @ c[smooth.shape[1] :]
-    return found
+    return values - waves @ c[smooth.shape[1] :]
 
 
 def count_noise(values: FloatArray, shared: float) -> float:
@@ -86,8 +85,7 @@ def count_noise(values: FloatArray, shared: float) -> float:
 
 
 def _left(values: FloatArray, design: FloatArray) -> FloatArray:
-    found: FloatArray = values - design @ _fitted(design, values)
-    return found
+    return values - design @ _fitted(design, values)
 
 
 def _fitted(design: FloatArray, values: FloatArray) -> FloatArray:

@@ -34,8 +34,7 @@ class MeanRates:
 
 def unwrapped(angle: FloatArray) -> FloatArray:
     """Return an angle (n,) [deg] that may begin again at each turn as one that goes on."""
-    found: FloatArray = np.unwrap(angle, period=360.0)
-    return found
+    return np.unwrap(angle, period=360.0)
 
 
 def slope_and_correlation(reference: FloatArray, output: FloatArray) -> tuple[float, float]:
@@ -96,8 +95,7 @@ def _bridged(t: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]
 def _averaged(values: FloatArray, rows: int) -> FloatArray:
     """Return means (n - rows + 1, k) of so many neighbouring rows of values (n, k)."""
     total = np.concatenate((np.zeros((1, values.shape[1])), np.cumsum(values, axis=0)))
-    found: FloatArray = (total[rows:] - total[:-rows]) / rows
-    return found
+    return (total[rows:] - total[:-rows]) / rows
 
 
 def lateness(t: FloatArray, angle: FloatArray, output: FloatArray) -> tuple[float, float]:

@@ -238,8 +238,7 @@ def _at_rest(middles: FloatArray) -> FloatArray:
     near = np.abs(middles - np.median(middles, axis=0)) < ANY_WAY
     slow = np.abs(middles) < ANY_WAY
     chosen = np.where(slow.any(axis=0), slow, near)
-    found: FloatArray = np.nanmedian(np.where(chosen, middles, np.nan), axis=0)
-    return found
+    return np.nanmedian(np.where(chosen, middles, np.nan), axis=0)
 
 
 def _noise(rate: FloatArray) -> FloatArray:

@@ -40,13 +40,11 @@ class PinholeCamera:
 
     def rays(self, uv: FloatArray) -> FloatArray:
         """Return image points ``uv`` (n, 2) [px] on the plane at depth 1."""
-        rays: FloatArray = (uv - [self.cx, self.cy]) / [self.fx, self.fy]
-        return rays
+        return (uv - [self.cx, self.cy]) / [self.fx, self.fy]
 
     def pixels(self, rays: FloatArray) -> FloatArray:
         """Return points ``rays`` (n, 2) of the plane at depth 1 as image points [px]."""
-        uv: FloatArray = rays * [self.fx, self.fy] + [self.cx, self.cy]
-        return uv
+        return rays * [self.fx, self.fy] + [self.cx, self.cy]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

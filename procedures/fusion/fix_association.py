@@ -78,8 +78,7 @@ def track_yaw(
 
 
 def _complex(pairs: FloatArray) -> Complex:
-    values: Complex = pairs[:, 0] + 1j * pairs[:, 1]
-    return values
+    return pairs[:, 0] + 1j * pairs[:, 1]
 
 
 MIN_COURSE_SPEED = 0.5  # m/s, below which a course says nothing

@@ -211,5 +211,4 @@ def _add_courses(chain: BlockTridiagonal, x: FloatArray, f: FixTerms) -> None:
 
 def huber(size: FloatArray, limit: float) -> FloatArray:
     """Return Huber's weights (n,) of whitened residuals ``size`` (n,): 1 within the limit, then limit / size."""
-    weight: FloatArray = limit / np.maximum(size, limit)
-    return weight
+    return limit / np.maximum(size, limit)

@@ -74,10 +74,7 @@ class DesignSigmas:
         return joined(chain, moved) + self.steps.placed(after, moves)
 
     def _accelerometer(self, information: FloatArray) -> FloatArray:
-        return _stated(
-            information + self.known[False][np.ix_(OWN_FIT, OWN_FIT)],
-            *self.accelerometer_vector,
-        )
+        return _stated(information + self.known[False][np.ix_(OWN_FIT, OWN_FIT)], *self.accelerometer_vector)
 
     def _gyroscope(self, shared: FloatArray, dwells: int) -> FloatArray:
         """Neighbouring dwells share a bias instability, as in `triad_calibration.common_variance`."""

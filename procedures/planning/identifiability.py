@@ -113,13 +113,11 @@ def _changes(steps: list[DesignStep], f: FloatArray, number: IntArray) -> FloatA
     order = sorted((i for i, s in enumerate(steps) if s.to_end is None), key=lambda i: float(steps[i].t[0]))
     for before, after in pairwise(order):
         change[after] = f[number == after][0] - f[number == before][-1]
-    of_nodes: FloatArray = change[number]
-    return of_nodes
+    return change[number]
 
 
 def _standing_attitude(campaign: Campaign, position: int) -> FloatArray:
-    C: FloatArray = campaign.fixture.C_sb @ nominal_C_lb(position).T
-    return C
+    return campaign.fixture.C_sb @ nominal_C_lb(position).T
 
 
 def _dwell(campaign: Campaign, at: Placement, begin: float) -> DesignStep:
@@ -164,8 +162,7 @@ def _move(campaign: Campaign, before: Placement, after: Placement, begin: float,
 
 
 def _times(begin: float, seconds: FloatArray) -> FloatArray:
-    found: FloatArray = begin + np.cumsum(seconds) - seconds / 2
-    return found
+    return begin + np.cumsum(seconds) - seconds / 2
 
 
 STANDS_SIGMAS = 3.0  # of a coefficient of its plausible size
@@ -199,8 +196,7 @@ def _left(H: FloatArray, A: FloatArray, known: FloatArray) -> FloatArray:
     scale = 1 / np.sqrt(np.maximum(np.diag(N), NOTHING))
     whole = N * np.outer(scale, scale) + RIDGE * np.eye(len(N))
     across = scale[:, None] * (A.T @ H)
-    left: FloatArray = H.T @ H - across.T @ np.linalg.solve(whole, across)
-    return left
+    return H.T @ H - across.T @ np.linalg.solve(whole, across)
 
 
 def _identified(name: str, M: FloatArray, at: Mapping[str, slice]) -> IdentifiableEffect:
@@ -221,8 +217,7 @@ def _identified(name: str, M: FloatArray, at: Mapping[str, slice]) -> Identifiab
 def _is_determined(information: FloatArray) -> BoolArray:
     """Say of each coefficient (k,) whether one of its plausible size stands, by the information on such sizes."""
     variance = np.diag(np.linalg.inv(information + NOTHING * np.eye(len(information))))
-    determined: BoolArray = STANDS_SIGMAS**2 * variance < 1
-    return determined
+    return STANDS_SIGMAS**2 * variance < 1
 
 
 def _columns(steps: list[DesignStep], excitation: Excitation, std: FloatArray) -> dict[str, FloatArray]:

@@ -141,8 +141,7 @@ def _accelerometer_rows(model: GyroscopeModel, n: int) -> FloatArray:
 
     def force(change: FloatArray) -> FloatArray:
         x = np.concatenate((change[: bench.shared], np.zeros(bench.size - bench.shared)))
-        found: FloatArray = (C_sb @ attitudes(change) @ gravity_n(bench, x)[0][:, None])[..., 0]
-        return found
+        return (C_sb @ attitudes(change) @ gravity_n(bench, x)[0][:, None])[..., 0]
 
     by, u = _differences(force, np.vstack((of_bench, of_own))), force(np.zeros(of_own.shape[1]))
     found = np.zeros((n, 3, OWN + SHARED))
@@ -186,5 +185,4 @@ def _of_even_speed(C_sn: FloatArray, before: IntArray, after: IntArray, seconds:
     way = -Rotation.from_matrix(C_sn[after] @ np.swapaxes(C_sn[before], 1, 2)).as_rotvec(degrees=True)
     output = np.repeat((way / seconds)[:, None], MOVE_SAMPLES, axis=1)
     samples = padded_moves(list(output), [seconds / MOVE_SAMPLES] * len(way))
-    found: FloatArray = integrate_moves(samples, np.eye(3), np.zeros(3)).sensitivity
-    return found
+    return integrate_moves(samples, np.eye(3), np.zeros(3)).sensitivity

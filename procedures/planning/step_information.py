@@ -45,10 +45,7 @@ class UnitNoise:
 
     def turn_variance(self, seconds: float) -> FloatArray:
         """Return (3,) [deg2] of the total of a turn of ``seconds``; a counter's two remainders have 1/6."""
-        found: FloatArray = (
-            self.gyro_white**2 * seconds + 1 / 6 / self.gyro_scale**2 + (self.instability * seconds) ** 2
-        )
-        return found
+        return self.gyro_white**2 * seconds + 1 / 6 / self.gyro_scale**2 + (self.instability * seconds) ** 2
 
     def move_variance(self, seconds: float) -> float:
         """Return [rad2] of each component of a move's rotation: noise, rounding, the bias instability, coning."""
@@ -60,8 +57,7 @@ class UnitNoise:
 def _dwell_variance(white: FloatArray, scale: FloatArray, seconds: FloatArray) -> FloatArray:
     T = np.asarray(seconds)[:, None]
     remainder = REMAINDERS_OF_A_DWELL * REMAINDER_COUNTS / (scale * T)
-    found: FloatArray = (WHITE_NOISE_FACTOR * white) ** 2 / T + remainder**2
-    return found
+    return (WHITE_NOISE_FACTOR * white) ** 2 / T + remainder**2
 
 
 NO_CLOSURE_STD_RAD = 1e-9  # rad, of a dwell, which closes nothing
@@ -150,8 +146,7 @@ class StepInformation:
     @cached_property
     def _moved(self) -> FloatArray:
         rows = self.rows.move
-        found: FloatArray = np.swapaxes(rows, 2, 3) @ rows / self.noise.move_variance(self.hands.move)
-        return found
+        return np.swapaxes(rows, 2, 3) @ rows / self.noise.move_variance(self.hands.move)
 
     @cached_property
     def _moved_back(self) -> FloatArray:

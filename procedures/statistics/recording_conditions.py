@@ -181,8 +181,7 @@ def frozen_rows(rate: FloatArray) -> BoolArray:
     usual = lengths[lengths <= max(float(np.quantile(lengths, 0.99)), 1.0)]
     repeats = max(1 - 1 / float(np.median(lengths)), 1 - len(usual) / float(usual.sum()), 1e-3)
     longest = max(MIN_FROZEN, (MAX_LOG_P - np.log(len(rate))) / np.log(repeats))
-    found: BoolArray = np.repeat(lengths > longest, lengths)
-    return found
+    return np.repeat(lengths > longest, lengths)
 
 
 MIN_CLEAN_SHARE = 0.1  # of the rows, in the longest part without bad ones

@@ -74,8 +74,7 @@ _ORDINALS = {2: "second", 3: "third", 4: "fourth"}
 
 def _power(x: FloatArray) -> FloatArray:
     window = 0.5 - 0.5 * np.cos(2 * np.pi * (np.arange(len(x)) + 0.5) / len(x))
-    power: FloatArray = np.abs(rfft((x - x.mean()) * window)) ** 2
-    return power
+    return np.abs(rfft((x - x.mean()) * window)) ** 2
 
 
 def _log_p_of_period(power: FloatArray, n: int, p: int) -> float:

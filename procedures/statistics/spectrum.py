@@ -196,8 +196,7 @@ def sine(n: int, turns: float, amplitude: complex) -> FloatArray:
     coarse, fine = _factors(n, turns)
     coarse = amplitude * coarse
     product = np.stack((coarse.real, -coarse.imag), axis=1) @ np.stack((fine.real, fine.imag))
-    found: FloatArray = product.ravel()[:n]
-    return found
+    return product.ravel()[:n]
 
 
 def sine_sum(values: FloatArray, turns: float) -> complex:

@@ -79,11 +79,7 @@ def remedies(certificate: float) -> tuple[Remedy, ...]:
 
 
 def remedy_gain(
-    help_: Remedy,
-    item: FloatArray,
-    unit: ToleranceUnit,
-    noise: float,
-    shape: ToleranceShape = "uniform",
+    help_: Remedy, item: FloatArray, unit: ToleranceUnit, noise: float, shape: ToleranceShape = "uniform"
 ) -> RemedyGain:
     """Return the sigmas of a campaign of a cube made to the items ``item`` (11,) [rad].
 
@@ -98,12 +94,7 @@ def remedy_gain(
 
 
 def _sigma(
-    help_: Remedy,
-    item: FloatArray,
-    unit: ToleranceUnit,
-    noise: float,
-    shape: ToleranceShape,
-    is_open: bool,
+    help_: Remedy, item: FloatArray, unit: ToleranceUnit, noise: float, shape: ToleranceShape, is_open: bool
 ) -> FloatArray:
     """Return 1 sigma (18,) of k, E, D and K2."""
     model = _RemedyModel(

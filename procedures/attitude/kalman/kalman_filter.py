@@ -209,8 +209,7 @@ class AttitudeKalmanFilter:
     @property
     def force_bias_std(self) -> FloatArray:
         """1 sigma (3,) [m/s2] of the accelerometers' biases."""
-        std: FloatArray = np.sqrt(np.diag(self.state.P)[12:15])
-        return std
+        return np.sqrt(np.diag(self.state.P)[12:15])
 
     @property
     def at_rest(self) -> bool:

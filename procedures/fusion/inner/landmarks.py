@@ -77,13 +77,7 @@ def linearise(state: WindowState, s: Sights, scale: FloatArray) -> Visual:
 
 
 def _jacobians(
-    state: WindowState,
-    s: Sights,
-    scale: FloatArray,
-    i: IntArray,
-    k: IntArray,
-    y: FloatArray,
-    weight: FloatArray,
+    state: WindowState, s: Sights, scale: FloatArray, i: IntArray, k: IntArray, y: FloatArray, weight: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the weighted derivatives (m, 2, 13) by camera and keyframe, and (m, 2, 3) by the landmark."""
     rho, depth = s.at[i, 2], y[:, 2]
@@ -104,13 +98,7 @@ def _jacobians(
 
 
 def _normal(
-    s: Sights,
-    frames: int,
-    i: IntArray,
-    k: IntArray,
-    r: FloatArray,
-    pose: FloatArray,
-    point: FloatArray,
+    s: Sights, frames: int, i: IntArray, k: IntArray, r: FloatArray, pose: FloatArray, point: FloatArray
 ) -> Visual:
     count, size = len(s.at), CAMERA_NUMBERS + 6 * frames
     H, g, W = np.zeros((size, size)), np.zeros(size), np.zeros((count, 3, size))
@@ -285,5 +273,4 @@ def _inverse_depth(s: Sights, rows: IntArray, C_oc: FloatArray, p_c: FloatArray)
     rho = -np.sum(by_rho * rest, axis=(1, 2)) / np.maximum(power, MIN_PARALLAX**2)
     is_known = (power > MIN_PARALLAX**2) & (rho > MIN_INVERSE_DEPTH)
     within = np.clip(rho, MIN_INVERSE_DEPTH, MAX_INVERSE_DEPTH)
-    depth: FloatArray = np.where(is_known, within, DEFAULT_INVERSE_DEPTH)
-    return depth
+    return np.where(is_known, within, DEFAULT_INVERSE_DEPTH)

@@ -74,8 +74,7 @@ def shares(left: Sequence[MarginalisedKeyframe], window: Factor, frames: int, en
     for each, pull in zip(reversed(left), reversed(pulls), strict=True):
         last = each.gone.factor.solve(pull) - each.gone.by[:, :-1] @ np.vstack((common, last))
         found.append(last)
-    along: FloatArray = np.diff(np.array(found[::-1])[:, PLACE], axis=0)
-    return along
+    return np.diff(np.array(found[::-1])[:, PLACE], axis=0)
 
 
 REVISE_AT_VELOCITIES = (1, 4, 16, 64)  # velocities behind an outage: 1, 2, 4, 8 and so on gave the same figures

@@ -213,5 +213,4 @@ class VisualInertialWindow(InnerWindow):
         P = pick.T @ self._factor.solve(pick) * DRIFT_FACTOR**2 * dt / sum(part.dt for part in self._held.parts)
         P[3, :3], P[:3, 3] = 0.0, 0.0
         P[3, 3] = P[3, 3] if self._since > OUTAGE_S else FRAME_WALK**2 * dt
-        drift: FloatArray = P
-        return drift
+        return P

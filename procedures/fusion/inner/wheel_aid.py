@@ -31,10 +31,7 @@ WIDENING_S = 10.0  # s of slip after which the limits are twice as wide
 MIN_MEASURED_SPEED = 0.5  # m/s below which many a wheel's sensor measures zero
 REST_S = 0.5  # s in which nothing changes at rest
 REST_PARTS = 5  # means that are compared
-REST_FORCE, REST_RATE = (
-    0.08,
-    0.01,
-)  # m/s2 and rad/s by which they may differ beyond their noise: an engine, wind
+REST_FORCE, REST_RATE = (0.08, 0.01)  # m/s2 and rad/s by which they may differ beyond their noise: an engine, wind
 REST_SIGMAS = 4.0
 REST_STD = 0.01  # m/s of each axis of a vehicle that stands
 MAX_REST_SPEED_ERROR = 1.0  # m/s, with five sigmas, of a velocity predicted that may be zero all the same

@@ -8,16 +8,7 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.fusion.gnss_velocity import KeyframeFix
 from procedures.fusion.inner.landmarks import DEFAULT_INVERSE_DEPTH, FREE, LOST, Landmarks, Visual, linearise
-from procedures.fusion.inner.window_state import (
-    CAMERA,
-    COMMON,
-    FRAME,
-    OFFSET,
-    Factor,
-    Normal,
-    WindowState,
-    zero,
-)
+from procedures.fusion.inner.window_state import CAMERA, COMMON, FRAME, OFFSET, Factor, Normal, WindowState, zero
 from procedures.fusion.inner.window_terms import Site, add_fixes, add_inertial, add_wheels
 from procedures.fusion.preintegration import Preintegrated
 
@@ -54,8 +45,7 @@ class Eliminated:
     def step(self, moved: FloatArray) -> FloatArray:
         """Return the landmarks' step (n, 3) for the state's step ``moved`` (size,), whitened units of `Sights`."""
         due = self.b + self.W @ moved[self.columns]
-        step: FloatArray = -(self.inverse @ due[:, :, None])[:, :, 0]
-        return step
+        return -(self.inverse @ due[:, :, None])[:, :, 0]
 
 
 NOTHING = Eliminated(

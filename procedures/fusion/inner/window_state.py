@@ -186,14 +186,12 @@ class Factor:
         """Return the covariance (k, k) of k unknowns, in their units."""
         pick = np.zeros((self.size, at.stop - at.start))
         pick[at] = np.eye(at.stop - at.start)
-        covariance: FloatArray = self.solve(pick)[at]
-        return covariance
+        return self.solve(pick)[at]
 
     def solve(self, right: FloatArray) -> FloatArray:
         """Return the solution for right sides (n,) or (n, m)."""
         size = self._size if right.ndim == 1 else self._size[:, None]
-        whitened: FloatArray = size * self._solved(size * right)
-        return whitened
+        return size * self._solved(size * right)
 
     def _solved(self, right: FloatArray) -> FloatArray:
         solved: FloatArray = dpotrs(self._factor, right)[0]

@@ -52,8 +52,7 @@ class Site:
 
     def pull(self, v: FloatArray) -> FloatArray:
         """Return gravity and Coriolis acceleration (..., 3) [m/s2] at velocities ``v`` (..., 3) [m/s], frame o."""
-        pull: FloatArray = np.array([0.0, 0.0, -self.gravity]) + 2 * v @ skew(self.earth_n)
-        return pull
+        return np.array([0.0, 0.0, -self.gravity]) + 2 * v @ skew(self.earth_n)
 
 
 def predicted(state: WindowState, part: Preintegrated, site: Site) -> tuple[FloatArray, FloatArray, FloatArray]:

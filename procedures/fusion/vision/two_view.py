@@ -187,8 +187,7 @@ class EpipolarRotations:
         return variance, (n @ t[:, :, None])[:, :, 0] / np.sqrt(variance)
 
     def _weight(self, e: FloatArray) -> FloatArray:
-        weight: FloatArray = self.pairs.there / (1 + (e / self._loss) ** 2) ** 2
-        return weight
+        return self.pairs.there / (1 + (e / self._loss) ** 2) ** 2
 
     def _cost(self, R: FloatArray, u: FloatArray, n: FloatArray, t: FloatArray) -> FloatArray:
         e2 = self._whitened(R, u, n, t)[1] ** 2
