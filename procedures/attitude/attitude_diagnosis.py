@@ -1,8 +1,7 @@
 """Trace an attitude log's residual to what the model lacks, add it, and compare on rows that were not used.
 
-The first part of the rows is what causes are found in, by the inference of a calibration (`procedures.inference`):
-errors of the sensors or of the speed, and functions of time, which stand for all that has no name. The rest, which
-had no say, is where the mixer runs on the corrected log.
+Causes are found in the first rows, by the inference of a calibration (`procedures.inference`): errors of
+the sensors or of the speed, and functions of time, which stand for all that has no name. The rest is held out.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -24,7 +23,7 @@ from procedures.attitude.attitude_effects import (
 )
 from procedures.attitude.attitude_estimate import AttitudeEstimate, estimate
 from procedures.attitude.attitude_log import AttitudeLog, inclination
-from procedures.attitude.filter_choice import Gains
+from procedures.attitude.complementary_gains import ComplementaryGains
 from procedures.diagnosis.caches import clear_caches
 from procedures.errors import NotObservable
 from procedures.inference.hypotheses import named
@@ -51,7 +50,9 @@ class AttitudeDiagnosis:
 
 
 @clear_caches()
-def diagnose_attitude(log: AttitudeLog, aid: str, gains: Gains | None, gravity: float) -> AttitudeDiagnosis:
+def diagnose_attitude(
+    log: AttitudeLog, aid: str, gains: ComplementaryGains | None, gravity: float
+) -> AttitudeDiagnosis:
     """Find what the residual between mixer and truth, or gyros and accelerometers, says the model lacks.
 
     Raises
@@ -79,9 +80,7 @@ def diagnose_attitude(log: AttitudeLog, aid: str, gains: Gains | None, gravity: 
 
     def judged(findings: Sequence[Finding]) -> tuple[AttitudeLog, AttitudeEstimate, ResidualRms]:
         corrected = without_effects(motion, findings)
-        track = estimate(
-            corrected, aid, gains, gravity, learns_motion=False
-        )  # which would do without the velocity
+        track = estimate(corrected, aid, gains, gravity, learns_motion=False)  # which would do without velocity
         errors = _errors(log, first, track, used, cut)
         if errors is None:
             seen = [(each, base_of(_motion(each, aid), aid, has_filter)) for each in (log, corrected)]

@@ -177,9 +177,7 @@ def propagated_residual(
     H = np.zeros((len(first), 3, columns.shape[2]))
     dt = log.intervals
     for at in cut.rows.T[1:]:
-        R = np.swapaxes(
-            rotation(log.omega_b[at] * dt[at, None]), 1, 2
-        )  # the body turns, so what it sees turns back
+        R = np.swapaxes(rotation(log.omega_b[at] * dt[at, None]), 1, 2)  # what the body sees turns back
         down = np.einsum("mij,mj->mi", R, down)
         H = R @ H + np.cross(columns[at] * dt[at, None, None], down[:, :, None], axis=1)
     return cut.reference[cut.rows[:, -1]] - down, H

@@ -6,15 +6,17 @@ What the two share, the accelerometers' biases, is not made less by the mean: it
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import wraps
+from typing import Concatenate, ParamSpec
 
 import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog, down_of, earth_rate_ned
 from procedures.attitude.complementary_filter import STEEP_PITCH, ComplementaryFilter
+from procedures.attitude.complementary_gains import PAPER_GAINS, ComplementaryGains
 from procedures.attitude.complementary_velocity_aids import Observability, observability
-from procedures.attitude.filter_choice import PAPER_GAINS, Gains
 from procedures.attitude.kalman.kalman_filter import AID_CODE, AttitudeKalmanFilter
 from procedures.attitude.kalman.kalman_settings import AIDED_SETTINGS, UNAIDED_SETTINGS, KalmanSettings
 from procedures.attitude.kalman.unaided_motion import heading_at_rest, run_unaided
@@ -33,13 +35,10 @@ from procedures.attitude.sensor_noise import (
 from procedures.geodesy import EARTH_RATE
 from procedures.units import STANDARD_GRAVITY
 
-AIDS = (
-    "none", "airspeed", "airspeed-filter", "gnss", "paper-airspeed", "paper-airspeed-rate", "paper-gnss",
-    "paper-filter",
-)  # fmt: skip
 AID_COLUMN = {"airspeed": "airspeed", "airspeed-filter": "airspeed", "gnss": "velocity",
               "paper-airspeed": "airspeed", "paper-airspeed-rate": "airspeed", "paper-gnss": "velocity",
               "paper-filter": "airspeed"}  # fmt: skip
+AIDS = ("none", *AID_COLUMN)
 MAX_FILTERED_TURN_S = 60.0  # the printed velocity filter is not believed beyond
 UPSIDE_DOWN_COSINE = 0.5
 VEHICLE_WARNING = (
@@ -64,8 +63,8 @@ class AttitudeEstimate:
     gyro_bias_std: FloatArray | None
     parameters: Mapping[str, float]
     warnings: tuple[str, ...] = ()
-    observability: Observability | None = field(default=None)
-    force_bias_std: FloatArray | None = field(default=None)
+    observability: Observability | None = None
+    force_bias_std: FloatArray | None = None
 
 
 def default_aid(log: AttitudeLog) -> str:
@@ -80,8 +79,32 @@ def takes_gains(aid: str) -> bool:
     return aid not in ("airspeed-filter", "gnss")
 
 
+P = ParamSpec("P")
+Estimator = Callable[Concatenate[AttitudeLog, P], AttitudeEstimate]
+
+
+def over_frozen_rows(run: Estimator[P]) -> Estimator[P]:
+    """Run an estimate of a log without the rows in which its sensors are frozen; these are then filled in."""
+
+    @wraps(run)
+    def over_all_rows(log: AttitudeLog, /, *args: P.args, **kwargs: P.kwargs) -> AttitudeEstimate:
+        stretches = frozen_stretches(log)
+        if not stretches:
+            return run(log, *args, **kwargs)
+        measured = measured_rows(log, stretches)
+        track = run(rows_of(log, measured), *args, **kwargs)
+        return replace(
+            track, down=down_over_gaps(log, measured, track.down),
+            sigma=None if track.sigma is None else sigma_over_gaps(log, measured, track.sigma),
+            warnings=(frozen_rows_warning(log, stretches), *track.warnings),
+        )  # fmt: skip
+
+    return over_all_rows
+
+
+@over_frozen_rows
 def estimate(
-    log: AttitudeLog, aid: str, gains: Gains | None = None, gravity: float = STANDARD_GRAVITY,
+    log: AttitudeLog, aid: str, gains: ComplementaryGains | None = None, gravity: float = STANDARD_GRAVITY,
     latitude: float | None = None, settings: KalmanSettings | None = None, gyro_bias_std: float | None = None,
     force_bias_std: float | None = None, fix_latency: float = 0.0, learns_motion: bool = True,
 ) -> AttitudeEstimate:  # fmt: skip
@@ -108,35 +131,6 @@ def estimate(
     settings
         Of the Kalman filter; what depends on the log (interval, noise, ranges) is filled in.
     """
-    return over_frozen_rows(
-        log,
-        lambda measured: _estimate(
-            measured, aid, gains, gravity, latitude, settings, gyro_bias_std, force_bias_std, fix_latency,
-            learns_motion,
-        ),
-    )  # fmt: skip
-
-
-def over_frozen_rows(log: AttitudeLog, run: Callable[[AttitudeLog], AttitudeEstimate]) -> AttitudeEstimate:
-    """Run an estimate of a log without the rows in which its sensors are frozen; these are then filled in."""
-    stretches = frozen_stretches(log)
-    if not stretches:
-        return run(log)
-    measured = measured_rows(log, stretches)
-    track = run(rows_of(log, measured))
-    return replace(
-        track,
-        down=down_over_gaps(log, measured, track.down),
-        sigma=None if track.sigma is None else sigma_over_gaps(log, measured, track.sigma),
-        warnings=(frozen_rows_warning(log, stretches), *track.warnings),
-    )
-
-
-def _estimate(
-    log: AttitudeLog, aid: str, gains: Gains | None, gravity: float, latitude: float | None,
-    settings: KalmanSettings | None, gyro_bias_std: float | None, force_bias_std: float | None, fix_latency: float,
-    learns_motion: bool,
-) -> AttitudeEstimate:  # fmt: skip
     if aid in AID_CODE and gains is None:
         settings = settings or (UNAIDED_SETTINGS if aid == "none" else AIDED_SETTINGS)
         if gyro_bias_std is not None:
@@ -205,7 +199,9 @@ def _with_heading(
     return replace(log, heading=heading), settings._replace(heading_std=std)
 
 
-def _complementary(log: AttitudeLog, aid: str, gains: Gains, gravity: float, gate: float) -> AttitudeEstimate:
+def _complementary(
+    log: AttitudeLog, aid: str, gains: ComplementaryGains, gravity: float, gate: float
+) -> AttitudeEstimate:
     parameters = {"k1": gains.k1, "k2": gains.k2, "gravity": gravity} | ({} if aid == "none" else {"gate": gate})
     mixer = ComplementaryFilter(gains, aid, gate, gravity)
     down, warnings, seen = mixer.run(log), list[str](), None
@@ -267,20 +263,8 @@ def estimate_both_directions(
 ) -> AttitudeEstimate:  # fmt: skip
     """Return roll and pitch along a log by one of the Kalman filter's aids, forwards and backwards.
 
-    Arguments are those of `procedures.attitude.attitude_estimate.estimate`; the gyro bias is that of the end.
+    Arguments are those of `estimate`; the gyro bias is that of the end.
     """
-    return over_frozen_rows(
-        log,
-        lambda measured: _both(
-            measured, aid, gravity, latitude, settings, gyro_bias_std, force_bias_std, fix_latency
-        ),
-    )
-
-
-def _both(
-    log: AttitudeLog, aid: str, gravity: float, latitude: float | None, settings: KalmanSettings | None,
-    gyro_bias_std: float | None, force_bias_std: float | None, fix_latency: float,
-) -> AttitudeEstimate:  # fmt: skip
     given = {"settings": settings, "gyro_bias_std": gyro_bias_std, "force_bias_std": force_bias_std}
     ahead = estimate(log, aid, None, gravity, latitude, fix_latency=fix_latency, **given)  # type: ignore[arg-type]
     back = estimate(

@@ -5,12 +5,10 @@ sensor accelerates by is noise about it:
 
     f' = f x (M omega) + noise,    M = s S,    S one of the 48 signed exchanges of axes
 
-The equation is linear in M at turns of any size. Both sides are averaged alike, over `BLOCK_S` and its neighbour,
-so that vibration averages out; a constant bias of the gyros is a part of the fit. For each S the scale s and its
-standard uncertainty follow by least squares, with errors that are correlated from block to block (Newey and West
-1987). A turn flown with the wings' lift, or a swing, keeps f still while the rates turn: s is then neither of a
-unit nor 1. So no reading is believed that does not also bring the mean force of seconds nearer to gravity
-(`mean_force.py`) than the rates as given do; where nothing else decides, rates that spread it out are too large.
+Both sides are averaged alike, over `BLOCK_S` and its neighbour; a constant bias of the gyros is a part of the fit.
+For each S the scale s follows by least squares, with errors that are correlated from block to block (Newey and
+West 1987). A turn flown with the wings' lift, or a swing, keeps f still while the rates turn: so no reading is
+believed that does not also bring the mean force of seconds nearer to gravity (`mean_force.py`).
 """
 
 import itertools
@@ -31,9 +29,8 @@ SIGNIFICANT = 5.0  # sigma: 48 readings are tried
 MIN_EXPLAINED = 0.3  # of the change of f, by rates of a scale that a unit has
 MIN_EXPLAINED_ELSE = 0.65  # by rates of other axes, or of a scale that no unit has
 TIE_RATIO = 1.5  # times the least residual: readings that are indistinguishable; the fewest changes are named
-MIN_SCALE_ERROR = (
-    1.5  # a factor: beyond, it is reported; a long lever arm makes 1.9 of 1, so that only a unit's is refused
-)
+# a factor: beyond, it is reported; a long lever arm makes 1.9 of 1, so that only a unit's is refused
+MIN_SCALE_ERROR = 1.5
 NEAR_UNIT = 0.25  # relative: how near to a unit's factor a scale is taken for it; a lever arm makes 0.83 of 1
 MIN_GAIN = 3e-4  # of gravity, in the mean force: what two readings that agree may differ by
 GAIN_SIGMA = 3.0
@@ -94,16 +91,12 @@ def is_near(scale: float, factor: float) -> bool:
 
 def disagreement(log: AttitudeLog, windows: Windows | None = None) -> AxesDisagreement | None:
     """Return how gyros and accelerometers disagree, None where they agree or the log cannot show it."""
-    windows = windows or windows_of(log)
-    scales = rate_scales(log)
-    if not scales:
-        return None
-    return _by_change(log, scales, windows) or _by_mean(log, windows)
+    scales, windows = rate_scales(log), windows or windows_of(log)
+    return (_by_change(log, scales, windows) or _by_mean(log, windows)) if scales else None
 
 
 def _by_change(log: AttitudeLog, scales: list[RateScale], windows: Windows) -> AxesDisagreement | None:
     """Return the reading by which the rates explain how the force changes."""
-    given = scales[0]
     sure = [each for each in scales if each.scale > SIGNIFICANT * each.std]  # of the two signs of each S, one
     if not sure:
         return None
@@ -111,25 +104,19 @@ def _by_change(log: AttitudeLog, scales: list[RateScale], windows: Windows) -> A
     near = [each for each in sure if 1 - each.explained < TIE_RATIO * least + 1e-9]
     found = max(near, key=lambda each: (float(np.trace(each.S)), each.explained))
     units = units_of_scale(found.scale, log.nominal)
-    other_axes = found is not given
+    other_axes = found is not scales[0]  # the axes as given
     off = abs(np.log(max(found.scale, 1e-300))) > np.log(MIN_SCALE_ERROR)
     if not other_axes and (not off or abs(found.scale - 1) < SIGNIFICANT * found.std):
         return None
     if found.explained < (MIN_EXPLAINED if units and not other_axes else MIN_EXPLAINED_ELSE):
         return None
-    units = units if off else ("rad/s",)
-    factor = found.scale if off else 1.0
-    if not _is_nearer_gravity(factor * found.S, windows):
+    if not _is_nearer_gravity((found.scale if off else 1.0) * found.S, windows):
         return None
-    return AxesDisagreement(_named(found.S), units, found.scale, found.std, _row(log))
+    return AxesDisagreement(_named(found.S), units if off else ("rad/s",), found.scale, found.std, _row(log))
 
 
 def _by_mean(log: AttitudeLog, windows: Windows) -> AxesDisagreement | None:
-    """Return the unit in which the rates turn so little that gravity's mean over seconds is whole, as it must be.
-
-    For a vehicle, whose force hardly changes in its turns. Of smaller and smaller units, all of which do, the
-    first.
-    """
+    """Return the largest unit in which the rates leave gravity's mean over seconds whole: a vehicle turns so."""
 
     def least(reading: FloatArray | None) -> float:
         return float(np.percentile(windows.mean_length(reading), TURNING_WINDOWS))

@@ -1,8 +1,6 @@
 """The complementary filter (You and Lee's mixing algorithm) over samples as they come, and over a whole log.
 
-Its final bias is You and Lee (8), the final value of (7): for steps in all inputs, the error of phi_m tends to
-that of phi_a, whatever the gains and the gyros' bias. The integral takes the bias up; the error of the
-accelerometers' angle stays, from what the filter omits of (9) and from the sensors.
+Its final bias is You and Lee (8): the error of phi_m tends to that of phi_a, whatever gains and gyro bias are.
 """
 
 from dataclasses import dataclass
@@ -11,6 +9,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog, roll_pitch_of
+from procedures.attitude.complementary_gains import PAPER_GAINS, ComplementaryGains
 from procedures.attitude.complementary_kernels import (
     FORMS,
     MIXER,
@@ -26,7 +25,6 @@ from procedures.attitude.complementary_velocity_aids import (
     mix_log,
     take_velocity,
 )
-from procedures.attitude.filter_choice import PAPER_GAINS, Gains
 from procedures.units import STANDARD_GRAVITY
 
 MIN_COSINE = 0.1
@@ -76,16 +74,16 @@ class ComplementaryFilter:
     reproduction: they fail where pitch nears 90 deg. "paper-airspeed" is forward speed alone (10), and
     "paper-airspeed-rate" and "paper-gnss" are (9) with what the airspeed or a GNSS velocity changes by.
     "paper-filter" is the velocity filter (11)-(14), which begins with ``velocity_variance`` [m2/s2] and from the
-    vertical velocity of level flight, unless ``starts_level`` is False; in turns of more than a minute it
-    diverges, since it takes the attitude for known (docs/explanation/attitude.md). The first sample's specific
-    force is where the attitude begins. Over a gap the rates of the sample after it are taken for what went on.
+    vertical velocity of level flight; in turns of more than a minute it diverges, since it takes the attitude for
+    known (docs/explanation/attitude.md). The first sample's specific force is where the attitude begins. Over a
+    gap the rates of the sample after it are taken for what went on.
     """
 
     def __init__(
-        self, gains: Gains = PAPER_GAINS, aid: str = "none", gate: float = RATE_GATE, g: float = STANDARD_GRAVITY,
-        velocity_variance: float = INITIAL_VELOCITY_VARIANCE, *, starts_level: bool = True,
+        self, gains: ComplementaryGains = PAPER_GAINS, aid: str = "none", gate: float = RATE_GATE,
+        g: float = STANDARD_GRAVITY, velocity_variance: float = INITIAL_VELOCITY_VARIANCE,
     ) -> None:  # fmt: skip
-        self._settings = MixerSettings(gains.k1, gains.k2, gate, g, FORMS[aid], starts_level)
+        self._settings = MixerSettings(gains.k1, gains.k2, gate, g, FORMS[aid])
         self._mixers = np.zeros(1, MIXER)
         self._mixers[0].covariance = velocity_variance * np.eye(3)
         self._t: float | None = None

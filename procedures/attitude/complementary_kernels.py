@@ -46,17 +46,13 @@ MIXER = np.dtype((np.record, [
 
 
 class MixerSettings(NamedTuple):
-    """What stays the same: gains [1/s], the gate [rad/s], gravity [m/s2], and the form of the settings.
-
-    ``starts_level``: the velocity filter begins from the vertical velocity of level flight, else from none.
-    """
+    """What stays the same: gains [1/s], the gate [rad/s], gravity [m/s2], and the form of the filter."""
 
     k1: float
     k2: float
     gate: float
-    g: float = math.nan
+    g: float
     form: int = VECTOR
-    starts_level: bool = True
 
 
 @inlined

@@ -1,8 +1,6 @@
 """Velocity aids of the complementary filter: forward speed, the whole of (9), and the velocity filter (11)-(14).
 
-Equation numbers are those of You and Lee.
-
-`observability` evaluates (13), on which the velocity filter depends, along a log.
+Equation numbers are those of You and Lee; `observability` evaluates (13), on which the velocity filter depends.
 """
 
 import math
@@ -220,7 +218,7 @@ def mix_paper(
         aid.velocity[0] = aid.airspeed
         if not is_open:
             learn_attack(mixers, dt, aid.pitch)
-        if settings.form == PRINTED_FILTER and settings.starts_level and aid.has_turned == 0.0:
+        if settings.form == PRINTED_FILTER and aid.has_turned == 0.0:
             aid.velocity[2] = aid.airspeed * math.tan(aid.attack)
     if settings.form == PRINTED_GNSS:
         x, y = whole_acceleration(mixers, omega_b)

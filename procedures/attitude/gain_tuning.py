@@ -8,7 +8,7 @@ import numpy as np
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_estimate import estimate
 from procedures.attitude.attitude_log import AttitudeLog, inclination
-from procedures.attitude.filter_choice import Gains
+from procedures.attitude.complementary_gains import ComplementaryGains
 from procedures.errors import NotObservable
 from procedures.units import STANDARD_GRAVITY
 
@@ -25,7 +25,7 @@ class GainTuning:
     for each, ``held_out`` [rad] is the rms of those choices on the stretches that had no say.
     """
 
-    candidates: tuple[Gains, ...]
+    candidates: tuple[ComplementaryGains, ...]
     rms: FloatArray
     by_fold: FloatArray
     best: int
@@ -42,20 +42,22 @@ class GainTuning:
         )  # fmt: skip
 
 
-def grid_of_taus(taus: Sequence[float] = TAUS) -> tuple[Gains, ...]:
+def grid_of_taus(taus: Sequence[float] = TAUS) -> tuple[ComplementaryGains, ...]:
     """Return critically damped gains (You and Lee eq. 15) over time constants [s]."""
-    return tuple(Gains.of_time_constant(tau) for tau in taus)
+    return tuple(ComplementaryGains.of_time_constant(tau) for tau in taus)
 
 
-def grid_of_gains() -> tuple[Gains, ...]:
+def grid_of_gains() -> tuple[ComplementaryGains, ...]:
     """Return K1 (0.005 to 2 1/s) and K2 (0.0005 to 0.5 1/s) on a grid, both in equal ratios."""
     return tuple(
-        Gains(float(k1), float(k2)) for k1 in np.geomspace(0.005, 2, 9) for k2 in np.geomspace(5e-4, 0.5, 7)
+        ComplementaryGains(float(k1), float(k2))
+        for k1 in np.geomspace(0.005, 2, 9)
+        for k2 in np.geomspace(5e-4, 0.5, 7)
     )
 
 
 def tune(
-    log: AttitudeLog, aid: str, candidates: Sequence[Gains], gravity: float = STANDARD_GRAVITY
+    log: AttitudeLog, aid: str, candidates: Sequence[ComplementaryGains], gravity: float = STANDARD_GRAVITY
 ) -> GainTuning:  # fmt: skip
     """Run the filter with each of ``candidates`` and compare with the log's truth.
 

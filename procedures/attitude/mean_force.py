@@ -1,19 +1,12 @@
 """The specific force averaged over seconds in a frame that does not turn: gravity, or something is wrong.
 
-In a frame that does not turn, specific force is the sensor's acceleration less gravity. Its mean over a time T is
-then, by Newton's second law, whatever the sensor did in between,
-
-    mean(f_n) = -g + (v(T) - v(0)) / T
-
-of a plain mean. With Hann's weight w(t) = (1 - cos(2 pi t/T)) / T, which is zero at both ends,
+In a frame that does not turn, which the rates give (Titterton and Weston, *Strapdown Inertial Navigation
+Technology*, 3.5), specific force is acceleration less gravity. With Hann's weight w(t) = (1 - cos(2 pi t/T)) / T
 
     integral(w f_n) = -g - integral(w' v),    |integral(w' v)| <= 2 dv / T
 
-with dv the range of the speed within T: the length differs from 9.8 m/s2 by no more than that.
-`AttitudeLog.omega_b` gives the frame
-(Titterton and Weston, *Strapdown Inertial Navigation Technology*, 3.5). Rates that are too large, or turn the
-wrong way, spread the vector and shorten its mean; a force from which gravity was removed leaves next to nothing
-of it.
+with dv the range of the speed within T. Rates that are too large, or turn the wrong way, spread the vector and
+shorten its mean; a force from which gravity was removed leaves next to nothing of it.
 """
 
 from dataclasses import dataclass
@@ -33,9 +26,7 @@ MAX_WINDOWS = 360  # an hour of a longer log, evenly taken
 SPEED_CHANGE_STD = 10.0  # m/s in a window, 2 dv: a car's dv of 5 m/s, 1 sigma
 ACCELERATION_STD = 2.0  # m/s2: what a car or a hand keeps up for seconds
 ABSENT_SIGMA = 4.0
-STEADY_SPREAD = (
-    0.25  # between quartiles, of the median: a walk's is 0.2, that of three random components alone 0.5
-)
+STEADY_SPREAD = 0.25  # between quartiles, of the median: a walk's is 0.2, of three random components alone 0.5
 REST_S = 1.0  # s
 REST_FORCE, REST_RATE = 0.03, 0.05  # of the force's length; rad/s: what stands on a table or is held still
 

@@ -16,7 +16,8 @@ from procedures.arrays import FloatArray
 from procedures.attitude.attitude_estimate import MAX_FILTERED_TURN_S
 from procedures.attitude.attitude_log import AttitudeLog, down_of, inclination
 from procedures.attitude.complementary_filter import STEEP_PITCH, ComplementaryFilter
-from procedures.attitude.filter_choice import FORM_DESCRIPTIONS, FORMS, JOINT, PAPER_GAINS, Gains
+from procedures.attitude.complementary_gains import PAPER_GAINS, ComplementaryGains
+from procedures.attitude.filter_choice import FORM_DESCRIPTIONS, FORMS, JOINT
 from procedures.attitude.sensor_noise import gate_of, gyro_noise
 from procedures.units import DEG_H_PER_RAD_S, STANDARD_GRAVITY
 from station.attitude.live_kalman_filter import (
@@ -40,7 +41,7 @@ class ComplementaryFilterTrack:
     """
 
     def __init__(
-        self, name: str, aid: str, gains: Gains = PAPER_GAINS, gravity: float = STANDARD_GRAVITY,
+        self, name: str, aid: str, gains: ComplementaryGains = PAPER_GAINS, gravity: float = STANDARD_GRAVITY,
         force_std: float = np.nan, gyro_std: float = np.nan,
     ) -> None:  # fmt: skip
         self._name, self._form, self._gains, self._gravity = name, FORMS[name][aid], gains, gravity
@@ -111,7 +112,7 @@ class LiveFilters:
 
     def __init__(
         self, filters: Sequence[str], aid: str, joint: AttitudeEstimator, calibration: Mapping[str, Any] | None,
-        gravity: float, gains: Gains | None = None,
+        gravity: float, gains: ComplementaryGains | None = None,
     ) -> None:  # fmt: skip
         self._filters, self._aid, self._joint = tuple(filters), aid, joint
         stds = (np.nan, np.nan)

@@ -12,7 +12,7 @@ from station.commands._options import Heading, Latitude, argument, option, refus
 if TYPE_CHECKING:
     from procedures.attitude.attitude_estimate import AttitudeEstimate
     from procedures.attitude.attitude_log import AttitudeLog
-    from procedures.attitude.filter_choice import Gains
+    from procedures.attitude.complementary_gains import ComplementaryGains
 
 
 DIRECTIONS = ("forwards", "both")
@@ -152,7 +152,9 @@ def attitude(
         typer.echo(f"{out}: roll, pitch and down vector of {log}")
 
 
-def _chosen_aid(aid: str | None, gains: "Gains | None", read: "AttitudeLog", log: Path, *, is_both: bool) -> str:
+def _chosen_aid(
+    aid: str | None, gains: "ComplementaryGains | None", read: "AttitudeLog", log: Path, *, is_both: bool
+) -> str:
     """Return the aid asked for or the best that the log allows; raise `typer.BadParameter` if it is impossible."""
     import numpy as np
 
@@ -179,7 +181,7 @@ def _chosen_aid(aid: str | None, gains: "Gains | None", read: "AttitudeLog", log
 
 
 def _diagnosed(
-    read: "AttitudeLog", aid: str, gains: "Gains | None", gravity: float
+    read: "AttitudeLog", aid: str, gains: "ComplementaryGains | None", gravity: float
 ) -> "tuple[AttitudeEstimate, dict[str, Any], str]":
     """Return the corrected attitude with its document and text, after the diagnosis."""
     from procedures.attitude.attitude_diagnosis import diagnose_attitude
@@ -199,7 +201,11 @@ def _diagnosed(
 
 
 def _estimated(
-    read: "AttitudeLog", aid: str, gains: "Gains | None", direction: str, known: dict[str, float | None]
+    read: "AttitudeLog",
+    aid: str,
+    gains: "ComplementaryGains | None",
+    direction: str,
+    known: dict[str, float | None],
 ) -> "tuple[AttitudeEstimate, dict[str, Any], str]":
     """Return the attitude forwards or in both directions, with its document and text."""
     from functools import partial
@@ -230,17 +236,17 @@ def _read(log: Path, options: _log_options.LogOptions, axes: str | None, convent
     return read.log
 
 
-def _gains(tau: float | None, k1: float | None, k2: float | None) -> "Gains | None":
+def _gains(tau: float | None, k1: float | None, k2: float | None) -> "ComplementaryGains | None":
     if tau is not None and (k1 is not None or k2 is not None):
         raise typer.BadParameter("give --tau, or --k1 and --k2, not both", param_hint="--tau")
     if (k1 is None) != (k2 is None):
         raise typer.BadParameter("give both --k1 and --k2", param_hint="--k1")
-    from procedures.attitude.filter_choice import Gains
+    from procedures.attitude.complementary_gains import ComplementaryGains
 
     with refused_as("--k1" if tau is None else "--tau"):
         if tau is not None:
-            return Gains.of_time_constant(tau)
-        return None if k1 is None or k2 is None else Gains(k1, k2)
+            return ComplementaryGains.of_time_constant(tau)
+        return None if k1 is None or k2 is None else ComplementaryGains(k1, k2)
 
 
 def tune(

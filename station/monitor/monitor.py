@@ -13,7 +13,8 @@ from drivers.can.frame_record import WheelReading
 from drivers.errors import DriverError, LinkLost, ReplayEnded
 from procedures.arrays import FloatArray
 from procedures.attitude.attitude_log import AttitudeLog
-from procedures.attitude.filter_choice import JOINT, Gains
+from procedures.attitude.complementary_gains import ComplementaryGains
+from procedures.attitude.filter_choice import JOINT
 from procedures.attitude.kalman.kalman_settings import KalmanSettings
 from procedures.attitude.kalman.unaided_motion import heading_at_rest
 from procedures.units import STANDARD_GRAVITY
@@ -58,7 +59,7 @@ class MonitorOptions:
 
     aid: str = "none"
     filters: tuple[str, ...] = (JOINT,)
-    gains: Gains | None = None  # of the complementary filters; those printed where None
+    gains: ComplementaryGains | None = None  # of the complementary filters; those printed where None
     C: FloatArray | None = None
     latitude: float | None = None
     heading: float | None = None

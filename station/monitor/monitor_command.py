@@ -17,7 +17,8 @@ from drivers.address_parsing import parse_device_url
 from drivers.camera import CameraImage
 from drivers.can.frame_record import WheelReading
 from procedures.arrays import FloatArray
-from procedures.attitude.filter_choice import JOINT, Gains, parse_filters, refuse_without_velocity
+from procedures.attitude.complementary_gains import ComplementaryGains
+from procedures.attitude.filter_choice import JOINT, parse_filters, refuse_without_velocity
 from procedures.geodesy import normal_gravity
 from procedures.optional_libraries import opencv
 from procedures.units import STANDARD_GRAVITY
@@ -237,14 +238,15 @@ def _aid(
     return stack.enter_context(open_gnss(wanted.gnss, work_folder)), wanted.aid or "gnss"
 
 
-def _filters(wanted: MonitorRequest) -> tuple[tuple[str, ...], Gains | None]:
+def _filters(wanted: MonitorRequest) -> tuple[tuple[str, ...], ComplementaryGains | None]:
     """Return the filters and their gains, in a replay as they were unless others are asked for."""
-    filters, gains = wanted.filters, None if wanted.tau_s is None else Gains.of_time_constant(wanted.tau_s)
+    filters = wanted.filters
+    gains = None if wanted.tau_s is None else ComplementaryGains.of_time_constant(wanted.tau_s)
     if (file := wanted.replayed) is not None:
         try:
             filters = filters or parse_filters(recorded_choice(file, "laws"))
             if gains is None and (text := recorded_choice(file, "gains")):
-                gains = Gains(*map(float, text.split()))
+                gains = ComplementaryGains(*map(float, text.split()))
         except (ValueError, TypeError) as error:
             raise DataRefused(file.parent / EVENTS_FILE, None, str(error), "laws and gains of a run") from None
     return filters or (JOINT,), gains

@@ -9,8 +9,8 @@ from procedures.attitude.attitude_diagnosis import diagnose_attitude
 from procedures.attitude.attitude_estimate import AIDS, default_aid, estimate, estimate_both_directions
 from procedures.attitude.attitude_log import AttitudeLog
 from procedures.attitude.axes_check import disagreement
+from procedures.attitude.complementary_gains import PAPER_GAINS
 from procedures.attitude.complementary_velocity_aids import observability
-from procedures.attitude.filter_choice import PAPER_GAINS
 from procedures.attitude.gain_tuning import grid_of_taus, tune
 from procedures.attitude.kalman.unaided_motion import heading_at_rest
 from procedures.attitude.sensor_noise import clipped_rows, gyro_noise

@@ -7,7 +7,7 @@ from procedures.arrays import FloatArray
 from procedures.attitude import complementary_kernels as mixing_kernels
 from procedures.attitude.attitude_log import AttitudeLog, down_of, inclination, roll_pitch_of
 from procedures.attitude.complementary_filter import ComplementaryFilter
-from procedures.attitude.filter_choice import PAPER_GAINS, Gains
+from procedures.attitude.complementary_gains import PAPER_GAINS, ComplementaryGains
 from procedures.attitude.gain_tuning import FOLDS, grid_of_taus, tune
 from procedures.errors import ErrorCode, NotObservable
 from procedures.positions import nominal_C_lb
@@ -30,19 +30,19 @@ def still(down: FloatArray, bias: float = 0.0, n: int = 3000, dt: float = 0.01) 
     return AttitudeLog(np.arange(n) * dt, np.full((n, 3), bias), np.tile(-G * down, (n, 1)))
 
 
-def damping(gains: Gains) -> float:
+def damping(gains: ComplementaryGains) -> float:
     """Return the loop's damping; 1 for gains of the form of (15)."""
     return float(0.5 * np.sqrt(gains.k1 / gains.k2))
 
 
 def test_gains_of_a_time_constant_are_those_of_equation_15() -> None:
-    gains = Gains.of_time_constant(12.5)
+    gains = ComplementaryGains.of_time_constant(12.5)
     assert gains.k1 == pytest.approx(2 / 12.5)
     assert gains.k1 * gains.k2 == pytest.approx(1 / 12.5**2)
     assert damping(gains) == pytest.approx(1.0)
     assert damping(PAPER_GAINS) == pytest.approx(1.265, abs=1e-3)
     with refused(ValueError, None, "0"):
-        Gains.of_time_constant(0.0)
+        ComplementaryGains.of_time_constant(0.0)
 
 
 @pytest.mark.parametrize("printed", [False, True])
@@ -65,7 +65,7 @@ def test_small_angles_follow_the_transfer_function_of_equation_1(printed: bool) 
 @pytest.mark.parametrize("position", range(1, 13))
 def test_every_cube_position_reads_as_well_as_any(position: int) -> None:
     down = -FRD_OF_CUBE @ nominal_C_lb(position)[2]
-    mixer = ComplementaryFilter(Gains.of_time_constant(2.0))
+    mixer = ComplementaryFilter(ComplementaryGains.of_time_constant(2.0))
     found = mixer.run(still(down, bias=2.4e-4))
     assert np.degrees(inclination(found[-1], down)) < 1e-3
     across = mixer.gyro_bias - down * (down @ mixer.gyro_bias)
@@ -76,12 +76,15 @@ def test_it_comes_back_from_upside_down() -> None:
     down = np.array([0.0, 0.0, 1.0])
     log = still(down, n=20000)
     log.f_b[0] *= -1  # the first sample says upside down, exactly
-    assert np.degrees(inclination(ComplementaryFilter(Gains.of_time_constant(5.0)).run(log)[-1], down)) < 0.1
+    assert (
+        np.degrees(inclination(ComplementaryFilter(ComplementaryGains.of_time_constant(5.0)).run(log)[-1], down))
+        < 0.1
+    )
 
 
 def test_time_stamps_count_not_samples() -> None:
     log = wavy()
-    fine = ComplementaryFilter(Gains.of_time_constant(3.0)).run(log)
+    fine = ComplementaryFilter(ComplementaryGains.of_time_constant(3.0)).run(log)
     pairs = {"rate": log.omega_b[1:].reshape(-1, 3)[: len(log.t) // 2 * 2 - 2], "force": log.f_b[1:]}
     rate = pairs["rate"].reshape(-1, 2, 3).mean(axis=1)
     force = pairs["force"][: 2 * len(rate)].reshape(-1, 2, 3).mean(axis=1)
@@ -89,7 +92,7 @@ def test_time_stamps_count_not_samples() -> None:
         np.concatenate(([log.t[0]], log.t[2 : 2 * len(rate) + 1 : 2])),
         np.vstack([log.omega_b[:1], rate]), np.vstack([log.f_b[:1], force]),
     )  # fmt: skip
-    coarse = ComplementaryFilter(Gains.of_time_constant(3.0)).run(half)
+    coarse = ComplementaryFilter(ComplementaryGains.of_time_constant(3.0)).run(half)
     assert np.degrees(inclination(coarse[-1], fine[2 * len(rate)])) < 0.02
 
 
@@ -161,9 +164,9 @@ def test_a_gnss_velocity_takes_a_climbing_turn_off_that_speeds_up(knows_heading:
         t, rate, np.einsum("nji,nj->ni", C_nb, acceleration), velocity=velocity,
         heading=course if knows_heading else None,
     )  # fmt: skip
-    found = ComplementaryFilter(Gains.of_time_constant(3.0), "paper-gnss").run(log)[2500:]
+    found = ComplementaryFilter(ComplementaryGains.of_time_constant(3.0), "paper-gnss").run(log)[2500:]
     assert np.degrees(np.abs(found - np.stack([roll, pitch], axis=1)[2500:])).max() < 0.1
-    alone = ComplementaryFilter(Gains.of_time_constant(3.0)).run(log)
+    alone = ComplementaryFilter(ComplementaryGains.of_time_constant(3.0)).run(log)
     assert np.degrees(inclination(alone, down_of(roll, pitch))).max() > 5
 
 
@@ -192,7 +195,7 @@ def test_the_held_out_error_is_no_smaller_than_the_best_could_be() -> None:
 def test_without_truth_nothing_is_chosen() -> None:
     log = paper_bench(1, 1, seconds=5.0)
     with refused(NotObservable, ErrorCode.NOT_OBSERVABLE, "roll_rad"):
-        tune(AttitudeLog(log.t, log.omega_b, log.f_b), "none", [Gains(0.1, 0.1)])
+        tune(AttitudeLog(log.t, log.omega_b, log.f_b), "none", [ComplementaryGains(0.1, 0.1)])
 
 
 def test_a_minute_after_its_start_the_filter_with_airspeed_answers_by_its_own_gain() -> None:

@@ -10,7 +10,7 @@ from procedures.arrays import FloatArray
 from procedures.attitude.attitude_estimate import estimate
 from procedures.attitude.attitude_log import AttitudeLog, down_of, roll_pitch_of
 from procedures.attitude.complementary_filter import ComplementaryFilter
-from procedures.attitude.filter_choice import Gains
+from procedures.attitude.complementary_gains import ComplementaryGains
 from procedures.units import RAD_S_PER_DEG_H, STANDARD_GRAVITY
 from tests.drivers.simulated.flight import FORCE_UG, GYRO_DEG_H, LEVEL_S, paper_flight
 
@@ -44,7 +44,7 @@ def test_figure_3_the_gyros_alone_drift_with_time() -> None:
     drift = []
     for seed in SEEDS:
         log = flight(seed, 50.0, 200.0, 3.0)
-        error = errors_deg(log, ComplementaryFilter(Gains(1e-9, 0.0)).run(log))
+        error = errors_deg(log, ComplementaryFilter(ComplementaryGains(1e-9, 0.0)).run(log))
         drift.append([error[12499], error[24999]])
     at_125, at_250 = np.sqrt(np.mean(np.square(drift), axis=(0, 2)))
     one_sigma = 50 * 250 / 3600  # 50 deg/h over 250 s
@@ -59,12 +59,12 @@ def test_figure_4_forward_speed_stays_below_1_deg_in_level_flight_and_grows_in_t
     assert turn[1] > 1.0
 
 
-def filtered(variance: float, *, starts_level: bool) -> FloatArray:
+def filtered(variance: float) -> FloatArray:
     """Return the mean over seeds of the velocity filter's largest roll and pitch error in the turn [deg]."""
     found = []
     for seed in SEEDS:
         log = flight(seed, 50.0, 200.0, 3.0)
-        law = ComplementaryFilter(aid="paper-filter", velocity_variance=variance, starts_level=starts_level)
+        law = ComplementaryFilter(aid="paper-filter", velocity_variance=variance)
         roll, pitch = law.run(log).T
         found.append(np.abs(errors_deg(log, down_of(roll, pitch)))[log.t > LEVEL_S].max(axis=0))
     mean: FloatArray = np.mean(found, axis=0)
@@ -74,7 +74,7 @@ def filtered(variance: float, *, starts_level: bool) -> FloatArray:
 @pytest.mark.parametrize("variance", [1e-6, 100.0])
 def test_figure_5_the_velocity_filter_reduces_both_whatever_its_first_covariance(variance: float) -> None:
     _, before = maxima("paper-airspeed")
-    after = filtered(variance, starts_level=True)
+    after = filtered(variance)
     assert after[0] < 0.3 * before[0]
     assert after[1] < 0.3 * before[1]
 

@@ -7,8 +7,8 @@ import pytest
 
 from procedures.attitude.attitude_estimate import AttitudeEstimate
 from procedures.attitude.attitude_log import AttitudeLog
+from procedures.attitude.complementary_gains import ComplementaryGains
 from procedures.attitude.complementary_velocity_aids import Observability
-from procedures.attitude.filter_choice import Gains
 from procedures.attitude.gain_tuning import GainTuning
 from station.attitude.attitude_json import attitude_document, attitude_text, rms_deg, tuning_document, write_track
 
@@ -72,7 +72,7 @@ def test_rows_are_written_as_they_are_named(tmp_path: Path) -> None:
 
 DEG = np.pi / 180
 TUNING = GainTuning(
-    candidates=(Gains(2.0, 1.0), Gains(0.5, 0.25), Gains(0.2, 0.04)),
+    candidates=(ComplementaryGains(2.0, 1.0), ComplementaryGains(0.5, 0.25), ComplementaryGains(0.2, 0.04)),
     rms=np.array([4.0, 1.0, 2.0]) * DEG, by_fold=np.array([[4.0, 4.0], [1.0, 1.0], [2.0, 2.0]]) * DEG,
     best=1, picked=(1, 2), held_out=1.5 * DEG, rows=600,
 )  # fmt: skip

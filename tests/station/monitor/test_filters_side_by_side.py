@@ -10,7 +10,8 @@ import pytest
 
 from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.truth import Truth
-from procedures.attitude.filter_choice import Gains, parse_filters
+from procedures.attitude.complementary_gains import ComplementaryGains
+from procedures.attitude.filter_choice import parse_filters
 from station import cli
 from station.attitude.live_filters import ComplementaryFilterTrack
 from station.attitude.live_kalman_filter import AidValues
@@ -29,7 +30,7 @@ AUTOPILOT = AutopilotTruth(position_std_m=0.3, default_hz=5.0, airspeed_m_s=7.5)
 
 @pytest.mark.parametrize("name", ["mixer", "paper"])
 def test_a_complementary_filter_next_to_the_joint_filter_reads_the_bench_as_it_does(name: str) -> None:
-    rig = MonitorRig(FLAT, MonitorOptions(filters=("joint", name), gains=Gains.of_time_constant(3.0)))
+    rig = MonitorRig(FLAT, MonitorOptions(filters=("joint", name), gains=ComplementaryGains.of_time_constant(3.0)))
     view = rig.run(40.0)
     joint, mixing = view.filters
     assert (joint.name, mixing.name) == ("joint", name)
