@@ -1,13 +1,10 @@
 """Recursions over one dwell's cumulative count, whole vectors at a time.
 
-The model is a random walk about a polynomial, seen through intervals: ``S = B theta + W``, where W is
-a Wiener process of ``noise`` counts per sqrt(sample) with a free level in every gap-free segment, and
-"the cumulative count is c at node i" says ``low_i <= S_i < low_i + 1``. A Gaussian stand-in for that
-statement, ``exp(-tau S^2 / 2 + nu S)``, is a *site*; expectation propagation (Minka 2001) finds the sites
-whose product has the moments that each true interval gives it in turn.
-
-LAPACK's tridiagonal factorisation is the recursion. Compiled loops take a third of the time for the few hundred
-nodes of a dwell, but their compiler takes longer to load than a whole campaign to solve.
+The model is a random walk about a polynomial, seen through intervals: ``S = B theta + W``, where W is a Wiener
+process of ``noise`` counts per sqrt(sample) with a free level in every gap-free segment, and "the cumulative count
+is c at node i" says ``low_i <= S_i < low_i + 1``. A Gaussian stand-in for that statement, ``exp(-tau S^2 / 2 + nu
+S)``, is a *site*; expectation propagation (Minka 2001) finds the sites. LAPACK's tridiagonal factorisation is the
+recursion.
 """
 
 import math
@@ -78,7 +75,17 @@ def smooth(
     [[A, -T B], [-B'T, B'T B]]; S is eliminated by A's factorisation. With d the pivots from the first node on and
     e those from the last, A's inverse has 1 / (d + e - diag A) on its diagonal.
     """
-    return _smooth(*_walk(t, linked, basis, noise), tau, nu)
+    link, step, change = _steps(t, linked, basis, noise)
+    TB, diagonal = _of_steps(step), _diagonal(link, tau)
+    pivot, factor, _ = dpttrf(diagonal, -link)
+    back, _, _ = dpttrf(diagonal[::-1], -link[::-1])
+    level, bent = _solved(pivot, factor, nu, TB)
+    theta, covariance, information, h = _theta(step.T @ change, TB, level, bent)
+    determinant = np.linalg.det(information) if len(information) > 1 else information[0, 0]
+    log_norm = 0.5 * float(np.log(link[link > 0]).sum())
+    log_norm += 0.5 * float(nu @ level + h @ theta - np.log(pivot).sum()) - 0.5 * math.log(determinant)
+    variance = 1.0 / (pivot + back[::-1] - diagonal) + ((bent @ covariance) * bent).sum(axis=1)
+    return level + bent @ theta, variance, theta, covariance, log_norm
 
 
 def theta_of_first_and_all(
@@ -90,29 +97,16 @@ def theta_of_first_and_all(
 
     Parameters
     ----------
-    t : (m,) node times [samples]
-    linked : (m,), 1 where a node continues the segment of the one before it, else 0
-    tau, nu : (m,) the sites' precision and precision times mean, S in counts
-    basis : (m, p) of theta at the nodes
-    noise : counts per sqrt(sample)
+    t, linked, tau, nu, basis, noise : (m,) but for basis (m, p) and noise, in the units of `smooth`
     """
     link, step, change = _steps(t, linked, basis, noise)
-    diagonal, TB = _diagonal(link, tau), _of_steps(step)
-    pivot, factor, _ = dpttrf(diagonal, -link)
+    TB = _of_steps(step)
+    pivot, factor, _ = dpttrf(_diagonal(link, tau), -link)
     level, bent = _solved(pivot, factor, nu, TB)
     # of one column a sum of products runs as along a vector: it is one, not a column of several
     first = [np.ascontiguousarray(each[:, :1]) for each in (step, change, TB)]
     alone = _theta(first[0].T @ first[1], first[2], level, bent[:, :1])
     return alone[:2], _theta(step.T @ change, TB, level, bent)[:2]
-
-
-Walk = tuple[FloatArray, FloatArray, FloatArray, float]
-
-
-def _walk(t: FloatArray, linked: FloatArray, basis: FloatArray, noise: float) -> Walk:
-    """Return the steps' precision (m - 1,), T B (m, p), B'T B (p, p) and half the log of the steps' precision."""
-    link, step, change = _steps(t, linked, basis, noise)
-    return link, _of_steps(step), step.T @ change, 0.5 * float(np.log(link[link > 0]).sum())
 
 
 def _steps(
@@ -158,17 +152,3 @@ def _theta(
     inverse = np.linalg.inv(information) if len(information) > 1 else 1.0 / information
     covariance, h = np.asarray(inverse, dtype=np.float64), TB.T @ level
     return covariance @ h, covariance, information, h
-
-
-def _smooth(
-    link: FloatArray, TB: FloatArray, BTB: FloatArray, log_norm: float, tau: FloatArray, nu: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, float]:
-    diagonal = _diagonal(link, tau)
-    pivot, factor, _ = dpttrf(diagonal, -link)
-    back, _, _ = dpttrf(diagonal[::-1], -link[::-1])
-    level, bent = _solved(pivot, factor, nu, TB)
-    theta, covariance, information, h = _theta(BTB, TB, level, bent)
-    determinant = np.linalg.det(information) if len(information) > 1 else information[0, 0]
-    log_norm += 0.5 * float(nu @ level + h @ theta - np.log(pivot).sum()) - 0.5 * math.log(determinant)
-    variance = 1.0 / (pivot + back[::-1] - diagonal) + ((bent @ covariance) * bent).sum(axis=1)
-    return level + bent @ theta, variance, theta, covariance, log_norm

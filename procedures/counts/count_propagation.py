@@ -1,12 +1,11 @@
 """Expectation propagation over the nodes of counted paths, many at once: a few large sums cost less.
 
-The paths share nothing. Their random walks' precision is one tridiagonal matrix in which no path is linked to the
-next; each has its own noise and rate, and is taken out when that has settled.
+The paths share nothing: in the tridiagonal precision of their random walks no path is linked to the next. Each has
+its own noise and rate, and is taken out when that has settled.
 
-Straight lines that pass every count's interval: what a dwell near a simple fraction of a count per sample says.
-At half a count per sample the count's pattern repeats every two samples, and a rate slightly off shows only
-where the pattern slips. Few slips leave a wedge of lines, as few edges do near a whole count, and a Gaussian is
-narrower than that by a third. The lines that fit are counted instead: each is as likely as any other.
+`rate_within_counts` is for a dwell near a simple fraction of a count per sample, whose rate shows only where the
+count's pattern slips: the straight lines that pass every count's interval are counted, each as likely as any
+other.
 """
 
 import math
@@ -39,7 +38,7 @@ class Nodes:
 class Sites:
     """What each node of a path says: precision ``tau`` (m,) and precision times mean ``nu`` (m,).
 
-    ``theta``, its ``variance``, the log ``evidence`` and the sweeps taken.
+    ``theta``, its ``variance`` and the log ``evidence``.
     """
 
     tau: FloatArray
@@ -47,7 +46,6 @@ class Sites:
     theta: float
     variance: float
     evidence: float
-    sweeps: int
 
 
 def propagate(paths: Sequence[Nodes], noises: Sequence[float], sweeps: int, tolerance: float) -> list[Sites]:
@@ -70,7 +68,7 @@ def propagate(paths: Sequence[Nodes], noises: Sequence[float], sweeps: int, tole
         cavity = left.cavity()
         lost = ~left.is_met(*cavity[-2:])
         if lost.any():
-            left.take_out(lost, np.full(len(lost), -math.inf), sweep, found)
+            left.take_out(lost, np.full(len(lost), -math.inf), found)
             cavity = left.cavity()
         if not len(left.numbers):
             break
@@ -80,7 +78,7 @@ def propagate(paths: Sequence[Nodes], noises: Sequence[float], sweeps: int, tole
             has_settled = np.abs(left.theta - before) < tolerance * np.sqrt(left.covariance)
             # theta may only be turning round
             has_settled &= np.abs(evidence - evidence_before) < EVIDENCE_TOLERANCE
-            left.take_out(has_settled | (sweep == sweeps), evidence, sweep, found)
+            left.take_out(has_settled | (sweep == sweeps), evidence, found)
     return [found[number] for number in range(len(paths))]
 
 
@@ -151,14 +149,9 @@ class _Left:
         return met
 
     def refine(
-        self,
-        damping: float,
-        precision: FloatArray,
-        c: FloatArray,
-        s: FloatArray,
-        below: FloatArray,
+        self, damping: float, precision: FloatArray, c: FloatArray, s: FloatArray, below: FloatArray,
         above: FloatArray,
-    ) -> FloatArray:
+    ) -> FloatArray:  # fmt: skip
         """Move every site towards what its interval says, and smooth; return the log evidence before (paths,)."""
         log_p, x, w = interval_moments(below, above)
         exponent = (c * precision + self.nu) ** 2 / (precision + self.tau) - c * c * precision
@@ -170,7 +163,7 @@ class _Left:
         self.smooth()
         return evidence
 
-    def take_out(self, which: BoolArray, evidence: FloatArray, sweep: int, found: dict[int, Sites]) -> None:
+    def take_out(self, which: BoolArray, evidence: FloatArray, found: dict[int, Sites]) -> None:
         """Enter what was found of some paths (paths,), and go on without them."""
         if not which.any():
             return
@@ -178,7 +171,7 @@ class _Left:
             part = slice(self.starts[i], self.starts[i] + self.sizes[i])
             found[int(self.numbers[i])] = Sites(
                 self.tau[part].copy(), self.nu[part].copy(), float(self.theta[i]), float(self.covariance[i]),
-                float(evidence[i]), sweep,
+                float(evidence[i]),
             )  # fmt: skip
         nodes = np.repeat(~which, self.sizes)
         for names, kept in ((self.by_node, nodes), (self.by_path, ~which)):

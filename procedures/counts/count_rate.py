@@ -1,18 +1,11 @@
 """From counts to a rate with an honest sigma.
 
-A count is the integer part of an integral, so a sample's increment is off by up to one count, but the errors
-are not independent: they telescope. Last-minus-first throws away everything between; a least-squares slope
-treats the remainder as white, which it is not at low rates. Here every node says what it really says, that the
-cumulative output lay in ``[c, c + 1)``, and the output is a straight line plus the random walk that white rate
-noise integrates to; `procedures.counts.count_propagation.propagate` combines the statements (expectation
-propagation, started from the least-squares slope). The noise is the one that makes the counts most likely,
-averaged over what the counts leave open. With few edges this matters most: the figures are in
-``docs/explanation/count-rate.md``.
-
-Only nodes that can bind are used: in each of `NODE_WINDOWS` stretches the few that come closest to either end of
-their interval. Dropping a true statement costs information, never truth; measured, it costs none. Where the noise
-leaves more than `MAX_NODES` in doubt, the output drifts so far between two nodes that every few of them say the
-same as all (``docs/explanation/count-rate.md``): 100 s at 1 kHz take no longer than at 50 Hz.
+Every node says that the cumulative output lay in ``[c, c + 1)``, and the output is a straight line plus the random
+walk that white rate noise integrates to; `procedures.counts.count_propagation.propagate` combines the statements.
+The noise is the one that makes the counts most likely, averaged over what they leave open. Only nodes that can
+bind are used: in each of `NODE_WINDOWS` stretches the few that come closest to either end of their interval; and
+where the noise leaves more than `MAX_NODES` in doubt every few of them. Why, and figures:
+docs/explanation/count-rate.md.
 """
 
 from collections.abc import Sequence
@@ -30,16 +23,13 @@ NODE_WINDOWS, NODES_PER_WINDOW_END = 64, 3
 MAX_NODES = 5200  # of a dwell, once those in doubt are in: 100 s at 50 Hz are not thinned
 ADMIT_SIGMAS = 3.5  # sigmas from either end of its interval within which a node is admitted
 MIN_POINT_EDGES = 2  # below which a dwell gives an interval, no point
-WIDE, WALKS = (
-    0.02,
-    2.0,
-)  # counts per span, and times what noise makes: 1 sigma from which lines are weighed themselves
+# counts per span, and times what noise makes: 1 sigma from which lines are weighed themselves
+WIDE, WALKS = 0.02, 2.0
 TRIANGLE, RAMP = np.sqrt(24), np.sqrt(18)  # widths in 1 sigma
 MIN_DWELL_SAMPLES = 8
 MAX_SWEEPS, SWEEP_TOLERANCE = 60, 1e-3
-NODES_AT_ONCE = (
-    12000  # of all paths: fewer leave slow ones alone for longer, more fall out of a processor's own memory
-)
+# of all paths: fewer leave slow ones alone for longer, more fall out of a processor's own memory
+NODES_AT_ONCE = 12000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -172,38 +162,25 @@ class _Path:
 
 
 def estimate_counts(
-    dwells: Sequence[IntArray],
-    period: float,
-    starts: Sequence[IntArray] | None = None,
+    dwells: Sequence[IntArray], period: float, starts: Sequence[IntArray] | None = None,
     times: Sequence[FloatArray] | None = None,
-) -> list[RateEstimate]:
-    """Estimate the rate of one channel in each of several dwells that share one white noise.
+) -> list[RateEstimate]:  # fmt: skip
+    """Estimate the rate of one channel in each of several dwells.
 
     Parameters
     ----------
-    dwells : increments (n,) of each dwell, counts per sample
-    period : sample period [s]
-    starts : index (s,) of the first sample of every gap-free segment of each dwell; default: no gap
-    times : end (n,) of each sample's interval [s] of each dwell; default: evenly spaced
-
-    Raises
-    ------
-    TooShort
-        If a dwell has fewer than `MIN_DWELL_SAMPLES` samples.
-
-    Source: the interval likelihood and its figures are this project's own (docs/explanation/count-rate.md);
-    expectation propagation is Minka, UAI 2001.
+    dwells, starts, times : increments (n,), indices (s,), s (n,) of each dwell, as `estimate_channels` takes them
     """
     return estimate_channels([dwells], period, starts, times)[0]
 
 
 def estimate_channels(
-    channels: Sequence[Sequence[IntArray]],
-    period: float,
-    starts: Sequence[IntArray] | None = None,
+    channels: Sequence[Sequence[IntArray]], period: float, starts: Sequence[IntArray] | None = None,
     times: Sequence[FloatArray] | None = None,
-) -> list[list[RateEstimate]]:
-    """Estimate the rates of several channels of the same dwells, each as `estimate_counts` does, side by side.
+) -> list[list[RateEstimate]]:  # fmt: skip
+    """Estimate the rates of several channels in the same dwells, which share each channel's white noise.
+
+    The interval likelihood is this project's own; expectation propagation is Minka, UAI 2001.
 
     Parameters
     ----------
@@ -220,7 +197,12 @@ def estimate_channels(
     for dwell in (each for dwells in channels for each in dwells):
         if len(dwell) < MIN_DWELL_SAMPLES:
             raise TooShort("a dwell", len(dwell), MIN_DWELL_SAMPLES)
-    laid = [_laid(dwells, period, starts, times) for dwells in channels]
+    starts = starts or [np.zeros(1, dtype=np.int64)] * len(channels[0])
+    samples = [
+        np.arange(1.0, len(dwell) + 1) if times is None else times[i] / period
+        for i, dwell in enumerate(channels[0])
+    ]
+    laid = [[_path(*each) for each in zip(dwells, samples, starts, strict=True)] for dwells in channels]
     white = [white_count_noise(dwells) for dwells in channels]
     posteriors = iter(
         _searched([noise_posterior(p) for p, noise in zip(laid, white, strict=True) if not noise > 0])
@@ -234,17 +216,6 @@ def estimate_channels(
         _fit([(path, each) for each, _ in weights for path in paths])
         found.append([_averaged_over_noise(path, weights, period, refit=True) for path in paths])
     return found
-
-
-def _laid(
-    dwells: Sequence[IntArray],
-    period: float,
-    starts: Sequence[IntArray] | None,
-    times: Sequence[FloatArray] | None,
-) -> list[_Path]:
-    starts = starts or [np.zeros(1, dtype=np.int64)] * len(dwells)
-    samples = [np.arange(1.0, len(d) + 1) if times is None else times[i] / period for i, d in enumerate(dwells)]
-    return [_path(*each) for each in zip(dwells, samples, starts, strict=True)]
 
 
 def estimate_dithered(

@@ -1,10 +1,9 @@
 """The mean output of a dwell with its standard uncertainty: under vibration, and of a rate output.
 
-A channel's white noise belongs to the instrument, so dwells share it. A machine nearby makes one of them tens of
-times as lively: shared, its noise would widen all, and its own mean would be off by what an unfinished period
-leaves, 50 ug of 0.04 g at 2.5 Hz in 100 s. So the strongest lines of such a dwell are fitted with a parabola,
-their frequencies as well, by least squares, and what they leave determines the noise. Under a line that is many
-counts high rounding is white (dither): a count is then the middle of its interval, give or take sqrt(1/12).
+Dwells share a channel's white noise, but for one that a machine nearby makes livelier. Its strongest lines are
+fitted with a parabola, their frequencies as well, by least squares, and what they leave determines its noise.
+Under a line that is many counts high rounding is white (dither): a count is then the middle of its interval, give
+or take sqrt(1/12).
 """
 
 from collections.abc import Sequence

@@ -11,10 +11,7 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 
-LEAST_BLOCKS, MOST_BLOCKS = (
-    40,
-    100,
-)  # long ones: what an encoder cannot resolve is a small part of what they turn
+LEAST_BLOCKS, MOST_BLOCKS = 40, 100  # long ones: what an encoder cannot resolve is a small part of their turn
 ROWS = 8  # of a block, at the least
 LEAST_ROWS = 2 * LEAST_BLOCKS
 EDGE_PART = 3  # of a block, one of so many, over which its edges are averaged

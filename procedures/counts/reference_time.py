@@ -1,14 +1,10 @@
 """How fast a device's clock is, from the reference time of its rows.
 
-Reference time of a row is read when the row is, late by what ports, adapters and a busy machine add, never
-early. The delays are heavy-tailed and hang together for seconds or minutes, but now and then a row comes through
-at once: the lower envelope keeps the rate while all else moves. So of each stretch of a campaign the least late
-row counts, and the noise of these is estimated with its memory
-(`procedures.statistics.line_fits`).
-
-A reference that is latched by a pulse errs to both sides instead: there the mean of a stretch determines more.
-Which it is shows in how well each draws a line. One that is cut to whole seconds determines the moment at which it
-goes on, to the distance of two rows; that error may well be the same for all, so that no scatter shows it.
+Reference time of a row is read late by what ports, adapters and a busy machine add, never early, and now and then
+at once: so of each stretch of a campaign the least late row counts, and the noise of these is estimated with its
+memory (`procedures.statistics.line_fits`). A reference that is latched by a pulse errs to both sides: there the
+mean of a stretch determines more. Which it is shows in how well each draws a line. One that is cut to whole
+seconds determines the moment at which it goes on, to the distance of two rows; that error may be the same for all.
 """
 
 from collections.abc import Callable, Sequence

@@ -1,14 +1,10 @@
 """When samples were taken, from the time stamps of their rows; stamps of any log made to increase.
 
-A device samples at a regular pace; a stamp may be that of a read that brought many rows at once, late, shaken or
-rounded. So a long step between two stamps is a gap only where the lateness that it brings *lasts*: rows that are
-missing make all that follow late, rows that were held back are followed by others that come the sooner.
+A stamp may be that of a read that brought many rows at once, late, shaken or rounded. So a long step between two
+stamps is a gap only where the lateness that it brings *lasts*: rows that are missing make all that follow late,
+rows that were held back are followed by others that come the sooner.
 
-The mean period is that of rows in sequence. The median step says nothing of it where stamps come in bursts: most
-steps are then next to nothing.
-
-Time stamps of a log from elsewhere, made to rise from row to row: wraps, rows of one read, stamps out of order.
-What is left uneven (bursts, late and rounded stamps, gaps) `procedures.counts.sample_times` models.
+`log_times` makes the stamps of a log from elsewhere rise: wraps, rows of one read, stamps out of order.
 """
 
 from dataclasses import dataclass, replace

@@ -35,10 +35,9 @@ class Placement:
 
 @dataclass(frozen=True, slots=True)
 class CampaignDesign:
-    """Placements in their order; ``moves``: the rotations between them are recorded and solved."""
+    """Placements in their order."""
 
     placements: tuple[Placement, ...]
-    moves: bool = True
 
     @property
     def positions(self) -> tuple[int, ...]:
@@ -56,11 +55,8 @@ class CampaignDesign:
     def lasting(self, seconds: Sequence[float]) -> "CampaignDesign":
         """Return the design with other lengths of its dwells."""
         left = iter(seconds)
-        return replace(
-            self,
-            placements=tuple(
-                at if at.turn is not None else replace(at, seconds=next(left)) for at in self.placements
-            ),
+        return CampaignDesign(
+            tuple(at if at.turn is not None else replace(at, seconds=next(left)) for at in self.placements)
         )
 
     def steps(self) -> tuple[Step, ...]:
@@ -79,14 +75,12 @@ class CampaignDesign:
 ROTATION_PLACEMENTS = tuple(Placement(step.start_position, 0.0, i) for i, step in enumerate(TURNS))
 
 
-def of_positions(
-    positions: Sequence[int], seconds: float, turns: bool = False, moves: bool = True
-) -> CampaignDesign:
+def of_positions(positions: Sequence[int], seconds: float, turns: bool = False) -> CampaignDesign:
     """Return dwells of ``seconds`` in ``positions``, and the six manual rotations after them where ``turns``."""
     placements = tuple(Placement(position, seconds) for position in positions)
-    return CampaignDesign((*placements, *(ROTATION_PLACEMENTS if turns else ())), moves)
+    return CampaignDesign((*placements, *(ROTATION_PLACEMENTS if turns else ())))
 
 
-def usual_design(seconds: float = USUAL_DWELL_S, moves: bool = True) -> CampaignDesign:
+def usual_design(seconds: float = USUAL_DWELL_S) -> CampaignDesign:
     """Return the twelve positions in the paper's order and six turns."""
-    return of_positions(range(1, len(POSITIONS) + 1), seconds, turns=True, moves=moves)
+    return of_positions(range(1, len(POSITIONS) + 1), seconds, turns=True)

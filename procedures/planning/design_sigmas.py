@@ -1,10 +1,8 @@
 """Standard uncertainties that a solve of a planned campaign would state, compared with those wanted.
 
-The gyroscopes' fit begins with what the accelerometers say of bench and seats: one normal matrix of both triads,
-in the units of their parameters.
-Placements follow each other as a chain, each bound to the next by a move; what belongs to one alone is eliminated
-as the chain goes on (Schur complement). The accelerometers' own fit has no seats and is made apart, as in the
-solve.
+One normal matrix holds both triads, in the units of their parameters. Placements are a chain, each bound to the
+next by a move; what belongs to one alone is eliminated as the chain goes on (Schur complement). The
+accelerometers' own fit has no seats and is made apart, as in the solve.
 """
 
 from dataclasses import dataclass
@@ -57,24 +55,24 @@ class DesignSigmas:
 
     def chain(self, design: CampaignDesign) -> FloatArray:
         """Return the normal matrix (43, 43) of a design, its last placement's own parameters still in it."""
-        chain = self.begun(design.placements[0], design.moves)
+        chain = self.begun(design.placements[0])
         for before, after in pairwise(design.placements):
-            chain = self.carried_on(chain, before, after, design.moves)
+            chain = self.carried_on(chain, before, after)
         return chain
 
-    def begun(self, at: Placement, moves: bool) -> FloatArray:
+    def begun(self, at: Placement) -> FloatArray:
         """Return a chain (43, 43) that holds one placement and what is known of the bench."""
-        chain = self.steps.placed(at, moves).copy()
-        chain[OWN:, OWN:] += self.known[moves]
+        chain = self.steps.placed(at).copy()
+        chain[OWN:, OWN:] += self.known
         return chain
 
-    def carried_on(self, chain: FloatArray, before: Placement, after: Placement, moves: bool) -> FloatArray:
+    def carried_on(self, chain: FloatArray, before: Placement, after: Placement) -> FloatArray:
         """Return the chain (43, 43) that ended with ``before``, and now with ``after``; the move is in it."""
-        moved = self.steps.moved(before.position, after.position, moves and after.is_carried)
-        return joined(chain, moved) + self.steps.placed(after, moves)
+        moved = self.steps.moved(before.position, after.position) * after.is_carried
+        return joined(chain, moved) + self.steps.placed(after)
 
     def _accelerometer(self, information: FloatArray) -> FloatArray:
-        return _stated(information + self.known[False][np.ix_(OWN_FIT, OWN_FIT)], *self.accelerometer_vector)
+        return _stated(information + self._known_to_accelerometers, *self.accelerometer_vector)
 
     def _gyroscope(self, shared: FloatArray, dwells: int) -> FloatArray:
         """Neighbouring dwells share a bias instability, as in `triad_calibration.common_variance`."""
@@ -85,9 +83,14 @@ class DesignSigmas:
         return found
 
     @cached_property
-    def known(self) -> dict[bool, FloatArray]:
-        """What is known of the bench (39, 39) before the first count, without moves and with them."""
-        return {moves: self.steps.known(moves) for moves in (False, True)}
+    def known(self) -> FloatArray:
+        """What is known of the bench (39, 39) before the first count."""
+        return self.steps.known(skew_seen=True)
+
+    @cached_property
+    def _known_to_accelerometers(self) -> FloatArray:
+        known: FloatArray = self.steps.known(skew_seen=False)[np.ix_(OWN_FIT, OWN_FIT)]
+        return known
 
     @cached_property
     def accelerometer_vector(self) -> tuple[FloatArray, FloatArray]:
@@ -104,7 +107,7 @@ class DesignSigmas:
 
     def _vector(self, triad: str) -> tuple[FloatArray, FloatArray]:
         """Return the Jacobian (15, 27) of k, E, D by K, b and the bench, and their variance (15,) in addition."""
-        bench = self.steps.bench(False)
+        bench = self.steps.bench(skew_seen=False)
         size = TRIAD + bench.size
         x = np.concatenate((np.eye(3).ravel(), np.zeros(size - 9)))
         none = TriadDwells((), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(3), ())

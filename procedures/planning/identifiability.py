@@ -1,10 +1,8 @@
 """Which error terms of the instrument a design can identify, and which it cannot separate.
 
-As in a diagnosis an effect's columns, of the catalogue and at nominal attitudes, stand next to the joint fit's own
-(K, b, slab, faces, headings, seats, with what is known of them). Dwells show their mean, turns and moves what they
-add up to; a move is the shortest way at an even speed, its specific force gravity alone. What the joint fit leaves
-of an effect's columns says the sigma of its coefficients. Temperatures are not planned: their effects are left
-out.
+As in a diagnosis an effect's columns, at nominal attitudes, stand next to the joint fit's own, with what is known
+of those. Dwells show their mean, turns and moves what they add up to; a move is the shortest way at an even speed,
+its specific force gravity alone. Temperatures are not planned: their effects are left out.
 """
 
 from collections.abc import Mapping
@@ -23,7 +21,7 @@ from procedures.frames import AXES
 from procedures.geodesy import earth_rate_n
 from procedures.planning.campaign_design import TURNS, CampaignDesign, HandTimes, Placement
 from procedures.planning.design_sigmas import RIDGE, DesignSigmas
-from procedures.planning.placement_rows import OWN, SEAT, SHARED
+from procedures.planning.placement_rows import OWN, SHARED
 from procedures.planning.step_information import NO_CLOSURE_STD_RAD
 from procedures.positions import face_normal, face_of, nominal_C_lb
 from procedures.units import STANDARD_GRAVITY
@@ -68,7 +66,7 @@ def design_steps(campaign: Campaign, hands: HandTimes, design: CampaignDesign) -
     found, moves, t = list[DesignStep](), list[DesignStep](), 0.0
     for before, at in zip((None, *design.placements), design.placements, strict=False):
         t += 0.0 if at.turn is not None else hands.placing
-        if before is not None and design.moves and at.is_carried:
+        if before is not None and at.is_carried:
             moves.append(_move(campaign, before, at, t - hands.move, hands.move))
         step = _dwell(campaign, at, t) if at.turn is None else _turn(campaign, at, t, hands.turn)
         found.append(step)
@@ -137,15 +135,10 @@ def _turn(campaign: Campaign, at: Placement, begin: float, seconds: float) -> De
     rest = max((seconds - turning) / 2, 0.0)
     share = np.concatenate(([0.0], (np.arange(TURN_NODES) + 0.5) / TURN_NODES, [1.0]))
     lengths = np.concatenate(([rest], np.full(TURN_NODES, turning / TURN_NODES), [rest]))
-    C = (
-        _standing_attitude(campaign, step.start_position)
-        @ Rotation.from_rotvec(np.outer(-angle * share, [0, 0, 1])).as_matrix()
-    )
-    vertical, moving = np.array([0.0, 0.0, 1.0]), (share > 0) & (share < 1)
+    C0, vertical = _standing_attitude(campaign, step.start_position), np.array([0.0, 0.0, 1.0])
+    C = C0 @ Rotation.from_rotvec(np.outer(-angle * share, vertical)).as_matrix()
     rate = C @ np.degrees(earth_rate_n(campaign.site.latitude))
-    rate += np.outer(
-        moving * np.degrees(angle) / turning, _standing_attitude(campaign, step.start_position) @ vertical
-    )
+    rate += np.outer(((share > 0) & (share < 1)) * np.degrees(angle) / turning, C0 @ vertical)
     return DesignStep("turn", step.start_position, C, rate, _times(begin, lengths), lengths)
 
 
@@ -249,28 +242,25 @@ def _base(
     sigmas: DesignSigmas, design: CampaignDesign, steps: list[DesignStep]
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the base model's whitened rows (r, p), what is known (p, p), and 1 sigma (r,) of every row."""
-    info, places, moves = sigmas.steps, design.placements, design.moves
+    info, places = sigmas.steps, design.placements
     n, noise, hands, care = len(places), info.noise, info.hands, info.campaign.sigma
     shared = OWN * n + np.arange(SHARED)
     known = np.zeros((OWN * n + SHARED,) * 2)
-    known[np.ix_(shared, shared)] = sigmas.known[moves]
+    known[np.ix_(shared, shared)] = sigmas.known
     parts = list[tuple[FloatArray, FloatArray, FloatArray]]()  # rows, their columns, variance
     for i, at in enumerate(places):
         own = np.arange(OWN * i, OWN * (i + 1))
         closure = NO_CLOSURE_STD_RAD if at.turn is None else care.closure
         known[own, own] = 1 / np.square([care.heading, care.seat, care.seat, closure])
         if at.turn is not None:
-            variance = [noise.turn_variance(hands.turn)]
-            rows = [info.rows.turn[at.turn].copy()]
+            rows = [(info.rows.turn[at.turn], noise.turn_variance(hands.turn))]
         else:
             seconds = np.array([at.seconds])
-            variance = [noise.accel_variance(seconds)[0], noise.gyro_variance(seconds)[0]]
-            rows = [info.rows.accel[at.position - 1].copy(), info.rows.gyro[at.position - 1].copy()]
-        for each, one in zip(rows, variance, strict=True):
-            each[:, SEAT] *= moves
-            parts.append((each, np.r_[own, shared], one))
+            rows = [(info.rows.accel[at.position - 1], noise.accel_variance(seconds)[0]),
+                    (info.rows.gyro[at.position - 1], noise.gyro_variance(seconds)[0])]  # fmt: skip
+        parts += [(each, np.r_[own, shared], variance) for each, variance in rows]
     for i, at in enumerate(places[1:]):
-        if moves and at.is_carried:
+        if at.is_carried:
             rows_of_move = info.rows.move[places[i].position - 1, at.position - 1]
             columns = np.r_[OWN * i : OWN * (i + 2), shared]
             parts.append((rows_of_move, columns, np.full(3, noise.move_variance(hands.move))))

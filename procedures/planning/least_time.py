@@ -8,7 +8,8 @@ The rule looks at sigmas alone: at what was done, how long, and how much the uni
 the values that were found, so that stopping does not choose among them and intervals keep their coverage.
 """
 
-from collections.abc import Iterator, Sequence
+from bisect import bisect_left
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,14 +29,18 @@ STEPS_TRIED_S = (40.0, 20.0, 10.0, LENGTH_STEP_S)
 def equal_lengths(sigmas: DesignSigmas, wanted: WantedSigmas, design: CampaignDesign) -> CampaignDesign | None:
     """Return the design with the shortest equal dwells that meet what is wanted, None if `LONGEST_S` do not."""
     n = len(design.positions)
-    low, high = int(SHORTEST_S / LENGTH_STEP_S), int(LONGEST_S / LENGTH_STEP_S)
     if not is_met(sigmas, wanted, design.lasting([LONGEST_S] * n)):
         return None
-    while low < high:
-        middle = (low + high) // 2
-        met = is_met(sigmas, wanted, design.lasting([middle * LENGTH_STEP_S] * n))
-        low, high = (low, middle) if met else (middle + 1, high)
-    return design.lasting([high * LENGTH_STEP_S] * n)
+    return _shortest_equal(sigmas, wanted, lambda seconds: design.lasting([seconds] * n))
+
+
+def _shortest_equal(
+    sigmas: DesignSigmas, wanted: WantedSigmas, lasting: Callable[[float], CampaignDesign]
+) -> CampaignDesign:
+    """Return the design ``lasting`` so many seconds a dwell as meet what is wanted, `LONGEST_S` if none do."""
+    steps = range(int(SHORTEST_S / LENGTH_STEP_S), int(LONGEST_S / LENGTH_STEP_S))
+    least = bisect_left(steps, True, key=lambda k: is_met(sigmas, wanted, lasting(k * LENGTH_STEP_S)))
+    return lasting((steps.start + least) * LENGTH_STEP_S)
 
 
 def is_met(sigmas: DesignSigmas, wanted: WantedSigmas, design: CampaignDesign) -> bool:
@@ -131,11 +136,8 @@ def _refined(sigmas: DesignSigmas, wanted: WantedSigmas, best: CampaignDesign, s
     tail, seconds = best.placements[n:], float(np.mean([at.seconds for at in best.placements[:n]]))
     other, _ = OrderSearch(sigmas, wanted, seconds, tail=tail).best(n, seed + 1)
     equal = equal_lengths(sigmas, wanted, other)
-    return (
-        best
-        if equal is None
-        else min(best, shortened(sigmas, wanted, equal), key=lambda each: each.seconds(hands))
-    )
+    found = [best] if equal is None else [best, shortened(sigmas, wanted, equal)]
+    return min(found, key=lambda each: each.seconds(hands))
 
 
 def most_in_time(
@@ -263,13 +265,7 @@ def _way(
     sigmas: DesignSigmas, wanted: WantedSigmas, done: Sequence[Placement], n: int, seed: int
 ) -> CampaignDesign:
     """Return a campaign that goes on with n placements, as short as meet what is wanted, else the longest."""
-    usual = float(np.median([at.seconds for at in done if at.turn is None]))
-    found, _ = OrderSearch(sigmas, wanted, usual, head=done).best(n, seed, SCANNED)
-    n = len(found.positions) - sum(at.turn is None for at in done)  # fewer where no more attitudes are left
     known = [at.seconds for at in done if at.turn is None]
-    low, high = int(SHORTEST_S / LENGTH_STEP_S), int(LONGEST_S / LENGTH_STEP_S)
-    while low < high:
-        middle = (low + high) // 2
-        met = is_met(sigmas, wanted, found.lasting([*known, *[middle * LENGTH_STEP_S] * n]))
-        low, high = (low, middle) if met else (middle + 1, high)
-    return found.lasting([*known, *[high * LENGTH_STEP_S] * n])
+    found, _ = OrderSearch(sigmas, wanted, float(np.median(known)), head=done).best(n, seed, SCANNED)
+    n = len(found.positions) - len(known)  # fewer where no more attitudes are left
+    return _shortest_equal(sigmas, wanted, lambda seconds: found.lasting([*known, *[seconds] * n]))

@@ -40,10 +40,9 @@ class OrderSearch:
 
     def __init__(
         self, sigmas: DesignSigmas, wanted: WantedSigmas, seconds: float, among: Sequence[int] = ALL,
-        tail: Sequence[Placement] = (), moves: bool = True, head: Sequence[Placement] = (),
+        tail: Sequence[Placement] = (), head: Sequence[Placement] = (),
     ) -> None:  # fmt: skip
-        self._sigmas, self._wanted, self._tail, self._moves = sigmas, wanted, tuple(tail), moves
-        self._head = tuple(head)
+        self._sigmas, self._wanted, self._tail, self._head = sigmas, wanted, tuple(tail), tuple(head)
         self._positions = np.setdiff1d(among, [at.position for at in head]).astype(np.int64)
         self._dwells = [Placement(position, seconds) for position in self._positions.tolist()]
         self._can_follow = flips()[np.ix_(self._positions - 1, self._positions - 1)]
@@ -66,7 +65,7 @@ class OrderSearch:
         return self._design(order), score
 
     def _design(self, order: Sequence[int]) -> CampaignDesign:
-        return CampaignDesign((*self._head, *(self._dwells[i] for i in order), *self._tail), self._moves)
+        return CampaignDesign((*self._head, *(self._dwells[i] for i in order), *self._tail))
 
     def _walk(self, n: int, rng: np.random.Generator) -> list[int]:
         longest = list[int]()
@@ -114,11 +113,10 @@ class OrderSearch:
         """Return the scores (f,) of dwells ``among`` (f,) in the place i: after a chain, before (c, 43, 43)."""
         N = self._placed[among] + after[among]
         if chain is None:
-            N[:, OWN:, OWN:] += self._sigmas.known[self._moves]
+            N[:, OWN:, OWN:] += self._sigmas.known
         else:
             before = self._dwells[order[i - 1]] if i else self._head[-1]
-            moved = self._sigmas.steps.moved(before.position, self._positions[among], self._moves)
-            N += joined(chain, moved)
+            N += joined(chain, self._sigmas.steps.moved(before.position, self._positions[among]))
         information = (
             self._information[[j for at, j in enumerate(order) if at != i]].sum(axis=0) + self._information[among]
         )
@@ -130,8 +128,8 @@ class OrderSearch:
         """Return the chain with the dwell in the place i."""
         at = self._dwells[order[i]]
         if chain is None:
-            return self._sigmas.begun(at, self._moves)
-        return self._sigmas.carried_on(chain, self._dwells[order[i - 1]] if i else self._head[-1], at, self._moves)
+            return self._sigmas.begun(at)
+        return self._sigmas.carried_on(chain, self._dwells[order[i - 1]] if i else self._head[-1], at)
 
     def _ends(self, order: Sequence[int]) -> list[FloatArray]:
         """Return for every place what the dwells and turns after it say of each dwell in it (c, 43, 43).
@@ -141,17 +139,16 @@ class OrderSearch:
         found, steps = [self._by_tail], self._sigmas.steps
         for i in range(len(order) - 1, 0, -1):
             at = self._dwells[order[i]]
-            chain = steps.placed(at, self._moves) + found[-1][order[i]]
+            chain = steps.placed(at) + found[-1][order[i]]
             before = self._can_follow[:, order[i]]
             found.append(np.zeros(self._placed.shape))
-            moved = steps.moved_back(self._positions[before], at.position) * self._moves
-            found[-1][before] = joined(chain, moved)
+            found[-1][before] = joined(chain, steps.moved_back(self._positions[before], at.position))
         return found[::-1]
 
     @cached_property
     def _begun(self) -> FloatArray | None:
         """The chain (43, 43) of what was done before, None where nothing was."""
-        return self._sigmas.chain(CampaignDesign(self._head, self._moves)) if self._head else None
+        return self._sigmas.chain(CampaignDesign(self._head)) if self._head else None
 
     @cached_property
     def _can_begin(self) -> BoolArray:
@@ -170,16 +167,14 @@ class OrderSearch:
         if not self._tail:
             return np.zeros_like(self._placed)
         steps = self._sigmas.steps
-        chain = steps.placed(self._tail[-1], self._moves)
+        chain = steps.placed(self._tail[-1])
         for before, after in zip(self._tail[-2::-1], self._tail[:0:-1], strict=True):
-            moved = steps.moved_back(before.position, after.position) * self._moves
-            chain = steps.placed(before, self._moves) + joined(chain, moved)
-        first = self._tail[0].position
-        return joined(chain, steps.moved_back(self._positions, first) * self._moves)
+            chain = steps.placed(before) + joined(chain, steps.moved_back(before.position, after.position))
+        return joined(chain, steps.moved_back(self._positions, self._tail[0].position))
 
     @cached_property
     def _placed(self) -> FloatArray:
-        return np.array([self._sigmas.steps.placed(at, self._moves) for at in self._dwells])
+        return np.array([self._sigmas.steps.placed(at) for at in self._dwells])
 
     @cached_property
     def _information(self) -> FloatArray:

@@ -9,7 +9,7 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.bench.dwell_length import REMAINDER_COUNTS, WHITE_NOISE_FACTOR
 from procedures.campaign.campaign import Campaign
 from procedures.planning.campaign_design import HandTimes, Placement
-from procedures.planning.placement_rows import ACCEL, BENCH, OWN, SEAT, SHARED, PlacementRows, placement_rows
+from procedures.planning.placement_rows import ACCEL, BENCH, OWN, SHARED, PlacementRows, placement_rows
 from procedures.twelve_positions.bench_parameters import BenchParameters
 from procedures.units import RAD_PER_ARCSEC, RAD_PER_DEG
 
@@ -74,7 +74,7 @@ class StepInformation:
     campaign: Campaign
     noise: UnitNoise
     hands: HandTimes = field(default_factory=HandTimes)
-    _known: dict[tuple[Placement, bool], FloatArray] = field(default_factory=dict)
+    _placed: dict[Placement, FloatArray] = field(default_factory=dict)
 
     @cached_property
     def rows(self) -> PlacementRows:
@@ -83,26 +83,23 @@ class StepInformation:
 
     def with_noise(self, noise: UnitNoise) -> "StepInformation":
         """Return the same bench with a unit of other noise; its rows are not made again."""
-        other = replace(self, noise=noise, _known={})
+        other = replace(self, noise=noise, _placed={})
         other.__dict__["rows"] = self.rows
         return other
 
-    def placed(self, at: Placement, moves: bool) -> FloatArray:
-        """Return what a dwell or a turn adds (43, 43), with what is known of its heading, seat and closure.
-
-        Without ``moves`` no seats are fitted.
-        """
-        if (at, moves) not in self._known:
-            found = self._turned(at.turn, moves) if at.turn is not None else self._rested(at, moves)
+    def placed(self, at: Placement) -> FloatArray:
+        """Return what a dwell or a turn adds (43, 43), with what is known of its heading, seat and closure."""
+        if at not in self._placed:
+            found = self._turned(at.turn) if at.turn is not None else self._rested(at)
             care = self.campaign.sigma
             closure = NO_CLOSURE_STD_RAD if at.turn is None else care.closure
             found[:OWN, :OWN] += np.diag(1 / np.square([care.heading, care.seat, care.seat, closure]))
-            self._known[at, moves] = found
-        return self._known[at, moves]
+            self._placed[at] = found
+        return self._placed[at]
 
-    def moved(self, before: int, after: int | IntArray, moves: bool = True) -> FloatArray:
-        """Return what moves to positions ``after`` (...) add (..., 47, 47), nothing without ``moves``."""
-        found: FloatArray = self._moved[before - 1, after - 1] * moves
+    def moved(self, before: int, after: int | IntArray) -> FloatArray:
+        """Return what moves to positions ``after`` (...) add (..., 47, 47)."""
+        found: FloatArray = self._moved[before - 1, after - 1]
         return found
 
     def moved_back(self, before: int | IntArray, after: int) -> FloatArray:
@@ -117,29 +114,27 @@ class StepInformation:
         found: FloatArray = rows.T @ (rows / variance[:, None])
         return found
 
-    def bench(self, moves: bool) -> BenchParameters:
-        """Return the bench's parameters; with ``moves`` a cube's skew is seen."""
-        return replace(self.rows.bench, skew_seen=moves)
+    def bench(self, *, skew_seen: bool) -> BenchParameters:
+        """Return the bench's parameters; moves show a cube's skew."""
+        return replace(self.rows.bench, skew_seen=skew_seen)
 
-    def known(self, moves: bool) -> FloatArray:
+    def known(self, *, skew_seen: bool) -> FloatArray:
         """Return what is known of the bench before the first count (39, 39)."""
-        bench = self.bench(moves)
+        bench = self.bench(skew_seen=skew_seen)
         rows = bench.priors().matrix[:, : bench.shared]
         found = np.zeros((SHARED, SHARED))
         found[BENCH, BENCH] = rows.T @ rows
         return found
 
-    def _rested(self, at: Placement, moves: bool) -> FloatArray:
-        accel = self.rows.accel[at.position - 1].copy()
-        accel[:, SEAT] *= moves
-        gyro, seconds = self.rows.gyro[at.position - 1], np.array([at.seconds])
+    def _rested(self, at: Placement) -> FloatArray:
+        accel, gyro = self.rows.accel[at.position - 1], self.rows.gyro[at.position - 1]
+        seconds = np.array([at.seconds])
         found: FloatArray = accel.T @ (accel / self.noise.accel_variance(seconds).T)
         found += gyro.T @ (gyro / self.noise.gyro_variance(seconds).T)
         return found
 
-    def _turned(self, turn: int, moves: bool) -> FloatArray:
-        rows = self.rows.turn[turn].copy()
-        rows[:, SEAT] *= moves
+    def _turned(self, turn: int) -> FloatArray:
+        rows = self.rows.turn[turn]
         found: FloatArray = rows.T @ (rows / self.noise.turn_variance(self.hands.turn)[:, None])
         return found
 

@@ -28,6 +28,7 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.statistics.significance import log_chi2_sf
 
 MIN_SAMPLES = 9
+CONFIDENCE = 0.95  # probability between the limits of a deviation or a coefficient
 MAX_OVERLAP = 256  # starts within an averaging time; more say the same again
 # Decimated points; SP 1065 5.5.6 takes 30, where one white record in five is named wrongly
 _MIN_IDENTIFIED_POINTS = 128
@@ -47,14 +48,14 @@ class AllanDeviation:
     edf: FloatArray
 
 
-def averaging_factors(samples: int, per_octave: int = 3) -> IntArray:
-    """Return averaging factors (m,), numbers of samples, even in the logarithm, from 1 to a quarter of all."""
+def averaging_factors(samples: int) -> IntArray:
+    """Return averaging factors (m,), numbers of samples, three an octave, from 1 to a quarter of all."""
     octaves = np.log2(max(samples // 4, 1))
-    return np.unique(np.round(2.0 ** np.arange(0, octaves + 1e-9, 1 / per_octave))).astype(np.int64)
+    return np.unique(np.round(2.0 ** np.arange(0, octaves + 1e-9, 1 / 3))).astype(np.int64)
 
 
 def overlapping_deviation(
-    rate: FloatArray | IntArray, period: float, factors: IntArray | None = None, confidence: float = 0.95
+    rate: FloatArray | IntArray, period: float, factors: IntArray | None = None
 ) -> AllanDeviation:
     """Return the overlapping Allan deviation of a gap-free record.
 
@@ -66,8 +67,6 @@ def overlapping_deviation(
         Interval [s].
     factors : (m,) int64, optional
         Intervals averaged; `averaging_factors` if not given.
-    confidence : float
-        Probability between ``low`` and ``high``.
 
     Raises
     ------
@@ -87,11 +86,9 @@ def overlapping_deviation(
         deviation[i] = np.sqrt(np.mean(second**2) / 2) / m
         exponent = _exponent(phase[::m], exponent)
         edf[i] = _equivalent_dof(exponent, n + 1, int(m))
-    tail = (1 - confidence) / 2
-    low: FloatArray = deviation * np.sqrt(edf / (2 * gammaincinv(edf / 2, 1 - tail)))
-    high: FloatArray = deviation * np.sqrt(edf / (2 * gammaincinv(edf / 2, tail)))
-    tau: FloatArray = factors * np.float64(period)
-    return AllanDeviation(tau, deviation, low, high, edf)
+    tail = (1 - CONFIDENCE) / 2
+    low, high = (deviation * np.sqrt(edf / (2 * gammaincinv(edf / 2, p))) for p in (1 - tail, tail))
+    return AllanDeviation(factors * np.float64(period), deviation, low, high, edf)
 
 
 def _exponent(phase: FloatArray, known: int) -> int:
@@ -126,15 +123,12 @@ def _equivalent_dof(exponent: int, n: int, m: int) -> float:
 
 TERMS = ("quantisation", "random_walk", "bias_instability", "rate_random_walk", "rate_ramp")
 MIN_CHI2 = 9.0  # by which a fit without a term must be worse: three sigma
-RAMP, RAMP_PRICE = (
-    TERMS.index("rate_ramp"),
-    0.3,
-)  # of it more: a random walk that happens to go one way is likelier
+# of it more: a random walk that happens to go one way is likelier
+RAMP, RAMP_PRICE = TERMS.index("rate_ramp"), 0.3
 MIN_DOF = 1.5  # of a point that is fitted
 ROUNDS = 3  # of weights by the curve fitted before
 MIN_RELATIVE_STD = 0.003  # of a point, independent of all others: what the limit of long records is off
 FREQUENCIES = 2048  # at which spectra are summed
-CONFIDENCE = 0.95
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,11 +169,6 @@ def noise_shapes(tau: FloatArray) -> Mapping[str, FloatArray]:
         np.sqrt(tau / 3), tau / np.sqrt(2),
     )  # fmt: skip
     return dict(zip(TERMS, shapes, strict=True))
-
-
-def noise_terms(curve: AllanDeviation, quantum: float = 0.0) -> dict[str, NoiseTerm]:
-    """Return the terms of a curve by name, see `fit_noise`."""
-    return dict(fit_noise(curve, quantum).terms)
 
 
 def fit_noise(curve: AllanDeviation, quantum: float = 0.0) -> NoiseFit:

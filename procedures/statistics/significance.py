@@ -1,8 +1,7 @@
 """Tail probabilities as logarithms, corrections for multiple tests, outliers of small samples.
 
-Large effects underflow to p = 0, and of several zeros the first in the alphabet would win.
+The significance of one more value, given others of one mean and one scatter, both unknown:
 
-The significance of one more value, given others of one mean and one scatter, both unknown.
     y_i = mu + r_i + e_i,    r_i ~ N(0, tau^2),    e_i ~ N(0, s_i^2) known
 
 mu has no prior, each decade of tau is as likely as the next, on a fine grid. With ``w_i = 1 / (s_i^2 + tau^2)``
@@ -12,12 +11,11 @@ and sums over the values at hand
     y ~ N(m, 1 / sum w + tau^2 + s^2), mixed over tau with these probabilities.
 
 Where tau is all, this is Student's t with n - 1 degrees of freedom (Box and Tiao, Bayesian Inference in
-Statistical Analysis, 1973, 2.4); where the s_i are all, a normal distribution. TauSums make it cheap to
-leave a value out or to take values in one by one.
+Statistical Analysis, 1973, 2.4); where the s_i are all, a normal distribution.
 """
 
 from collections.abc import Hashable, Mapping
-from math import erfc, inf, log, sqrt
+from math import erfc, sqrt
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -71,17 +69,15 @@ def two_sided(sigmas: float) -> float:
     return erfc(abs(sigmas) / sqrt(2.0))
 
 
-def holm(p_values: Mapping[Name, float], are_logs: bool = False) -> dict[Name, float]:
-    """Return the p-values, or ln p, adjusted for their number.
+def holm(p_values: Mapping[Name, float]) -> dict[Name, float]:
+    """Return the p-values adjusted for their number.
 
     One is below alpha by chance in alpha of all sets at most, however the tests depend on each other. Source:
     Holm, Scand. J. Statist. 6, 65, 1979.
     """
-    adjusted, largest, certain = dict[Name, float](), -inf, 0.0 if are_logs else 1.0
+    adjusted, largest = dict[Name, float](), 0.0
     for rank, name in enumerate(sorted(p_values, key=lambda one: p_values[one])):
-        tests = len(p_values) - rank
-        counted = p_values[name] + log(tests) if are_logs else tests * p_values[name]
-        largest = adjusted[name] = min(max(largest, counted), certain)
+        largest = adjusted[name] = min(max(largest, (len(p_values) - rank) * p_values[name]), 1.0)
     return {name: adjusted[name] for name in p_values}
 
 

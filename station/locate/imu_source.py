@@ -23,7 +23,7 @@ from procedures.fusion.inner.window_terms import Site
 from procedures.fusion.pose_graph import OUTLIER_SIGMAS, GlobalPose, PoseGraphSettings
 from procedures.fusion.preintegration import ImuGap, imu_gaps
 from procedures.geodesy import earth_rate_n
-from procedures.statistics.allan_deviation import noise_terms, overlapping_deviation
+from procedures.statistics.allan_deviation import fit_noise, overlapping_deviation
 from station.calibrated.filter_settings import FORCE_WALK, GYRO_BIAS_WALK, force_bias_std, gyro_bias_std
 from station.errors import DataRefused
 from station.files.fusion_folder import FusionLog
@@ -204,7 +204,7 @@ def _terms(values: FloatArray, period: float, quantum: float) -> tuple[float, fl
     """Return white noise and walk of the worst axis of samples (n, 3), of counting what it makes of a second."""
     white, walk = list[float](), list[float]()
     for axis in range(3):
-        terms = noise_terms(overlapping_deviation(values[:, axis], period), quantum)
+        terms = fit_noise(overlapping_deviation(values[:, axis], period), quantum).terms
         white.append(terms["random_walk"].value or terms["random_walk"].high)
         walk.append(terms["rate_random_walk"].value or terms["rate_random_walk"].high)
     counting = quantum / np.sqrt(6 * COUNTED_S)  # of the difference of two counts, each off by less than one

@@ -153,7 +153,7 @@ def _diagnoses(sigmas: DesignSigmas, design: CampaignDesign) -> tuple[PlannedDia
     """Return which effects of the instrument a diagnosis identifies by a design and by the usual one, moves in."""
     plan, usual = (
         {one.name: Identified(one.is_identified, one.not_apart) for one in identifiable_effects(sigmas, each)}
-        for each in (design, usual_design(moves=True))
+        for each in (design, usual_design())
     )
     return tuple(PlannedDiagnosis(name, plan.get(name), usual.get(name)) for name in plan | usual)
 

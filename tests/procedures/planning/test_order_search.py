@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 
 from procedures.planning.campaign_design import ROTATION_PLACEMENTS, CampaignDesign, Placement, of_positions
-from procedures.planning.design_sigmas import WantedSigmas
 from procedures.planning.order_search import OrderSearch, flips
 from procedures.positions import POSITIONS
 from tests.procedures.planning.bench_of_moves import ARCSEC, accelerometer_bias, bench, gyroscopes, unit
@@ -38,12 +37,9 @@ def test_an_order_has_a_scale_factor_of_2_2_ppm_and_a_misalignment_of_1_8_arcsec
 
 def test_the_scores_of_exchanges_are_those_of_whole_designs_with_turns_after_them() -> None:
     engine, asked = bench(unit()), gyroscopes(k=2e-6, misalignment=ARCSEC, bias=0.01)
-    for moves in (False, True):
-        found, score = OrderSearch(engine, asked, 60.0, tail=ROTATION_PLACEMENTS, moves=moves).best(
-            6, beginnings=2
-        )
-        assert found.placements[6:] == ROTATION_PLACEMENTS
-        assert score == pytest.approx(float(asked.score(engine.of(found))), rel=1e-5)
+    found, score = OrderSearch(engine, asked, 60.0, tail=ROTATION_PLACEMENTS).best(6, beginnings=2)
+    assert found.placements[6:] == ROTATION_PLACEMENTS
+    assert score == pytest.approx(float(asked.score(engine.of(found))), rel=1e-5)
 
 
 # Orders so short that every one can be tried
@@ -56,9 +52,7 @@ SECONDS = 40.0
 CAN = flips()
 
 
-def designs(
-    n: int, head: Sequence[Placement] = (), tail: Sequence[Placement] = (), moves: bool = True
-) -> list[CampaignDesign]:
+def designs(n: int, head: Sequence[Placement] = (), tail: Sequence[Placement] = ()) -> list[CampaignDesign]:
     """Return every order of ``n`` dwells that goes by flips, between what stands before and after."""
     before = tuple(at.position for at in head[-1:])
     done = {at.position for at in head}
@@ -67,11 +61,11 @@ def designs(
         if all(CAN[a - 1, b - 1] for a, b in itertools.pairwise((*before, *order)))
     ]  # fmt: skip
     assert len(orders) > 5
-    return [CampaignDesign((*head, *(Placement(p, SECONDS) for p in order), *tail), moves) for order in orders]
+    return [CampaignDesign((*head, *(Placement(p, SECONDS) for p in order), *tail)) for order in orders]
 
 
-def score(design: CampaignDesign, asked: WantedSigmas = ASKED) -> float:
-    return float(asked.score(ENGINE.of(design)))
+def score(design: CampaignDesign) -> float:
+    return float(ASKED.score(ENGINE.of(design)))
 
 
 ENDS = {
@@ -84,16 +78,11 @@ ENDS = {
 }
 
 
-@pytest.mark.parametrize("moves", [True, False])
 @pytest.mark.parametrize("ends", ENDS)
-def test_the_best_of_all_orders_is_found_with_its_score(ends: str, moves: bool) -> None:
+def test_the_best_of_all_orders_is_found_with_its_score(ends: str) -> None:
     head, tail = ENDS[ends]
-    asked = ASKED if moves or tail else accelerometer_bias(2e-7)  # without a rotation scale factors are open
-    search = OrderSearch(ENGINE, asked, SECONDS, AMONG, tail, moves, head)
-    found, reported = search.best(3, beginnings=25)
-    every = designs(3, head, tail, moves)
-    least = min(score(each, asked) for each in every)
-    assert found.placements in [each.placements for each in every]
-    assert found.moves == moves
-    assert score(found, asked) == pytest.approx(least, rel=1e-5)
-    assert reported == pytest.approx(score(found, asked), rel=1e-6)
+    found, reported = OrderSearch(ENGINE, ASKED, SECONDS, AMONG, tail, head).best(3, beginnings=25)
+    every = designs(3, head, tail)
+    assert found in every
+    assert score(found) == pytest.approx(min(map(score, every)), rel=1e-5)
+    assert reported == pytest.approx(score(found), rel=1e-6)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from procedures.arrays import FloatArray
-from procedures.statistics.allan_deviation import TERMS, noise_terms, overlapping_deviation
+from procedures.statistics.allan_deviation import TERMS, fit_noise, overlapping_deviation
 
 
 @pytest.mark.parametrize("seed", range(2))
@@ -11,7 +11,7 @@ def test_planted_noise_terms_are_read_off_within_their_limits(seed: int) -> None
     white = rng.normal(scale=3e-3 / np.sqrt(period), size=n)
     walk = np.cumsum(rng.normal(scale=2e-4 * np.sqrt(period), size=n))
     quantised = np.diff(rng.uniform(-0.5, 0.5, size=n + 1)) * 1e-3 / period
-    terms = noise_terms(overlapping_deviation(white + walk + quantised, period))
+    terms = fit_noise(overlapping_deviation(white + walk + quantised, period)).terms
     assert terms["random_walk"].value == pytest.approx(3e-3, rel=0.1)
     assert terms["rate_random_walk"].value == pytest.approx(2e-4, rel=0.5)
     assert terms["quantisation"].value == pytest.approx(1e-3 / np.sqrt(12), rel=0.05)
@@ -19,14 +19,14 @@ def test_planted_noise_terms_are_read_off_within_their_limits(seed: int) -> None
 
 
 def test_a_term_that_is_not_seen_is_bounded_and_not_valued() -> None:
-    terms = noise_terms(overlapping_deviation(np.random.default_rng(3).normal(size=5000), 0.02))
+    terms = fit_noise(overlapping_deviation(np.random.default_rng(3).normal(size=5000), 0.02)).terms
     assert terms["rate_random_walk"].value is None
     assert terms["rate_random_walk"].high > 0
 
 
 def test_a_pulse_train_without_noise_has_no_random_walk() -> None:
     counts = np.diff(np.floor(20.8837 * np.arange(5001)))
-    terms = noise_terms(overlapping_deviation(counts / 0.02, 0.02), quantum=1.0)
+    terms = fit_noise(overlapping_deviation(counts / 0.02, 0.02), quantum=1.0).terms
     assert [name for name, term in terms.items() if term.value is not None] in ([], ["quantisation"])
 
 
@@ -49,7 +49,7 @@ def test_simulated_terms_come_back_within_their_own_sigma(N: float, B: float, K:
     planted = {"random_walk": N, "bias_instability": B, "rate_random_walk": K}
     errors: dict[str, list[float]] = {name: [] for name, size in planted.items() if size}
     for seed in range(20):
-        terms = noise_terms(overlapping_deviation(_simulated(seed, 50_000, 0.02, N, B, K), 0.02))
+        terms = fit_noise(overlapping_deviation(_simulated(seed, 50_000, 0.02, N, B, K), 0.02)).terms
         for name in errors:
             if (value := terms[name].value) is not None:
                 errors[name].append((value - planted[name]) / ((terms[name].high - terms[name].low) / 3.92))
@@ -61,11 +61,11 @@ def test_simulated_terms_come_back_within_their_own_sigma(N: float, B: float, K:
 
 def test_white_noise_has_no_other_term() -> None:
     for seed in range(20):
-        terms = noise_terms(overlapping_deviation(_simulated(seed, 20_000, 0.02, 1.0, 0.0, 0.0), 0.02))
+        terms = fit_noise(overlapping_deviation(_simulated(seed, 20_000, 0.02, 1.0, 0.0, 0.0), 0.02)).terms
         assert [name for name in TERMS if terms[name].value is not None] == ["random_walk"]
 
 
 def test_a_ramp_is_determined_by_its_coefficient() -> None:
     rate = np.random.default_rng(1).normal(size=50_000) + 2e-2 * np.arange(50_000) * 0.02
-    term = noise_terms(overlapping_deviation(rate, 0.02))["rate_ramp"]
+    term = fit_noise(overlapping_deviation(rate, 0.02)).terms["rate_ramp"]
     assert term.low < 2e-2 < term.high
