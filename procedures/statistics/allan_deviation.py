@@ -3,16 +3,15 @@
 Source: Riley, Handbook of Frequency Stability Analysis, NIST SP 1065 (2008): deviation sec. 5.2.3, equivalent
 degrees of freedom sec. 5.4.1 table 5, power-law noise identification by lag-1 autocorrelation sec. 5.5.6.
 
-The noise terms of an Allan deviation: quantisation, random walk, bias instability, rate random walk, ramp.
-With the rate in R their squared deviations are (IEEE Std 952-2020 annex on Allan variance, IEEE Std 647):
+With the rate in R the squared deviations of quantisation, random walk, bias instability, rate random walk and ramp
+are (IEEE Std 952-2020 annex on Allan variance, IEEE Std 647):
 
     3 Q^2 / tau^2 + N^2 / tau + (2 ln 2 / pi) B^2 + K^2 tau / 3 + R^2 tau^2 / 2
 
-They are linear in the squared coefficients, which are fitted together by generalised least squares. A point has
-the variance ``2 V^2 / edf`` of the fitted curve V; two points hang together as their filters overlap in the
-noise's spectrum S, ``sum H_i H_j S^2`` in the limit of long records, ``H = sin^4(pi f tau) / (pi f tau)^2``. A
-term stays only if the curve gets worse without it by `MIN_CHI2`; where the terms leave more than noise allows,
-their sigmas grow with it.
+The squared coefficients are fitted together by generalised least squares. A point has the variance ``2 V^2 / edf``
+of the fitted curve V; two points hang together as their filters overlap in the noise's spectrum S, ``sum H_i H_j
+S^2`` in the limit of long records, ``H = sin^4(pi f tau) / (pi f tau)^2``. Where the terms leave more than noise
+allows, their sigmas grow with it.
 """
 
 from collections.abc import Mapping, Sequence
@@ -264,9 +263,8 @@ def _relative_covariance(tau: FloatArray, edf: FloatArray, c: FloatArray) -> Flo
     size = np.sqrt(np.diag(product))
     together = product / np.maximum(size[:, None] * size, np.finfo(float).tiny)
     std = np.sqrt(2 / edf)
-    found: FloatArray = together * std[:, None] * std + np.diag(
-        np.full(len(tau), MIN_RELATIVE_STD**2) + 1e-6 * std**2
-    )
+    own = np.full(len(tau), MIN_RELATIVE_STD**2) + 1e-6 * std**2
+    found: FloatArray = together * std[:, None] * std + np.diag(own)
     return found
 
 

@@ -6,40 +6,30 @@ with the unit switched on again. With ``m_c`` the mean of cluster c,
     y_i = m_c + r_i + e_i,    e_i ~ N(0, s_i^2) known,    r_i ~ N(0, tau^2),
     Q(tau^2) = sum_c sum_i w_i (y_i - ybar_c)^2,  w_i = 1 / (s_i^2 + tau^2),  ybar_c weighted with w_i.
 
-At the true tau, Q is chi-squared with n - c degrees of freedom and falls as tau grows. The estimate is where Q is
-that number (Mandel and Paule, Anal. Chem. 42, 1194, 1970), the 95 % interval where Q is a 2.5 or 97.5 % quantile
-(Viechtbauer, Statist. Med. 26, 37, 2007). Its standard uncertainty comes from the restricted likelihood's
-information on tau^2.
+At the true tau, Q is chi-squared with n - c degrees of freedom. The estimate is where Q is that number (Mandel and
+Paule, Anal. Chem. 42, 1194, 1970), the 95 % interval where Q is a 2.5 or 97.5 % quantile (Viechtbauer, Statist.
+Med. 26, 37, 2007).
 
-A control chart that needs no known mean and no known scatter: each calibration against those before it.
-Null hypothesis: the unit has one value, turn-on scatter tau and the calibrations' own sigmas, tau unknown. The
-probability u_i of a value below y_i, given calibrations 1 ... i-1, makes z_i = Phi^-1(u_i), standard normal and
-independent of the earlier ones (Hawkins, Technometrics 29, 1987; Quesenberry, J. Quality Technology 23, 1991; here
-with unequal sigmas: `procedures.statistics.significance`). From it
+A control chart holds each calibration against those before it. The probability u_i of a value below y_i, given
+calibrations 1 ... i-1 (`procedures.statistics.significance`), makes z_i = Phi^-1(u_i), standard normal and
+independent of the earlier ones (Hawkins, Technometrics 29, 1987; Quesenberry, J. Quality Technology 23, 1991).
 
     individuals   |z_i| > L                                            NIST/SEMATECH e-Handbook 6.3.2
     EWMA          v_i = a z_i + (1 - a) v_{i-1},  v_0 = 0,  a = 0.2    6.3.2.4
                   |v_i| > L sqrt(a / (2 - a) (1 - (1 - a)^(2 i)))
 
-The first sees a jump, the second a slow drift. L is chosen by how many parameters are looked at together, so that
-a calibration of a steady unit raises an alarm on each chart with `FALSE_ALARM_PROBABILITY` at most.
-
-Drift between calibrations:
+The first sees a jump, the second a slow drift. Drift between calibrations:
 
     y_i = x(t_i) + r_i + e_i
     x(t + dt) = x(t) + b dt + w,    w ~ N(0, q^2 dt),    b ~ N(0, c^2) one number per unit
 
-r ~ N(0, tau^2) is drawn at each turn-on, e ~ N(0, s_i^2) is the calibration's own error. Nobody knows tau, q and
-c: a grid holds combinations of them, and each is weighed by the probability of the data (a Kalman filter, one step
-per calibration; the level before the first is unknown). With few calibrations no combination may be trusted alone,
-so predictions are mixtures over the grid. Beforehand each decade of tau and c is as likely as the next; walks are
-favoured by `WALK_PRIOR_EXPONENT`, for else a short series passes too often for scatter about a constant.
-
-Source: Harvey, Forecasting, Structural Time Series Models and the Kalman Filter, 1989, 2.3 and 3.4.
-
-The predicted value at a later date is the mixture at that date: what the unit does once it is turned on then. Its
-central 95 % is the prediction interval. The calibration interval that it supports ends when the interval first
-touches a limit (ILAC-G24 / OIML D 10, 2007, 5: intervals from the history of the same instrument).
+r ~ N(0, tau^2) is drawn at each turn-on, e ~ N(0, s_i^2) is the calibration's own error. A grid holds combinations
+of tau, q and c, each weighed by the probability of the data (a Kalman filter, one step per calibration; the level
+before the first is unknown: Harvey, Forecasting, Structural Time Series Models and the Kalman Filter, 1989, 2.3
+and 3.4). Beforehand each decade of tau and c is as likely as the next; walks are favoured by
+`WALK_PRIOR_EXPONENT`, for else a short series passes too often for scatter about a constant. Predictions are
+mixtures over the grid. The calibration interval ends when the prediction's central 95 % first touches a limit
+(ILAC-G24 / OIML D 10, 2007, 5).
 """
 
 from collections.abc import Iterator, Sequence
@@ -85,13 +75,12 @@ CLUSTER_DAYS = 7.0
 
 @dataclass(frozen=True, slots=True)
 class Repeatability:
-    """The standard deviation from turn-on to turn-on; ``std_of_std`` is None where it is 0: see the interval."""
+    """The standard deviation from turn-on to turn-on."""
 
     std: float
     interval_95: tuple[float, float]
     turn_ons: int
     dof: int
-    std_of_std: float | None
 
 
 def turn_on_repeatability(series: CalibrationSeries) -> Repeatability | None:
@@ -100,11 +89,9 @@ def turn_on_repeatability(series: CalibrationSeries) -> Repeatability | None:
     runs = sum(len(values) for values, _ in together)
     if (dof := runs - len(together)) == 0:
         return None
-    low, high = (_variance(together, float(chi2.ppf(q, dof))) for q in (0.975, 0.025))
-    found = _variance(together, float(dof))
-    tau = float(np.sqrt(found))
-    std = float(np.sqrt(2.0 / _information(together, found)) / (2.0 * tau)) if tau > 0 else None
-    return Repeatability(tau, (float(np.sqrt(low)), float(np.sqrt(high))), runs, dof, std)
+    wanted = (float(dof), float(chi2.ppf(0.975, dof)), float(chi2.ppf(0.025, dof)))
+    std, low, high = (float(np.sqrt(_variance(together, each))) for each in wanted)
+    return Repeatability(std, (low, high), runs, dof)
 
 
 def clusters(day: FloatArray) -> list[list[int]]:
@@ -132,16 +119,6 @@ def _variance(clusters: list[tuple[FloatArray, FloatArray]], wanted: float) -> f
         return 0.0
     scatter = sum(float(((value - value.mean()) ** 2).sum()) for value, _ in clusters)
     return float(brentq(lambda v: _excess(clusters, v) - wanted, 0.0, 2.0 * scatter / wanted, rtol=1e-12))
-
-
-def _information(clusters: list[tuple[FloatArray, FloatArray]], variance: float) -> float:
-    """Return tr(P P), twice the information on tau^2; ``P = W - W 1 1' W / (1' W 1)`` cluster by cluster."""
-    total = 0.0
-    for _, std in clusters:
-        weight = 1.0 / (std**2 + variance)
-        one, two, three = (float((weight**power).sum()) for power in (1, 2, 3))
-        total += two - 2.0 * three / one + (two / one) ** 2
-    return total
 
 
 MIN_EARLIER = 2  # calibrations that a third is judged against

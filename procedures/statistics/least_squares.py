@@ -1,9 +1,4 @@
-"""Weighted non-linear least squares with priors: Gauss-Newton, the normal matrix's inverse as covariance.
-
-Singular values of columns that hardly differ: by another way where LAPACK's fast one gives up.
-Divide and conquer (gesdd, in `numpy.linalg.svd`) did not converge on the steps of a walk of 85 rows and 81
-columns, all finite, from 1e-31 to 4e-3; QR iterations (gesvd) take some times as long, and do.
-"""
+"""Weighted non-linear least squares with priors: Gauss-Newton, the normal matrix's inverse as covariance."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -122,6 +117,6 @@ def left_singular(A: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the left singular vectors (n, m), no unit, and the singular values (m,) of A (n, k), in its unit."""
     try:
         U, size, _ = np.linalg.svd(A, full_matrices=False)
-    except np.linalg.LinAlgError:
+    except np.linalg.LinAlgError:  # divide and conquer gives up on columns that hardly differ
         U, size, _ = svd(A, full_matrices=False, lapack_driver="gesvd")
     return U, size

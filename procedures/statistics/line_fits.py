@@ -1,22 +1,15 @@
 """Straight lines through points with correlated errors, and through time stamps of which some are late or wrong.
 
-The errors are taken to be white noise and an Ornstein-Uhlenbeck process in parts and with a memory that nobody
-states: from that of a point to that of the whole span. Each such noise gives a line by generalised least
-squares; they are averaged, weighted by their restricted likelihood (Patterson and Thompson 1971), so that what
-the points do not show of their noise widens the sigma. Errors that walk away without bound are not among them:
-no points distinguish them from a line. But where points come in records, whose offset may change from one to the
-next, an offset of each record's own is among them, in shares up to all but nothing: then the slope within records
-counts alone, and no walk of the offsets between them matters.
+`fit_correlated_line` takes the errors for white noise and an Ornstein-Uhlenbeck process in unknown parts and with
+unknown memory. Each such noise gives a line by generalised least squares; they are averaged, weighted by their
+restricted likelihood (Patterson and Thompson 1971). Where points come in records, an offset of each record's own
+is among the noises. An offset may also begin between any two points: against none a step is weighed by its Bayes
+factor in each noise (Zellner and Siow 1980: its size is Cauchy distributed beforehand, by the information of one
+point). While no step is certain the sigma holds the lines without one, and those with one as if it were as
+credible as none.
 
-So it is with steps: an offset may begin between any two points. Against none a step is weighed by its Bayes factor
-in each noise (Zellner and Siow 1980: its size is Cauchy distributed beforehand, by the information of one point),
-all places together a thousandth as credible as none: noise that remembers looks like steps too. Lines with and
-without are averaged. While no step is certain the sigma holds the lines without one, and those with one as if it
-were as credible as none: a step that cannot be distinguished from a rate widens it.
-
-One clock against another by a robust line, through marks of which some came late or are wrong.
-`fit_time_line` goes through the middle of the marks, `fit_earliest_line` along those that came least late: their
-delays move with all that the machine has to do, the least of them hardly.
+`fit_time_line` goes through the middle of marks of two clocks, `fit_earliest_line` along those that came least
+late: their delays move with all that the machine has to do, the least of them hardly.
 """
 
 from dataclasses import dataclass

@@ -1,10 +1,8 @@
 """Conditions of a recording and their effect on its noise terms: bounds, wider intervals, or undetermined.
 
-Noise below one step of an output: what the shares of its few levels show of it.
-White noise of sigma about a mean, rounded to whole steps, falls on level k with probability ``Phi((k + 1/2 -
-mean) / sigma) - Phi((k - 1/2 - mean) / sigma)``: an exact likelihood, of which the mean of each block of rows is
-integrated out. It holds where rows are independent, which is tested; blocks are as long as that allows, so that a
-slow drift through the levels does no harm. Two levels only bound sigma from above. From about 0.6 steps on,
+White noise of sigma about a mean, rounded to whole steps, falls on level k with probability ``Phi((k + 1/2 - mean)
+/ sigma) - Phi((k - 1/2 - mean) / sigma)``: a likelihood, of which the mean of each block of rows is integrated
+out. Rows must be independent, which is tested. Two levels only bound sigma from above. From about 0.6 steps on,
 rounding adds white noise of variance 1/12 step^2 (Widrow and Kollar, Quantization Noise, 2008), which is
 subtracted.
 """
@@ -89,9 +87,7 @@ def noise_of_levels(rate: FloatArray, step: float) -> NoiseOfLevels:
             if levels < 3 and count == 1:  # the smaller sigma is, the nearer to the edge the mean may be
                 return NoiseOfLevels(None, 0.0, high, levels)
             return _by_likelihood(blocks, levels, high)
-    return NoiseOfLevels(
-        None, 0.0, np.inf, levels
-    )  # of rows that hang together levels do not determine the random walk
+    return NoiseOfLevels(None, 0.0, np.inf, levels)  # rows hang together: no random walk
 
 
 def largest_sigma(level: IntArray) -> float:
@@ -181,9 +177,8 @@ def _integrals(counts: FloatArray, sigma: float) -> FloatArray:
         narrow = narrow[rows]
         found = np.zeros(means.shape)
         for level in range(span):
-            found += counts[narrow, level, None] * _log_interval(
-                (level - 0.5 - means) / sigma, (level + 0.5 - means) / sigma
-            )
+            low, high = (level - 0.5 - means) / sigma, (level + 0.5 - means) / sigma
+            found += counts[narrow, level, None] * _log_interval(low, high)
     return total
 
 

@@ -2,24 +2,19 @@
 
     y_j = mu + u_j + e_j,    u_j ~ N(0, omega^2),    e_j ~ N(0, s_j^2) known
 
-Each unit is judged against the others, whose mean and scatter are unknown
-(`procedures.statistics.significance`): p is the probability of a value so far out. One unit that is far
-off hides a second; so the most extreme is taken out and the rest judged again, up to a fifth of the fleet, and all
-are reported up to the last that is significant (generalised extreme Studentised deviate: Rosner, Technometrics 25,
-165, 1983), with p times the number of units it was the most extreme of.
+Each unit is judged against the others (`procedures.statistics.significance`): p is the probability of a value so
+far out. One unit that is far off hides a second; so the most extreme is taken out and the rest judged again, and
+all are reported up to the last that is significant (generalised extreme Studentised deviate: Rosner, Technometrics
+25, 165, 1983), with p times the number of units it was the most extreme of.
 
-Whether a cube, a slab, a site or an operator shifts a parameter.
 A group g is all calibrations made with one cube (or on one slab, at one site, by one operator). Only a unit that
-was calibrated both in g and outside it counts; in d_j = (its mean in g) - (its mean outside) its own value is
-gone:
+was calibrated both in g and outside it counts, with d_j = (its mean in g) - (its mean outside):
 
     d_j = delta + v_j + e_j,    v_j ~ N(0, omega^2),    e_j ~ N(0, s_j^2),    s_j^2 from the calibrations' sigmas
 
-v_j is what the unit itself did in that time: turn-on scatter and ageing. All that is assumed is that it differs
-from unit to unit, so ageing between the cube of last year and that of this year is no alarm. omega by Mandel and
-Paule; delta is the mean weighted with w_j = 1 / (s_j^2 + omega^2), and t = delta sqrt(sum w_j) has Student's
-distribution with m - 1 degrees of freedom (Hartung and Knapp, Statist. Med. 20, 3875, 2001: with this omega the
-scatter by which they scale the sigma is the one expected; where it is less, at omega = 0, no use is made of it).
+v_j is what the unit itself did in that time: turn-on scatter and ageing. omega by Mandel and Paule; delta is the
+mean weighted with w_j = 1 / (s_j^2 + omega^2), and t = delta sqrt(sum w_j) has Student's distribution with m - 1
+degrees of freedom (Hartung and Knapp, Statist. Med. 20, 3875, 2001).
 """
 
 from collections.abc import Hashable, Sequence

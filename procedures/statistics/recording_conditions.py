@@ -1,14 +1,12 @@
 """Examine a recording at rest: its conditions, repeated values, and the samples from which noise is estimated.
 
-Samples held, frozen or interpolated: differences that are zero more often than noise makes them.
-In noise, even through a quantiser, the distribution of the first and second differences of samples is
-log-concave: ``p_0 <= p_1 (p_1 / p_2)``, of neighbouring bins of equal width. Samples that a logger wrote several
-times have more first differences of zero than that, samples on straight lines between two others more second
-ones. Where the sensor's samples lie at a regular rate under those of the logger they are taken out and analysed by
-themselves.
+In noise, even through a quantiser, the distribution of the first and second differences of samples is log-concave:
+``p_0 <= p_1 (p_1 / p_2)``, of neighbouring bins of equal width. Samples that a logger wrote several times have
+more first differences of zero than that, samples on straight lines between two others more second ones. Where the
+sensor's samples lie at a regular rate under those of the logger they are taken out and analysed by themselves.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.fft import rfft
@@ -83,9 +81,8 @@ def has_excess_zeros(differences: FloatArray, step: float, halo: int) -> bool:
         return not second and not first
     power = (halo + (width + 1) / 2) / width
     rise = power * max(np.log(first / second), 0.0)  # of sines the second bin holds more
-    most = (
-        float(np.unique(np.round(other), return_counts=True)[1].max()) / 2
-    )  # a converter may miss every other code
+    # a converter may miss every other code
+    most = float(np.unique(np.round(other), return_counts=True)[1].max()) / 2
     allowed = max(np.log(first / (2 * width)) + rise, np.log(most)) + np.log(2 * halo + 1)
     std = np.sqrt(1 / zeros + (1 + power) ** 2 / first + power**2 / second)
     return bool(np.log(zeros) > allowed + np.log(EXCESS) + OUTLIER_SIGMAS * std)
@@ -109,10 +106,8 @@ def held_samples(rate: FloatArray, step: float) -> SensorSamples | None:
         text = f"{100 * share:.3g} % of the rows repeat the row before, at irregular places."
         if share > HARMLESS_SHARE:
             text += " The rate of the sensor is not known."
-        return SensorSamples(
-            rate, 1.0,
-            Condition("repeated_rows", text, ALL if share > HARMLESS_SHARE else (), {"share": share}),
-        )  # fmt: skip
+        lost = ALL if share > HARMLESS_SHARE else ()
+        return SensorSamples(rate, 1.0, Condition("repeated_rows", text, lost, {"share": share}))
     counts = np.maximum(np.round(lengths / hold), 1).astype(np.int64)
     values = np.repeat(rate[edges[1:-2]], counts)
     text = (
@@ -203,7 +198,7 @@ class Examined:
     rounding: float = 0.0
     step: float = 0.0
     white: NoiseOfLevels | None = None
-    replaced: float = field(default=0.0)
+    replaced: float = 0.0
 
     @property
     def is_usable(self) -> bool:
@@ -264,26 +259,13 @@ def _without_bad_rows(found: Examined, is_counted: bool) -> Examined:
     """Cut or replace rows that are not the sensor's noise; leave all undetermined where little is left."""
     if not is_counted and not _is_coarse(found) and (mixed := interleaved_rows(found.rate)) is not None:
         return _with(found, mixed)
-    for look in (_ranges, _outliers, _copies):
-        if is_counted and look is _copies:
-            continue
-        if len(found.rate) >= MIN_SAMPLES and (bad := look(found)) is not None:
+    looks = (two_ranges, outlying_rows) if is_counted else (two_ranges, outlying_rows, copied_rows)
+    for look in looks:
+        if len(found.rate) >= MIN_SAMPLES and (bad := look(found.rate, found.step)) is not None:
             found = _with(found, bad.condition) if bad.condition.undetermined else _cut(found, bad)
         if not found.is_usable:
-            return found
+            break
     return found
-
-
-def _ranges(found: Examined) -> BadRows | None:
-    return two_ranges(found.rate, found.step)
-
-
-def _outliers(found: Examined) -> BadRows | None:
-    return outlying_rows(found.rate, found.step)
-
-
-def _copies(found: Examined) -> BadRows | None:
-    return copied_rows(found.rate)
 
 
 def _cut(found: Examined, bad: BadRows) -> Examined:

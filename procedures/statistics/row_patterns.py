@@ -14,7 +14,7 @@ from scipy.special import betainc
 from procedures.arrays import BoolArray, FloatArray, IntArray, true_runs
 from procedures.statistics.noise_conditions import ALL, MAX_LOG_P, Condition
 from procedures.statistics.significance import robust_std
-from procedures.statistics.spectrum import MEDIAN_OF_EXPONENTIAL, without_straight_line
+from procedures.statistics.spectrum import MEDIAN_OF_EXPONENTIAL, hann, without_straight_line
 
 DEVICES = (2, 3, 4)  # that one file may hold
 COMMON_MULTIPLE = 12  # of them
@@ -41,31 +41,24 @@ class BadRows:
     condition: Condition
 
 
-def interleaved_rows(rate: FloatArray, is_noise: bool = True) -> Condition | None:
+def interleaved_rows(rate: FloatArray) -> Condition | None:
     """Return the condition that rows of ``rate`` (n,) in any unit differ with a period of 2 to 4 rows."""
     n = min(len(rate), MOST_ROWS) // COMMON_MULTIPLE * COMMON_MULTIPLE
     if n < 4 * NEIGHBOURS:
         return None
     level = without_straight_line(rate[:n])
-    looks = [("mean", level)]
-    if is_noise:
-        looks.append(("noise", np.abs(level - np.repeat(_block_medians(level), _block_sizes(n)))))
-    powers = [(what, _power(x)) for what, x in looks]
+    noise = np.abs(level - np.repeat(_block_medians(level), _block_sizes(n)))
+    powers = [("mean", _power(level)), ("noise", _power(noise))]
     found = [(p, what) for what, power in powers for p in DEVICES if _log_p_of_period(power, n, p) < MAX_LOG_P]
     if not found:
         return None
     p, what = found[0]
-    rows = [rate[i:n:p] for i in range(p)]
-    low, high = (
-        (min(float(each.mean()) for each in rows), max(float(each.mean()) for each in rows))
-        if what == "mean"
-        else (min(float(each.std()) for each in rows), max(float(each.std()) for each in rows))
-    )
+    sizes = [float(np.mean(rows) if what == "mean" else np.std(rows)) for rows in (rate[i:n:p] for i in range(p))]
     text = (
         f"Every {_ORDINALS[p]} row differs from the others in its {what}: rows of {p} devices in one file, or a "
         f"disturbance at exactly 1/{p} of the sample rate. Separate the rows by device."
     )
-    values = {"devices": float(p), "low": low, "high": high}
+    values = {"devices": float(p), "low": min(sizes), "high": max(sizes)}
     return Condition("interleaved", text, ALL, values, is_of_recording=True)
 
 
@@ -73,8 +66,7 @@ _ORDINALS = {2: "second", 3: "third", 4: "fourth"}
 
 
 def _power(x: FloatArray) -> FloatArray:
-    window = 0.5 - 0.5 * np.cos(2 * np.pi * (np.arange(len(x)) + 0.5) / len(x))
-    return np.abs(rfft((x - x.mean()) * window)) ** 2
+    return np.abs(rfft((x - x.mean()) * hann(len(x)))) ** 2
 
 
 def _log_p_of_period(power: FloatArray, n: int, p: int) -> float:
@@ -89,9 +81,7 @@ def _log_p_of_period(power: FloatArray, n: int, p: int) -> float:
         background = float(np.median(near)) / MEDIAN_OF_EXPONENTIAL
         if background <= 0:
             return 0.0 if power[at] <= 0 else -np.inf
-        dof, peak = (
-            (1, power[at] / 2) if 2 * at == n else (2, power[at])
-        )  # at Nyquist one square, of twice the mean
+        dof, peak = (1, power[at] / 2) if 2 * at == n else (2, power[at])  # at Nyquist one square
         m = len(near)  # Fisher's F of a mean square over another
         chance = float(betainc(m / 2, dof / 2, m / (m + dof * peak / background)))
         worst = max(worst, float(np.log(max(chance, 1e-300))))
@@ -153,7 +143,7 @@ def clipped_rows(rate: FloatArray, step: float) -> Condition | None:
     return None
 
 
-def copied_rows(rate: FloatArray) -> BadRows | None:
+def copied_rows(rate: FloatArray, _step: float = 0.0) -> BadRows | None:
     """Return rows of ``rate`` (n,), any unit, that are a copy of earlier ones, longer than chance makes it."""
     n = len(rate)
     change = np.diff(rate)

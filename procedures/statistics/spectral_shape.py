@@ -15,7 +15,7 @@ from scipy.optimize import nnls
 from procedures.arrays import FloatArray
 from procedures.statistics.noise_conditions import ALL, MAX_LOG_P, Condition
 from procedures.statistics.significance import log_chi2_sf
-from procedures.statistics.spectrum import without_straight_line
+from procedures.statistics.spectrum import hann, without_straight_line
 
 PER_OCTAVE = 4  # bands
 MIN_IN_BAND, FIRST_BIN = 6, 8  # frequencies of the periodogram
@@ -44,7 +44,7 @@ class Bands:
 def bands_of(rate: FloatArray) -> Bands:
     """Return the bands of a record ``rate`` (n,) [R] without its lines."""
     n = len(rate)
-    window = 0.5 - 0.5 * np.cos(2 * np.pi * (np.arange(n) + 0.5) / n)
+    window = hann(n)
     power = np.abs(rfft(without_straight_line(rate) * window)) ** 2 / float(window @ window)
     last = len(power) - 2
     edges = [FIRST_BIN]
@@ -92,9 +92,7 @@ def spectral_condition(rate: FloatArray, period: float) -> tuple[Condition, floa
     """
     bands = bands_of(rate)
     m = len(bands.power)
-    if not bands.power.max() > 0:
-        return None
-    if m < MIN_BANDS:
+    if not bands.power.max() > 0 or m < MIN_BANDS:
         return None
     S, log_p = fitted(bands, slice(0, m))
     if log_p > MAX_LOG_P or not _is_material(bands, S, slice(0, m)):

@@ -87,7 +87,7 @@ def lines_of(rate: FloatArray, period: float) -> list[Line]:
     if n < MIN_SAMPLES or not np.ptp(rate) > 0:
         return []
     level = without_straight_line(rate)
-    window = 0.5 - 0.5 * np.cos(2 * np.pi * (np.arange(n) + 0.5) / n)
+    window = hann(n)
     weighed, mean_square = level * window / window.sum(), float(np.mean(level**2))
     power = np.abs(np.fft.rfft(level * window)) ** 2 / float(window @ window)  # mean: the variance, of white noise
     begin = int(MIN_PERIODS)
@@ -121,7 +121,7 @@ def sine_at(rate: FloatArray, turns: float) -> complex:
 
     Under Hann's window, so that a drift is not taken for it.
     """
-    window = 0.5 - 0.5 * np.cos(2 * np.pi * (np.arange(len(rate)) + 0.5) / len(rate))
+    window = hann(len(rate))
     return 2 * sine_sum(without_straight_line(rate) * window / window.sum(), turns)
 
 
@@ -132,6 +132,11 @@ def has_line(values: FloatArray, period: float, hertz: float) -> bool:
         return False
     filled = np.interp(np.arange(len(values)), known, values[known])
     return any(abs(line.hertz - hertz) * len(values) * period < 1 for line in lines_of(filled, period))
+
+
+def hann(n: int) -> FloatArray:
+    """Return Hann's window (n,), without unit, of samples in the middles of their intervals."""
+    return 0.5 - 0.5 * np.cos(2 * np.pi * (np.arange(n) + 0.5) / n)
 
 
 def without_straight_line(rate: FloatArray) -> FloatArray:

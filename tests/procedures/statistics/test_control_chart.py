@@ -89,14 +89,6 @@ def test_the_interval_covers_what_was_planted(turn_on: float) -> None:
         assert np.median([one.std for one in found if one]) == pytest.approx(turn_on, rel=0.12)
 
 
-def test_its_sigma_is_that_of_repeated_trials() -> None:
-    rng = np.random.default_rng(5)
-    found = [turn_on_repeatability(series(rng, 20.0, 0.0)) for _ in range(400)]
-    values = [one.std for one in found if one is not None]
-    sigmas = [one.std_of_std for one in found if one is not None and one.std_of_std is not None]
-    assert np.std(values) == pytest.approx(np.median(sigmas), rel=0.15)
-
-
 def test_equal_sigmas_give_the_pooled_standard_deviation_less_their_own() -> None:
     value = np.array([0.0, 6.0, 100.0, 108.0])
     found = turn_on_repeatability(CalibrationSeries(np.array([0.0, 1.0, 300.0, 302.0]), value, np.full(4, 2.0)))

@@ -88,9 +88,7 @@ def test_turn_ons_within_a_week_give_the_repeatability() -> None:
     ]
     scatter = analysis(runs, LIMITS, None).parameters["accelerometer.bias.y"].repeatability
     assert scatter is not None
-    assert scatter.std_of_std is not None
     assert scatter.interval_95[0] < 50e-6 < scatter.interval_95[1]
-    assert abs(scatter.std - 50e-6) < 4 * scatter.std_of_std
 
 
 def test_another_unit_or_no_sigma_leaves_a_value_out_and_says_so() -> None:
