@@ -1,10 +1,8 @@
 """Start of IMU and GNSS: an alignment at rest or in motion, attempted until one succeeds.
 
-At rest specific force gives the level and the Earth's rate the heading (gyrocompassing): the attitude is
-`procedures.gyrocompass.attitude_at_rest` of the means. What remains is the gyro's bias East of the
-horizontal Earth rate, ``yaw_std = bias_std / (Omega cos lat)``, 0.33 deg for 0.05 deg/h at 55 deg, and ``tilt_std
-= accel_bias / g``. In motion the attempts wait for displacement and observability, not for a time; the last
-attempt reports what is missing.
+At rest specific force gives the level and the Earth's rate the heading (gyrocompassing): ``yaw_std = bias_std /
+(Omega cos lat)``, ``tilt_std = accel_bias / g``. In motion the attempts wait for displacement and observability;
+the last one reports what is missing.
 """
 
 from collections.abc import Iterator

@@ -4,18 +4,15 @@ In n, with the attitude C0 and the velocity v0 at the first of the fixes and con
 
     v_k = v0 + C0 alpha_k(bg, ba) + C0 M_k l + g t_k + a_k tau + noise,   g = (0, 0, -gravity)
 
-is fitted for C0, v0, bg, ba and, where they are not given, the antenna's lever arm l and the offset tau of
-GNSS's stamps together (Han 2022 III.C, the joint refinement, less what needs a camera). This is the integral of
-Han's eq. 3: nothing is differentiated, so that the noise of GNSS stays what it is. A receiver without velocity
-gives the means between its fixes: `observed_velocities`. The noise is GNSS's own, white, and that of accelerometer
-and gyro integrated. All is started from the best rotation for biases of zero (Wahba's problem), and once more from
-a quarter turn to each side and from behind: what is nearly as good and points elsewhere, a strange chi2 or a wide
-sigma are reasons to go on waiting.
+is fitted for C0, v0, bg, ba and, where they are not given, the antenna's lever arm l and the offset tau of GNSS's
+stamps together: the integral of Han 2022, eq. 3 (III.C, the joint refinement, less what needs a camera). The noise
+is GNSS's own, white, and that of accelerometer and gyro integrated. All is started from the best rotation for
+biases of zero (Wahba's problem), and once more from a quarter turn to each side and from behind: what is nearly as
+good and points elsewhere, a strange chi2 or a wide sigma are reasons to go on waiting.
 
-A receiver's velocity is that of its fix. A receiver that gives positions alone still gives the mean velocity
-between two fixes, ``(p_k - p_k-1) / dt``, exactly, whatever happened in between; the increments are then averaged
-over the same time. The antenna at ``l`` from the IMU moves faster than it by ``C0 M_k l``, ``M_k = C_k
-[omega_k]x`` or ``(C_k - C_k-1) / dt``. A stamp late by tau shifts a velocity by acceleration times tau.
+A receiver without velocity gives the means between its fixes, ``(p_k - p_k-1) / dt``; the increments are then
+averaged over the same time. The antenna moves faster than the IMU by ``C0 M_k l``, ``M_k = C_k [omega_k]x`` or
+``(C_k - C_k-1) / dt``. A stamp late by tau shifts a velocity by acceleration times tau.
 """
 
 from dataclasses import dataclass
@@ -105,7 +102,7 @@ class MeanVelocities:
 def observed_velocities(imu: ImuSeries, fixes: GnssFixes) -> FixVelocities | MeanVelocities:
     """Return what the fixes that the IMU spans say: their velocities, or where none has one the means between."""
     spanned = (fixes.t >= imu.t[0]) & (fixes.t <= imu.t[-1])
-    known = spanned & np.isfinite(fixes.v_n[:, :2]).all(axis=1)
+    known = spanned & fixes.has_velocity
     if known.any():
         omega = interpolated(fixes.t[known], imu.t, imu.omega_b)
         return FixVelocities(fixes.t[known], fixes.v_n[known], np.diag(fixes.velocity_std[known] ** 2), omega)
@@ -116,11 +113,9 @@ def observed_velocities(imu: ImuSeries, fixes: GnssFixes) -> FixVelocities | Mea
 
 def _means(grid: ImuGrid, values: FloatArray) -> FloatArray:
     """Return the means (n - 1, ...) of values (m + 1, ...) at the edges, between the n times asked for."""
-    shape = (-1, *[1] * (values.ndim - 1))
-    areas = (values[1:] + values[:-1]) / 2 * grid.dt.reshape(shape)
-    means: FloatArray = np.add.reduceat(areas, grid.at[:-1]) / np.add.reduceat(grid.dt, grid.at[:-1]).reshape(
-        shape
-    )
+    dt = grid.dt.reshape(-1, *[1] * (values.ndim - 1))
+    areas = (values[1:] + values[:-1]) / 2 * dt
+    means: FloatArray = np.add.reduceat(areas, grid.at[:-1]) / np.add.reduceat(dt, grid.at[:-1])
     return means
 
 
@@ -188,7 +183,7 @@ class _Problem:
     """One set of fixes: residual, Jacobian and whitening."""
 
     def __init__(
-        self, owner: MovingAligner, imu: ImuSeries, seen: FixVelocities | MeanVelocities, shifted: float = 0.0
+        self, owner: MovingAligner, imu: ImuSeries, seen: FixVelocities | MeanVelocities, shifted: float
     ) -> None:
         self.owner, self.seen = owner, seen
         self.grid: ImuGrid = grid(imu, seen.t)
@@ -204,10 +199,9 @@ class _Problem:
         self.white = list[tuple[int, IntArray, FloatArray]]()
         for axis in range(3):
             rows = np.flatnonzero(np.isfinite(seen.v[:, axis]))
-            if not len(rows):
-                continue  # a receiver without vertical velocity
-            R = seen.noise + walk + (tilt if axis < 2 else 0.0)
-            self.white.append((axis, rows, cholesky(R[np.ix_(rows, rows)], lower=True)))
+            if len(rows):  # not so the vertical of a receiver without it
+                R = seen.noise + walk + (tilt if axis < 2 else 0.0)
+                self.white.append((axis, rows, cholesky(R[np.ix_(rows, rows)], lower=True)))
         lever_std, offset_std = owner.lever_std or np.inf, owner.offset_std or np.inf
         self.prior = np.repeat(
             [UNMEASURED_VELOCITY_STD, noise.gyro_bias, noise.accel_bias, lever_std, offset_std], [3, 3, 3, 3, 1]

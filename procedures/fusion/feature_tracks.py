@@ -2,9 +2,9 @@
 
 ``c`` is the camera: z along the view, x right, y down. Image points carry no distortion.
 
-`FramePairs` are frames two by two: what both saw of the same features. `derotated` brings the rows of a rolling
-shutter to the moment of their frame: what is seen in a row taken late by d was seen by a camera that had turned by
-``w d``. How far the camera moved meanwhile depends on distances: the window estimates it (`inner.landmarks`).
+`derotated` brings the rows of a rolling shutter to the moment of their frame: what is seen in a row taken late by
+d was seen by a camera that had turned by ``w d``. How far it moved meanwhile the window estimates
+(`inner.landmarks`).
 """
 
 from dataclasses import dataclass
@@ -100,7 +100,10 @@ class FramePairs:
 def frame_pairs(tracks: FeatureTracks, camera: PinholeCamera) -> FramePairs:
     """Return each frame with a later one that still shares enough features with it."""
     times, begin = tracks.frames()
-    kept = _spaced(times)
+    kept = list[int]()
+    for i, t in enumerate(times):
+        if not kept or t - times[kept[-1]] >= MIN_FRAME_SPACING_S:
+            kept.append(i)
     rows = [slice(int(begin[i]), int(begin[i + 1])) for i in kept]
     found = [pair for k in range(len(kept)) if (pair := _partner(tracks.feature, times[kept], rows, k))]
     size = max((len(a) for _, _, a, _ in found), default=0)
@@ -110,14 +113,6 @@ def frame_pairs(tracks: FeatureTracks, camera: PinholeCamera) -> FramePairs:
         y0[k, : len(a), :2], y1[k, : len(b), :2], there[k, : len(a)] = rays[a], rays[b], 1.0
     t0, t1 = (np.array([times[kept[pair[i]]] for pair in found]) for i in (0, 1))
     return FramePairs(t0, t1, y0, y1, there)
-
-
-def _spaced(times: FloatArray) -> list[int]:
-    kept = list[int]()
-    for i, t in enumerate(times):
-        if not kept or t - times[kept[-1]] >= MIN_FRAME_SPACING_S:
-            kept.append(i)
-    return kept
 
 
 def _partner(

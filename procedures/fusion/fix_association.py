@@ -1,10 +1,9 @@
 """Data association: which GNSS fix belongs to which node of the odometry; a store of both that grows.
 
-The heading of an odometry's frame is that of its track against the track of GNSS (`track_yaw`). Horizontal
-positions and velocities are complex numbers, East + i North. With ``q`` the odometry's and ``z`` GNSS's, both
-about their means, ``z = exp(i yaw) q`` gives ``yaw = arg sum conj(q) z``; so do velocities. Han 2022 aligns
-positions only. The heading waits for displacement, which makes its standard deviation small. Outliers are weighted
-down (Huber).
+The heading of an odometry's frame is that of its track against the track of GNSS (`track_yaw`). With positions as
+complex numbers, East + i North, ``q`` the odometry's and ``z`` GNSS's, both about their means, ``z = exp(i yaw)
+q`` gives ``yaw = arg sum conj(q) z``; so do velocities (Han 2022 aligns positions only). Outliers count less
+(Huber).
 """
 
 from collections.abc import Sequence
@@ -124,10 +123,9 @@ class FixAssociation:
     """
 
     def __init__(self, lever_arm: FloatArray, time_offset: float) -> None:
+        self.lever_arm, self.time_offset = lever_arm, time_offset
         self.fixes: GnssFixes | None = None
-        self.time_offset = time_offset
         self.yaw_std: float | None = None
-        self.lever_arm = lever_arm
         self._uses_velocity = False
         self._nodes, self._terms = _Rows(_NODE), _Rows(_FIX)
         self._next = 0  # of the fixes
@@ -174,15 +172,13 @@ class FixAssociation:
         self, first: int, end: int | None = None, fixes_of: int | None = None
     ) -> tuple[OdometrySteps, FixTerms]:
         """Return nodes ``first`` to ``end`` with the fixes of all, or of the first ``fixes_of`` of them."""
-        p_o = self._nodes.get("p_o", first, end)
-        drift = self._nodes.get("drift", first, end)[1:]
-        all_nodes = self._terms.get("node")
+        p_o, drift = (self._nodes.get(name, first, end) for name in ("p_o", "drift"))
         last = len(self.t) if end is None else end
-        begin = int(np.searchsorted(all_nodes, first))
-        stop = int(np.searchsorted(all_nodes, last if fixes_of is None else first + fixes_of))
+        last = last if fixes_of is None else first + fixes_of
+        begin, stop = np.searchsorted(self._terms.get("node"), (first, last)).tolist()
         node, *others = (self._terms.get(field.name, begin, stop) for field in fields(FixTerms))
-        terms = FixTerms(node - first, *others)
-        return OdometrySteps(np.diff(p_o, axis=0), np.asarray(np.linalg.inv(drift), np.float64)), terms
+        steps = OdometrySteps(np.diff(p_o, axis=0), np.asarray(np.linalg.inv(drift[1:]), np.float64))
+        return steps, FixTerms(node - first, *others)
 
     def yaw_by_track(self) -> TrackYaw:
         """Return the heading of the odometry's frame by the last minute of track."""
@@ -190,19 +186,14 @@ class FixAssociation:
         get = {name: self._terms.get(name)[recent] for name in _FIX.names or ()}
         node, antenna = get["node"], get["C_of"] @ self.lever_arm
         q = self.p_o[node] + get["arm_o"] + antenna
-        drift = self._nodes.get("drift")[:, 0, 0]
-        v_o, v_std = get["v_o"][:, :2], self._velocity_std(node, get["v_o"], get["v_std"])
-        v_o = np.where(
-            (np.linalg.norm(v_o, axis=1) > MOTION_SIGMAS * v_std)[:, None], v_o, np.nan
-        )  # not the noise at rest
-        total = float(drift[int(node[0]) :].sum())
-        return track_yaw(q[:, :2], get["z"][:, :2], get["weight"] ** -0.5, v_o, get["v_n"][:, :2], v_std, total)
-
-    def _velocity_std(self, node: IntArray, v_o: FloatArray, v_std: FloatArray) -> FloatArray:
-        """Return 1 sigma of GNSS's velocity less the odometry's over a frame, blurred by how fast that changes."""
-        changed = np.r_[0.0, np.linalg.norm(np.diff(v_o[:, :2], axis=0), axis=1)]
-        std: FloatArray = np.sqrt(v_std**2 + self._walk(node) ** 2 + (0.5 * changed) ** 2)
-        return std
+        v_o, z, z_std = get["v_o"][:, :2], get["z"][:, :2], get["weight"] ** -0.5
+        changed = np.r_[0.0, np.linalg.norm(np.diff(v_o, axis=0), axis=1)]  # blurs a velocity over a frame
+        v_std = np.sqrt(get["v_std"] ** 2 + self._walk(node) ** 2 + (0.5 * changed) ** 2)
+        moves = np.linalg.norm(v_o, axis=1) > MOTION_SIGMAS * v_std  # more than the noise at rest
+        total = float(self._nodes.get("drift")[int(node[0]) :, 0, 0].sum())
+        return track_yaw(
+            q[:, :2], z, z_std, np.where(moves[:, None], v_o, np.nan), get["v_n"][:, :2], v_std, total
+        )
 
     def _associate_up_to(self, t: float) -> int:
         assert self.fixes is not None
@@ -216,10 +207,8 @@ class FixAssociation:
 
     def _associate(self, fixes: GnssFixes, i: int) -> None:
         """Tie a fix to the first node at or after it, by the straight motion between the two nodes."""
-        t = fixes.t[i] + self.time_offset
-        node = max(
-            int(np.searchsorted(self.t, t)), 1, int(self._terms.get("node")[-1]) if self._terms.count else 1
-        )
+        t, before = fixes.t[i] + self.time_offset, self._terms.get("node")[-1:].tolist()
+        node = max(int(np.searchsorted(self.t, t)), 1, *before)
         dt = self.t[node] - self.t[node - 1]
         back = (self.t[node] - t) / dt
         v_o = (self.p_o[node] - self.p_o[node - 1]) / dt

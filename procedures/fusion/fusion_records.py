@@ -2,9 +2,6 @@
 
 ``n`` is East-North-Up, ``b`` the IMU's axes, ``o`` an odometry's own level frame: z up, heading and origin free.
 Times [s] are those of one clock. Quaternions are x, y, z, w, and take b to n (b to o).
-
-A receiver's fixes become `GnssFixes` by `level_fixes`: level about the first, with a standard deviation each, of
-one antenna only. `AlignmentState` is the result of an alignment, `Waiting` the reason why there is none yet.
 """
 
 from collections.abc import Sequence
@@ -64,6 +61,11 @@ class GnssFixes:
         for name, shape in shapes.items():
             if (got := getattr(self, name).shape) != shape:
                 raise ValueError(f"GnssFixes.{name} has shape {got}, expected {shape}")
+
+    @property
+    def has_velocity(self) -> BoolArray:
+        """Which fixes (n,) have a velocity, level at least: true or false."""
+        return np.asarray(np.isfinite(self.v_n[:, :2]).all(axis=1))
 
     def part(self, which: slice | BoolArray) -> "GnssFixes":
         """Return some of the fixes: a slice, or those ``which`` (n,) says."""

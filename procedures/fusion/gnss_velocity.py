@@ -1,7 +1,6 @@
 """What GNSS says between two keyframes: velocities, carried by the IMU to the later one, and positions.
 
-A receiver that does not report its vertical velocity holds it by its heights, weakly: else an IMU alone would come
-to climb by what its accelerometers are off.
+A receiver without vertical velocity holds it by its heights, weakly.
 """
 
 from dataclasses import dataclass

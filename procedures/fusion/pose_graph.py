@@ -1,10 +1,8 @@
 """Han's outer layer: odometry's steps, GNSS positions and courses in one graph of four degrees of freedom.
 
-A window of nodes is solved again at every fix; what leaves it is eliminated into a prior, so that nothing is lost
-and an outage longer than the window is bridged. Between fixes the last node is carried on by the odometry, its
-sigma growing. The whole chain is solved again for the smoothed trajectory. Han 2022 (IV.B) keeps a large window at
-a low rate; measured on recorded odometry a solve at every fix is worth a third of the error, and ten seconds are
-enough.
+A window of nodes is solved again at every fix; what leaves it is eliminated into a prior. Between fixes the last
+node is carried on by the odometry, its sigma growing. The whole chain is solved again for the smoothed trajectory.
+Han 2022 (IV.B) keeps a large window at a low rate; a solve at every fix is worth a third of the error.
 """
 
 from collections.abc import Iterator
@@ -160,17 +158,11 @@ class PoseGraph:
         self._slide()
 
     def _by_alignment(self, yaw: float) -> FloatArray:
-        p_o = self.association.p_o
-        R = rz(np.array(yaw))[0]
-        x = np.zeros((len(p_o), self.layout.size))
-        x[:, :3] = p_o @ R.T
-        terms = self.association.window(0)[1]
+        p_o, terms = self.association.p_o, self.association.window(0)[1]
+        x = np.tile(self._weak_prior(np.zeros(self.layout.size)).at, (len(p_o), 1))  # constants as given
+        x[:, :3] = p_o @ rz(np.array(yaw))[0].T
         x[:, :3] += np.median(terms.z - x[terms.node, :3], axis=0)
         x[:, 3] = yaw
-        if self.layout.lever_arm:
-            x[:, 4:7] = self.settings.arm
-        if self.layout.time_offset:
-            x[:, -1] = self.settings.time_offset
         return x
 
     def _weak_prior(self, at: FloatArray) -> NodePrior:

@@ -14,8 +14,8 @@ turns what follows, ``dv_err = -(dv - dv_k) x C_k e`` and ``dp_err = -(dp - dp_k
     d alpha / d ba = -Phi,   d alpha / d bg = int [C (f - ba)]x Phi dt
 
 Samples are taken as straight lines between their times; an interval's attitude is that of its middle. A gap in the
-samples (`ImuGap`) is bridged by the line between its ends. The error of such a line is measured in the recording
-itself: the rms difference between the mean of the samples over as long a time and the mean of that time's ends.
+samples (`ImuGap`) is bridged by the line between its ends; the error of such a line is that which the recording
+itself shows over as long a time.
 """
 
 from dataclasses import dataclass
@@ -143,10 +143,8 @@ def preintegrate(
     turn = (part.omega_b - bg - earth_b) * dt
     C = products(rotation(turn))
     middle = C[:-1] @ rotation(turn / 2)
-    felt = np.einsum("nij,nj->ni", middle, part.f_b - ba) * dt
-    v = np.vstack((np.zeros(3), np.cumsum(felt, axis=0)))
-    p = np.vstack((np.zeros(3), np.cumsum((v[:-1] + v[1:]) / 2 * dt, axis=0)))
-    edges = np.concatenate(([0.0], np.cumsum(part.dt)))
+    v = _summed(np.einsum("nij,nj->ni", middle, part.f_b - ba) * dt)
+    p, edges = _summed((v[:-1] + v[1:]) / 2 * dt), _summed(part.dt)
     left = (edges[-1] - (edges[1:] + edges[:-1]) / 2)[:, None]
     v_mid, p_mid = (v[1:] + v[:-1]) / 2, (p[1:] + p[:-1]) / 2
     G = np.zeros((len(dt), 9, 6))
@@ -175,9 +173,8 @@ def _inverse(covariance: FloatArray, dt: float) -> FloatArray:
     """Invert, with a floor for the position: over one sample it is all but a function of the velocity."""
     covariance[range(6, 9), range(6, 9)] += 1e-8 * dt  # m2, as of integrating in straight lines
     size = np.sqrt(np.diag(covariance))
-    inverse: FloatArray = np.asarray(np.linalg.inv(covariance / np.outer(size, size)), np.float64)
-    inverse /= np.outer(size, size)
-    return inverse
+    scale = np.outer(size, size)
+    return np.asarray(np.linalg.inv(covariance / scale) / scale, np.float64)
 
 
 RATE_HALF_SPAN_S = 0.03  # s about a moment, over which its rate is taken: a sample alone is vibration
@@ -194,7 +191,7 @@ class GyroRotations:
         self.t, self._rate = imu.t, (imu.omega_b[1:] + imu.omega_b[:-1]) / 2 - bias
         self._C = products(rotation(self._rate * dt))
         middle = self._C[:-1] @ rotation(self._rate * dt / 2)
-        self._Phi = np.concatenate((np.zeros((1, 3, 3)), np.cumsum(middle * dt[:, :, None], axis=0)))
+        self._Phi = _summed(middle * dt[:, :, None])
 
     def turned(self, t0: FloatArray, t1: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return C_10 (n, 3, 3), from b at ``t0`` to b at ``t1`` (n,) [s], and its left turn by the bias."""
@@ -244,7 +241,7 @@ def imu_gaps(imu: ImuSeries) -> tuple[ImuGap, ...]:
 
 def _missed(values: FloatArray, n: int) -> float:
     """Return the rms, of an axis, of the mean of n + 1 samples less that of the first and the last of them."""
-    total = np.concatenate((np.zeros((1, 3)), np.cumsum(values, axis=0)))
+    total = _summed(values)
     mean = (total[n + 1 :] - total[: -n - 1]) / (n + 1)
     ends = (values[n:] + values[: len(values) - n]) / 2
     return float(np.sqrt(np.mean((mean - ends) ** 2)))

@@ -50,7 +50,7 @@ def by_imu(log: FusionLog, layers: int = 2) -> Located:
     given = outer_settings(log)
     earth_n = earth_rate_n(log.latitude)
     fixes = log.fixes.shifted(given.time_offset)
-    has_velocity = bool(np.isfinite(fixes.v_n[:, :2]).all(axis=1).any())
+    has_velocity = bool(fixes.has_velocity.any())
     aligner = MovingAligner(log.noise, log.gravity, earth_n, given.arm, given.lever_arm_std, given.time_offset_std)
     aligned = align_when_possible(aligner, log.imu, fixes)
     if isinstance(aligned, Waiting):

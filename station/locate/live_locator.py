@@ -135,7 +135,7 @@ class LiveLocator:
         if self._camera is None:
             given = with_constants(given, begun.aligned)
             # without a velocity by GNSS nothing would hold a window's velocity
-            has_velocity = np.isfinite(fixes.v_n[:, :2]).all(axis=1).any()
+            has_velocity = fixes.has_velocity.any()
             settings = WindowSettings(site, given.arm, 2 if has_velocity else 1, lever_std=a.lever_std)
             window = InertialWindow(settings, begun.imu, fixes, begun.aligned, wheel)
             graph: Graph = LiveGraph(given) if has_velocity else NoGraph(window)

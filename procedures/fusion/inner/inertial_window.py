@@ -143,9 +143,9 @@ class InertialWindow(InnerWindow):
 
     def _measurements(self, fixes: GnssFixes, imu: ImuSeries) -> GnssMeasurements:
         """Return velocities that are whole, level at least, and the positions that are to hold something."""
-        measured, level = super()._measurements(fixes, imu), np.isfinite(fixes.v_n[:, :2]).all(axis=1)
+        measured = super()._measurements(fixes, imu)
         unclimbed, v_std = ~np.isfinite(fixes.v_n[:, 2]), measured.v_std.copy()
-        v_std[~level], v_std[unclimbed, 2] = np.inf, np.inf
+        v_std[~fixes.has_velocity], v_std[unclimbed, 2] = np.inf, np.inf
         p_std = np.repeat(fixes.position_std[:, None], 3, axis=1)
         if self.settings.layers == 2:
             p_std[:, :2], p_std[~unclimbed, 2] = np.inf, np.inf

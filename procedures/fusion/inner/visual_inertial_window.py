@@ -122,7 +122,7 @@ class VisualInertialWindow(InnerWindow):
         super().__init__(settings.inner, self.frames.t, imu, fixes, start, begun, settings.antenna, wheel)
         self._scale = np.array([settings.camera.fx, settings.camera.fy]) / settings.camera.std
         self.rejected, self.seen_until = 0, -np.inf  # s, the newest keyframe that has a frame
-        self._aided = bool(np.isfinite(fixes.v_n[:, :2]).all(axis=1).any())
+        self._aided = bool(fixes.has_velocity.any())
         self._p_n = np.zeros(3)
 
     def poses(self) -> Iterator[OdometryPose]:
@@ -134,7 +134,7 @@ class VisualInertialWindow(InnerWindow):
 
     def go_on(self, frame: Frame, imu: ImuSeries, fixes: GnssFixes) -> OdometryPose:
         """Return the pose of a new keyframe, behind those that `poses` has yielded; see `_live`."""
-        self._aided = self._aided or bool(np.isfinite(fixes.v_n[:, :2]).all(axis=1).any())
+        self._aided = self._aided or bool(fixes.has_velocity.any())
         return self._add(frame, self._live(frame.t, imu, fixes))
 
     @property

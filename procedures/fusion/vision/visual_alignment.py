@@ -101,7 +101,7 @@ class VisualInertialFit:
 
     def _gnss_way(self) -> tuple[FloatArray, FloatArray]:
         """Return the path (k, 3) [m] since the first frame by GNSS velocities, and these at the frames (k, 3)."""
-        known = np.isfinite(self.fixes.v_n[:, :2]).all(axis=1)
+        known = self.fixes.has_velocity
         t, v = self.fixes.t[known], np.nan_to_num(self.fixes.v_n[known])
         fine = np.union1d(self.t, t[(t > self.t[0]) & (t < self.t[-1])])
         at = interpolated(fine, t, v)
@@ -242,7 +242,7 @@ class VisualAligner:
         if isinstance(seen, str):
             return Waiting(seen)
         known = fixes.part(np.searchsorted(fixes.t, now, "right") > np.arange(len(fixes.t)))
-        if not np.isfinite(known.v_n[:, :2]).all(axis=1).any():
+        if not known.has_velocity.any():
             return Waiting("no GNSS velocity yet, which is needed for the scale")
         return VisualInertialFit(self.settings, imu, known, t, marks, seen, scale).start()
 
