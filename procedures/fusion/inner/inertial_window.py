@@ -1,11 +1,8 @@
 """The inner layer without a camera: IMU and GNSS velocity, and with ``layers`` 1 GNSS position.
 
 A fix's velocity holds the velocity, or standing still does; a receiver without vertical velocity holds it by its
-height. No Huber, for what has left cannot be weighted again: outliers are the outer layer's. Each keyframe is
-fitted once as it comes, and again with each that follows in the window.
-
-Without position the window is an odometry in n: its displacements are GNSS's velocities summed up, and drift by
-their white noise. Where velocities are missing it drifts by the velocity's own sigma.
+height. No Huber, for what has left cannot be weighted again: outliers are the outer layer's. Without position the
+window is an odometry in n: its displacements are GNSS's velocities summed up, and drift by their white noise.
 """
 
 from collections.abc import Iterator

@@ -1,9 +1,8 @@
 """Han's inner layer: the last keyframes, tied by the IMU and held by GNSS, fitted together as each one comes.
 
 Preintegration, the biases' walks, GNSS and what a prior knows of keyframes that have left are one least squares
-problem (Han 2022 IV.A). What leaves is marginalised with all that was seen of it: nothing is used twice, nothing
-lost. What fixes say between two keyframes is carried to the later one by the IMU. Over a gap of the IMU a straight
-line is integrated, with noise of a density that has made of it at its end what such a line misses.
+problem (Han 2022 IV.A). What leaves is marginalised with all that was seen of it. Over a gap of the IMU a straight
+line is integrated, with as much noise as such a line misses.
 """
 
 from dataclasses import dataclass, replace
@@ -24,13 +23,12 @@ from procedures.fusion.inner.landmarks import Landmarks
 from procedures.fusion.inner.wheel_aid import RETRACTED_S, WheelAid, predicted_covariance, without_wheel
 from procedures.fusion.inner.window_problem import (
     BackSubstitution,
-    Eliminated,
     Prior,
     WindowMeasurements,
     assemble,
     marginalised,
 )
-from procedures.fusion.inner.window_state import COMMON, FRAME, WHEEL, ChainFactor, Factor, Normal, WindowState
+from procedures.fusion.inner.window_state import COMMON, FRAME, WHEEL, ChainFactor, Factor, WindowState
 from procedures.fusion.inner.window_terms import Site, predicted
 from procedures.fusion.pose_graph_terms import rz
 from procedures.fusion.preintegration import ImuGap, ImuGrid, Preintegrated, grid, imu_gaps, preintegrate
@@ -155,7 +153,10 @@ class InnerWindow:
 
     def _solve(self) -> None:
         for _ in range(self._inner.rounds):
-            normal, free = self._problem(self.state, self._prior, self._held)
+            normal, free = assemble(
+                self.state, self._prior, self._held, self._inner.site, self.marks, self.marks.sights.seen,
+                self._scale,
+            )  # fmt: skip
             self._factor, self._solved = self._factorised(normal.A), self.last
             step = -self._factor.solve(normal.g)
             self.state = self.state.moved(step)
@@ -167,9 +168,6 @@ class InnerWindow:
         """Return a factor of the window's normal equations: sights tie all keyframes, all else only neighbours."""
         is_chain = not len(self.marks.slot) and not len(self.state.held) and len(self._prior.at.p) <= 2
         return ChainFactor(A) if is_chain else Factor(A)
-
-    def _problem(self, state: WindowState, prior: Prior, held: WindowMeasurements) -> tuple[Normal, Eliminated]:
-        return assemble(state, prior, held, self._inner.site, self.marks, self.marks.sights.seen, self._scale)
 
     def _slide(self) -> BackSubstitution:
         """Marginalise the oldest keyframe, and return how it went."""

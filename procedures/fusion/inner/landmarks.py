@@ -7,12 +7,11 @@ point a and fixed axes A, not from an estimated keyframe: (x, y, rho) are then m
     y = C_bc' (C_k' (rho (a - p_k) + A (x, y, 1)) - rho t_bc),   r = (fx, fy) / std (y_12 / y_3 - z)
 
 which is finite for a point at infinity. Where the camera's time offset d is not given, C_k and p_k are those of
-the moment at which the frame was truly taken, C_k exp(d [w_k]x) and p_k + d v_k (Li, Mourikis 2014; Qin, Shen
-2018 move the image point instead). Where a camera has a rolling shutter, of which each row is taken r later than
-the one above it, d is that of the row, d + r fy z_2: rows have moments of their own (Li, Kim, Mourikis 2013).
+the moment at which the frame was truly taken, C_k exp(d [w_k]x) and p_k + d v_k (Li, Mourikis 2014). Of a rolling
+shutter, of which each row is taken r later than the one above it, d is d + r fy z_2 (Li, Kim, Mourikis 2013).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -106,21 +105,17 @@ def _normal(
     order, ends = np.argsort(k, kind="stable"), 2 * np.cumsum(np.bincount(k, minlength=frames))
     rows = J[order, :, :14].reshape(-1, 14)  # keyframe by keyframe
     square = np.array([part.T @ part for part in np.split(rows, ends[:-1])])
-    ties = square[:, CAMERA_NUMBERS:13, :CAMERA_NUMBERS].reshape(-1, CAMERA_NUMBERS)
-    H[:CAMERA_NUMBERS, :CAMERA_NUMBERS] = square[:, :CAMERA_NUMBERS, :CAMERA_NUMBERS].sum(axis=0)
-    H[CAMERA_NUMBERS:, :CAMERA_NUMBERS], H[:CAMERA_NUMBERS, CAMERA_NUMBERS:] = ties, ties.T
+    camera, own = slice(CAMERA_NUMBERS), slice(CAMERA_NUMBERS, 13)
+    ties = square[:, own, camera].reshape(-1, CAMERA_NUMBERS)
+    H[camera, camera] = square[:, camera, camera].sum(axis=0)
+    H[CAMERA_NUMBERS:, camera], H[camera, CAMERA_NUMBERS:] = ties, ties.T
     blocks = H[CAMERA_NUMBERS:, CAMERA_NUMBERS:].reshape(frames, 6, frames, 6)
-    np.einsum("iaib->iab", blocks)[:] = square[
-        :, CAMERA_NUMBERS:13, CAMERA_NUMBERS:13
-    ]  # a view of those on the diagonal
-    g[:CAMERA_NUMBERS], g[CAMERA_NUMBERS:] = (
-        square[:, :CAMERA_NUMBERS, 13].sum(axis=0),
-        square[:, CAMERA_NUMBERS:13, 13].ravel(),
-    )
+    np.einsum("iaib->iab", blocks)[:] = square[:, own, own]  # a view of those on the diagonal
+    g[camera], g[CAMERA_NUMBERS:] = square[:, camera, 13].sum(axis=0), square[:, own, 13].ravel()
     tied = np.swapaxes(point, 1, 2) @ J
-    W[:, :, CAMERA_NUMBERS:].reshape(count, 3, frames, 6)[i, :, k] = tied[:, :, CAMERA_NUMBERS:13]
+    W[:, :, CAMERA_NUMBERS:].reshape(count, 3, frames, 6)[i, :, k] = tied[:, :, own]
     marks = _summed(tied, i, count)
-    W[:, :, :CAMERA_NUMBERS] = marks[:, :, :CAMERA_NUMBERS]
+    W[:, :, camera] = marks[:, :, camera]
     return Visual(H, g, W, marks[:, :, 14:], marks[:, :, 13])
 
 
@@ -159,8 +154,7 @@ class Landmarks:
         """
         s = self.sights
         z = np.concatenate((s.z, np.zeros((len(s.at), 1, 2))), axis=1)
-        seen = np.concatenate((s.seen, np.zeros((len(s.at), 1), bool)), axis=1)
-        self.sights = Sights(s.a, s.A, s.at, z, seen)
+        self.sights = replace(s, z=z, seen=np.column_stack((s.seen, np.zeros(len(s.at), bool))))
         if len(feature):
             self.see(-1, feature, rays)
 
@@ -179,10 +173,9 @@ class Landmarks:
     def settle(self, state: WindowState, scale: FloatArray | None = None) -> None:
         """Give each landmark that now has two sights a first place, by the keyframes as they are known.
 
-        With ``scale`` (2,), focal length over sigma, it must have moved in the image, or the camera by much. At
-        rest the distance of a landmark is not observable: the path between keyframes is then noise, and a landmark
-        that does not move on that path looks infinitely far: the prior grew sure of it (10 s at rest, GNSS
-        velocities of 0.03 m/s), and on setting off the camera's mount bent by up to 2.7 deg, 1 sigma 0.2.
+        With ``scale`` (2,), focal length over sigma, it must have moved in the image, or the camera by much: at
+        rest the distance of a landmark is not observable, and one that does not move on a path of noise looks
+        infinitely far.
         """
         new = np.flatnonzero(~self.ready & (self.sights.seen.sum(axis=1) > 1))
         C_ob, p = state.exposed()
@@ -199,14 +192,13 @@ class Landmarks:
 
     def keep(self, which: BoolArray) -> None:
         """Forget all rows but those of ``which`` (l,), true or false."""
-        s = self.sights
         self.feature, self.slot, self.ready = self.feature[which], self.slot[which], self.ready[which]
-        self.sights = Sights(s.a[which], s.A[which], s.at[which], s.z[which], s.seen[which])
+        self.sights = Sights(*(getattr(self.sights, each.name)[which] for each in fields(Sights)))
 
     def drop_first_frame(self) -> None:
         """Forget the oldest keyframe, and landmarks of which nothing is left."""
         s = self.sights
-        self.sights = Sights(s.a, s.A, s.at, s.z[:, 1:], s.seen[:, 1:])
+        self.sights = replace(s, z=s.z[:, 1:], seen=s.seen[:, 1:])
         self.keep(self.sights.seen.any(axis=1) | (self.slot != FREE))
 
     def reject(self, rows: IntArray, frames: IntArray) -> None:
@@ -231,16 +223,12 @@ class Landmarks:
         at[fixed] = held[self.slot[fixed]]
 
     def _add_rows(self, feature: IntArray) -> None:
-        n, s = len(feature), self.sights
+        n = len(feature)
         self.feature = np.concatenate((self.feature, feature))
         self.slot = np.concatenate((self.slot, np.full(n, FREE)))
         self.ready = np.concatenate((self.ready, np.zeros(n, bool)))
-        frames = s.seen.shape[1]
-        self.sights = Sights(
-            np.vstack((s.a, np.zeros((n, 3)))), np.concatenate((s.A, np.zeros((n, 3, 3)))),
-            np.vstack((s.at, np.zeros((n, 3)))), np.concatenate((s.z, np.zeros((n, frames, 2)))),
-            np.vstack((s.seen, np.zeros((n, frames), bool))),
-        )  # fmt: skip
+        known = [getattr(self.sights, each.name) for each in fields(Sights)]
+        self.sights = Sights(*(np.concatenate((x, np.zeros((n, *x.shape[1:]), x.dtype))) for x in known))
 
 
 def _moved(s: Sights, rows: IntArray, C_oc: FloatArray, p_c: FloatArray, scale: FloatArray) -> BoolArray:

@@ -1,14 +1,12 @@
 """Odometry steps of a window, revised when later measurements change them.
 
-Every keyframe's place is estimated again with each that follows it. The steps between all keyframes that are still
-in the window are reported again; the oldest of them stays where it was reported. (What a window learns of a path
-that has left it is no motion of today: in the step of one keyframe it moved the smoothed trajectory by metres.)
+The steps between all keyframes that are still in the window are reported again with each new one; the oldest of
+them stays where it was reported.
 
-*An outage of velocities* is kept until some seconds after its end. One error of velocity, tilt and bias bends all
-of it, and the first velocities after it determine most of that error: the steps reported meanwhile are wrong by
-metres. Its steps err together, yet a graph's are independent. But nothing is measured between its ends, so that
-only the displacement d from end to end counts, and how its steps s_k share in a correction of d. Independent steps
-of
+*An outage of velocities* is kept until some seconds after its end: the first velocities after it determine most of
+the one error that bends it. Its steps err together, yet a graph's are independent. But nothing is measured between
+its ends, so that only the displacement d from end to end counts, and how its steps s_k share in a correction of d.
+Independent steps of
 
     Q_k = cov(s_k, d),   sum Q_k = cov(d)
 

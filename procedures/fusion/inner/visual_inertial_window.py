@@ -1,8 +1,7 @@
 """The inner layer with a camera: tracks with IMU and GNSS velocity, in a window of ten keyframes.
 
 Landmarks and where the camera sits are fitted with poses, velocities and biases: reprojection with Huber's loss.
-The landmarks are eliminated by hand, all at once. What leaves is marginalised with all its sights; landmarks that
-are still followed stay in the prior, so that nothing is used twice and nothing lost.
+What leaves is marginalised with all its sights; landmarks that are still followed stay in the prior.
 """
 
 from collections.abc import Iterator
@@ -91,9 +90,8 @@ def beginning(
     )  # fmt: skip
     frame = np.repeat([FREE_TILT, ORIGIN_STD, FREE_VELOCITY, noise.gyro_bias, noise.accel_bias], 3)
     camera_std = np.repeat([CAMERA_TURN, CAMERA_PLACE], 3)
-    info = np.diag(
-        np.r_[camera_std, FREE_HEADING, offset_std or KNOWN_STD, [KNOWN_STD] * 4, wheel_std, frame] ** -2
-    )
+    std = np.r_[camera_std, FREE_HEADING, offset_std or KNOWN_STD, [KNOWN_STD] * 4, wheel_std, frame]
+    info = np.diag(std**-2)
     turn = slice(COMMON, COMMON + 3)
     info[turn, turn] = start.C_nb.T @ np.diag([FREE_TILT**-2, FREE_TILT**-2, FIXED**-2]) @ start.C_nb
     return state, Prior(Normal(info, np.zeros(COMMON + FRAME)), replace(state, bg=none, ba=none))
@@ -106,14 +104,9 @@ class VisualInertialWindow(InnerWindow):
     """
 
     def __init__(
-        self,
-        settings: VisionSettings,
-        imu: ImuSeries,
-        tracks: FeatureTracks,
-        fixes: GnssFixes,
-        start: AlignmentState,
-        wheel: WheelAid | None = None,
-    ) -> None:
+        self, settings: VisionSettings, imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes,
+        start: AlignmentState, wheel: WheelAid | None = None,
+    ) -> None:  # fmt: skip
         self.settings, self.tracks = settings, tracks
         seen, self._begin = tracks.frames()
         self.frames = keyframes(seen, start.t0, float(imu.t[-1]), FRAME_SPACING_S, MIN_FRAME_SPACING_S)
@@ -182,12 +175,7 @@ class VisualInertialWindow(InnerWindow):
         return gone
 
     def _pose(self, dt: float) -> OdometryPose:
-        """Return the newest pose in n: steps as the window has them, turned by the heading as it is known then.
-
-        A step is that from the keyframe before as both are known now. Were it from where that was thought to be, a
-        window that learns that it has come elsewhere would have moved: by 20 m where a camera joined an IMU whose
-        height nothing had held for half a minute.
-        """
+        """Return the newest pose in n: steps as the window has them now, turned by the heading as it is known."""
         R = self._heading()
         if len(self.state.p) > 1:
             self._p_n = self._p_n + R @ (self.state.p[-1] - self.state.p[-2])
@@ -208,8 +196,8 @@ class VisualInertialWindow(InnerWindow):
         if last == first:
             return np.eye(4) * 1e-8
         pick = np.zeros((self.state.size, 4))
-        pick[last + 3 : last + 6, :3], pick[first + 3 : first + 6, :3] = np.eye(3), -np.eye(3)
-        pick[last : last + 3, 3], pick[first : first + 3, 3] = self.state.C_ob[-1][2], -self.state.C_ob[0][2]
+        for at, sign, C in ((last, 1.0, self.state.C_ob[-1]), (first, -1.0, self.state.C_ob[0])):
+            pick[at + 3 : at + 6, :3], pick[at : at + 3, 3] = sign * np.eye(3), sign * C[2]
         P = pick.T @ self._factor.solve(pick) * DRIFT_FACTOR**2 * dt / sum(part.dt for part in self._held.parts)
         P[3, :3], P[:3, 3] = 0.0, 0.0
         P[3, 3] = P[3, 3] if self._since > OUTAGE_S else FRAME_WALK**2 * dt

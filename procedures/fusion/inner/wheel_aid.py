@@ -1,13 +1,10 @@
 """A wheel with an IMU: what it says at each keyframe, whether it slips, whether the vehicle stands.
 
-*Slip* is disagreement. What the wheel says is compared with what IMU and GNSS predict, by the sigma of both: one
-keyframe alone, and the mean of the last half second, in which a slow slip shows. From then on the wheel is not
-used, nor what it measured in the second before, as far as that still lies in the window, until it has agreed for
-half a second. What is predicted grows less certain meanwhile, and the limits as well with the time that it lasts:
-a window that was too sure of itself comes back to the wheel.
-
-*At rest* the wheel measures zero, and rates and specific forces do not change; then velocity is zero in all three
-axes. A wheel alone is not believed: locked, or below what its sensor feels, it measures zero as well.
+*Slip* is disagreement with what IMU and GNSS predict, by the sigma of both: of one keyframe alone, or of the mean
+of the last half second, in which a slow slip shows. From then on the wheel is not used, nor what it measured in
+the second before, until it has agreed for half a second. The limits widen with the time that it lasts: a window
+that was too sure of itself comes back to the wheel. *At rest* the wheel measures zero, and rates and specific
+forces do not change; then velocity is zero in all three axes.
 """
 
 from collections import deque
@@ -31,7 +28,7 @@ WIDENING_S = 10.0  # s of slip after which the limits are twice as wide
 MIN_MEASURED_SPEED = 0.5  # m/s below which many a wheel's sensor measures zero
 REST_S = 0.5  # s in which nothing changes at rest
 REST_PARTS = 5  # means that are compared
-REST_FORCE, REST_RATE = (0.08, 0.01)  # m/s2 and rad/s by which they may differ beyond their noise: an engine, wind
+REST_FORCE, REST_RATE = 0.08, 0.01  # m/s2 and rad/s by which they may differ beyond their noise: an engine, wind
 REST_SIGMAS = 4.0
 REST_STD = 0.01  # m/s of each axis of a vehicle that stands
 MAX_REST_SPEED_ERROR = 1.0  # m/s, with five sigmas, of a velocity predicted that may be zero all the same
@@ -152,10 +149,8 @@ class WheelAid:
         if last - first < 2 * REST_PARTS or imu.t[first] > t - 0.8 * REST_S:
             return False
         part = np.sqrt(REST_PARTS / REST_S)  # a mean of white noise of density 1 over such a part
-        for values, density, allowed in (
-            (imu.f_b, self._noise.accel, REST_FORCE),
-            (imu.omega_b, self._noise.gyro, REST_RATE),
-        ):
+        triads = ((imu.f_b, self._noise.accel, REST_FORCE), (imu.omega_b, self._noise.gyro, REST_RATE))
+        for values, density, allowed in triads:
             means = np.array([each.mean(axis=0) for each in np.array_split(values[first:last], REST_PARTS)])
             if np.ptp(means, axis=0).max() > REST_SIGMAS * density * part + allowed:
                 return False

@@ -7,12 +7,10 @@ from the right.
 
 With a camera, keyframes and landmarks stand in a level frame o of the window's own; the heading turns o onto n
 (Han's rotation error of the initial world frame, IV.A). Were they in n, a window would grow ever surer of a wrong
-heading: what has left was linearised at another one than what is there, and the two fit together only where the
-heading is what it was. Measured on V201: 3 deg for minutes, 1 sigma 0.1. Without a camera they stand in n.
+heading: what has left was linearised at another one. Without a camera they stand in n.
 
 `Factor` is the Cholesky factor of normal equations, scaled to a unit diagonal: metres and biases differ by 1e6.
-
-When the inner layer has its keyframes: where something is measured, and often enough between.
+`keyframes` stand where something is measured, and often enough between.
 """
 
 from dataclasses import dataclass, field, replace
@@ -152,8 +150,15 @@ class Normal:
     A: FloatArray
     g: FloatArray
 
-    def add(self, H: FloatArray, g: FloatArray) -> None:
-        """Add blocks ``H`` (f, m, m) and ``g`` (f, m) by what is `SHARED` and keyframes from the first f on."""
+    def add(self, r: FloatArray, J: FloatArray, JtW: FloatArray) -> None:
+        """Add weighted residuals.
+
+        Parameters
+        ----------
+        r, J : (f, n) of any unit, and (f, n, m) by what is `SHARED` and by keyframes from the first f on
+        JtW : (f, m, n), the Jacobians times weights
+        """
+        H, g = JtW @ J, (JtW @ r[..., None])[..., 0]
         f, starts = len(H), range(0, H.shape[1] - OWN, FRAME)
         self.A[SHARED, SHARED] += H[:, :OWN, :OWN].sum(axis=0)
         self.g[SHARED] += g[:, :OWN].sum(axis=0)
@@ -251,11 +256,7 @@ class Keyframes:
 
 
 def keyframes(
-    measured: FloatArray,
-    first: float,
-    last: float,
-    spacing: float = KEYFRAME_SPACING_S,
-    closest: float = MIN_FIX_SPACING_S,
+    measured: FloatArray, first: float, last: float, spacing: float, closest: float = MIN_FIX_SPACING_S
 ) -> Keyframes:
     """Return keyframes from ``first`` to ``last`` [s]: at the times ``measured`` (m,) [s], and between them."""
     times, at = [first], [-1]

@@ -5,8 +5,8 @@ it):
 
     log(dC' C_i' C_j),   C_i' (v_j - v_i - g dt) - dv,   C_i' (p_j - p_i - v_i dt - g dt2 / 2) - dp,   b_j - b_i
 
-with ``g`` gravity and the Coriolis acceleration. The Earth's rate in b acts as a bias of the gyro does, but turns
-with the keyframe: it shows a FOG where North is.
+with ``g`` gravity and the Coriolis acceleration. The Earth's rate in b acts as a bias of the gyro that turns with
+the keyframe.
 
 *Fixes*. With the heading R of the window's frame, the antenna's lever arm l and velocity S l in b, and the offset
 tau that GNSS's stamps lack (within tau the motion is straight; the velocity's residual is Han's, ``R v_k -
@@ -20,8 +20,7 @@ v_gnss``, with the antenna's swing),
 
 with the keyframe's attitude C and velocity v. A speed measured between two keyframes is carried to the later one
 by the IMU: ``f_1`` is forward then in the later axes, and ``due`` what was gained since, less the swing of the
-wheel's place about the IMU. Nothing is assumed across forward: such a constraint (non-holonomic) is not Han's, and
-holds for no place but one on the unsteered axle.
+wheel's place about the IMU. Nothing is assumed across forward.
 """
 
 from collections.abc import Sequence
@@ -37,9 +36,8 @@ from procedures.fusion.inner.window_state import FRAME, OWN, WHEEL_OWN, Normal, 
 from procedures.fusion.pose_graph_terms import rz
 from procedures.fusion.preintegration import Preintegrated
 
-MIN_WALK_RATIO = (
-    1e-5  # of what is known of a bias, that it walks in a root of a second at least: else Cholesky fails
-)
+# of what is known of a bias, that it walks in a root of a second at least: else Cholesky fails
+MIN_WALK_RATIO = 1e-5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,8 +65,7 @@ def add_inertial(normal: Normal, state: WindowState, parts: Sequence[Preintegrat
     if not parts:
         return
     r, J, info = _residual(state, parts, site)
-    JtW = np.swapaxes(J, 1, 2) @ info
-    normal.add(JtW @ J, (JtW @ r[..., None])[..., 0])
+    normal.add(r, J, np.swapaxes(J, 1, 2) @ info)
 
 
 def _residual(
@@ -120,12 +117,8 @@ def _walk(noise: ImuNoise) -> FloatArray:
 def add_fixes(normal: Normal, state: WindowState, fixes: Sequence[KeyframeFix]) -> None:
     """Add what GNSS says of the first keyframes."""
     if any(fix.v_weight.any() or fix.p_weight.any() for fix in fixes):
-        _add_weighted(normal, *fix_residuals(state, range(len(fixes)), fixes))
-
-
-def _add_weighted(normal: Normal, r: FloatArray, J: FloatArray, weight: FloatArray) -> None:
-    JtW = np.swapaxes(J, 1, 2) * weight[:, None, :]
-    normal.add(JtW @ J, (JtW @ r[..., None])[..., 0])
+        r, J, weight = fix_residuals(state, range(len(fixes)), fixes)
+        normal.add(r, J, np.swapaxes(J, 1, 2) * weight[:, None, :])
 
 
 def fix_residuals(
@@ -179,7 +172,8 @@ def add_wheels(normal: Normal, state: WindowState, wheels: Sequence[KeyframeWhee
     """Add what a wheel says of the first keyframes."""
     if any(wheels):
         silent = KeyframeWheel(np.zeros(3), 0.0, 0.0, 0.0)
-        _add_weighted(normal, *wheel_residuals(state, range(len(wheels)), [wheel or silent for wheel in wheels]))
+        r, J, weight = wheel_residuals(state, range(len(wheels)), [wheel or silent for wheel in wheels])
+        normal.add(r, J, np.swapaxes(J, 1, 2) * weight[:, None, :])
 
 
 def wheel_residuals(

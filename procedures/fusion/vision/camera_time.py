@@ -5,11 +5,10 @@ estimate d within a filter and a window). Between frames stamped t0 and t1 it tu
 
     R(d) = C_bc' C_b(t1 + d)' C_b(t0 + d) C_bc,   dR/dd = [C_bc' (R_b w(t0 + d) - w(t1 + d))]x R
 
-with the gyro's rate w, and R_b = C_b(t1 + d)' C_b(t0 + d); that turns alone determine the offset is Kelly and
-Sukhatme's (2014). `RotationMisfit` says how each pair would turn R, with the translation between the frames free:
-neither scale, depth, gravity nor GNSS is needed. The offset is fitted together with the gyro's bias and where the
-camera sits (1 deg, 1 sigma): first on a grid, to find the valley, then by Gauss-Newton on all points. A steady
-turn is the same at all offsets and straight on is no turn: both leave the sigma wide, and are refused.
+with the gyro's rate w, and R_b = C_b(t1 + d)' C_b(t0 + d) (Kelly, Sukhatme 2014). `RotationMisfit` says how each
+pair would turn R, with the translation between the frames free. The offset is fitted together with the gyro's bias
+and where the camera sits (1 deg, 1 sigma): first on a grid, to find the valley, then by Gauss-Newton on all
+points. A steady turn and straight on leave the sigma wide, and are refused.
 """
 
 from dataclasses import dataclass
@@ -63,9 +62,8 @@ def camera_offset(
     """
     pairs = _spanned(imu, frame_pairs(tracks, camera), prior, SEARCH_SIGMAS * std)
     if len(pairs) < MIN_PAIRS:
-        return Waiting(
-            f"{len(pairs)} pairs of frames within the IMU's time share features, {MIN_PAIRS} are needed"
-        )
+        why = f"{len(pairs)} pairs of frames within the IMU's time share features, {MIN_PAIRS} are needed"
+        return Waiting(why)
     return _Fit(imu, pairs, camera, prior, std, even_std).offset()
 
 
@@ -130,9 +128,8 @@ class _Fit:
         x = np.r_[self.prior_offset, np.zeros(6)]
         for last in (False, True):  # a bias that is far off blurs the first search
             grid, cost = self._search(x)
-            fits = sorted(
-                (self._refined(np.r_[d, x[1:]]) for d in _valleys(grid, cost)), key=lambda each: each.cost
-            )
+            fits = [self._refined(np.r_[d, x[1:]]) for d in _valleys(grid, cost)]
+            fits.sort(key=lambda each: each.cost)
             x, sigma = fits[0].x, self._sigma(fits[0].normal)
             if (doubt := self._doubt(fits[0], sigma)) is not None:
                 return doubt
@@ -169,9 +166,8 @@ class _Fit:
     def _search(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return offsets (n,), and what each costs with the best bias and mount for it, in sigmas squared."""
         reach = SEARCH_SIGMAS * self.known
-        some = _most_decisive(self.imu, self.pairs, self.prior_offset, reach, ROUGH_PAIRS).part(
-            slice(None), ROUGH_POINTS
-        )
+        some = _most_decisive(self.imu, self.pairs, self.prior_offset, reach, ROUGH_PAIRS)
+        some = some.part(slice(None), ROUGH_POINTS)
         seen, gyro = EpipolarRotations(some, self.std, ROUGH_LOSS, ROUGH_ROUNDS), GyroRotations(self.imu, x[1:4])
         half = int(np.ceil(reach / SEARCH_STEP_S - STEP_TOLERANCE))
         grid = self.prior_offset + np.linspace(-reach, reach, 2 * half + 1)
@@ -242,9 +238,8 @@ def _as_good(fits: list[_Fitted], grid: FloatArray, cost: FloatArray, sigma: flo
     offset = float(best.x[0])
     others = [(c - cost.min(), d) for d, c in zip(grid.tolist(), cost.tolist(), strict=True)]
     others += [(fit.cost - best.cost, float(fit.x[0])) for fit in fits[1:]]
-    rise, other = min(
-        each for each in (*others, (np.inf, np.inf)) if abs(each[1] - offset) > max(VALLEY_HALF_WIDTH_S, 5 * sigma)
-    )
+    away = max(VALLEY_HALF_WIDTH_S, 5 * sigma)
+    rise, other = min((each for each in others if abs(each[1] - offset) > away), default=(np.inf, np.inf))
     rise /= scale
     if rise >= MIN_COST_RISE:
         return None

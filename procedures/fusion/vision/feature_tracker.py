@@ -1,18 +1,12 @@
 """Features followed from image to image: corners, KLT, each held to its first sight, one motion for all (OpenCV).
 
-The tracker (Lucas, Kanade; pyramids) says where a feature went, a fit to the patch that it was at first where it
-is (`AnchoredPatches`): steps alone drift, by a quarter of a pixel in twelve images, and slide along the edges of
-near things, a tenth of them by five pixels and more, always backwards. A feature goes on where it still looks as
-it did, and where it moves as one camera's motion before standing things has it: an essential matrix by random
-samples and their least median, over two steps, then a fixed limit. RANSAC with a limit of 1 px bends itself round
-what moves by itself: of a patch that went 5 px a frame it let 95 % pass a step, this 16 % (tests' rendered.py).
-Lost ones make room for new corners, apart from all others.
-
-A patch slides along an edge between near and far things in the direction of the camera's motion, so that no
-epipolar line shows it. `AnchoredPatches` therefore fits each patch to its *anchor*, how it looked at first, by an
-affine warp with brightness and contrast free (Shi, Tomasi 1994; inverse compositional, all patches at once: Baker,
-Matthews 2004). A patch is lost when it no longer looks like its anchor, or when its halves, each by itself, would
-move differently: one of them is at another distance.
+The tracker (Lucas, Kanade; pyramids) says where a feature went; steps alone drift, and slide along the edges of
+near things. `AnchoredPatches` therefore fits each patch to its *anchor*, how it looked at first, by an affine warp
+with brightness and contrast free (Shi, Tomasi 1994; inverse compositional, all patches at once: Baker, Matthews
+2004). A patch is lost when it no longer looks like its anchor, or when its halves, each by itself, would move
+differently: one of them is at another distance. It is lost, too, where it does not move as one camera before
+standing things has it: an essential matrix by random samples and their least median, over two steps, then a fixed
+limit.
 """
 
 from dataclasses import dataclass

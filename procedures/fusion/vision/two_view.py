@@ -1,19 +1,17 @@
 """How a camera moved between two frames, up to scale: the essential matrix without outliers.
 
-Han 2022 (III.A) uses seven points and pixels. With known intrinsics the eight-point equations are linear on the
-plane at depth 1, and all trial samples are solved at once. Source of the method: Hartley, Zisserman, Multiple View
-Geometry, 9.6 and 11.2.
+Eight-point equations on the plane at depth 1 (Hartley, Zisserman, Multiple View Geometry, 9.6 and 11.2; Han 2022,
+III.A, has seven points).
 
 `EpipolarRotations` rates given rotations of pairs of frames, whichever way the camera moved. A point stands at y0
 and y1 (depth 1) in two frames, R turns axes of the first to the second, t is the translation up to scale:
 
     n = (R y0) x y1,   t' n = 0   (the epipolar constraint; Kneip, Lynen 2013)
 
-so that all n of a pair lie in a plane, and the smallest eigenvalue of sum w n n' over t says how wrong R is. With
-the noise of n, V = sum w cov(n), the problem is N t = lambda V t (Kanatani's renormalisation): the plain one takes
-a small translation for one along the view. Each n is weighted by Sampson's variance and Geman's and McClure's
-loss; as that has several minima where the translation is small, t is sought from three sides. Given t, the misfit
-of a small remaining rotation phi of R is linear,
+so that all n of a pair lie in a plane. With N = sum w n n' and the noise of n, V = sum w cov(n), t is that of the
+least lambda in N t = lambda V t (Kanatani's renormalisation). Each n is weighted by Sampson's variance and Geman's
+and McClure's loss; as that has several minima, t is sought from three sides. Given t, the misfit of a small
+remaining rotation phi of R is linear,
 
     e = t' n / s,   de/dphi = (R y0) x (y1 x t) / s,   de/dt = n / s,
 
@@ -242,22 +240,18 @@ def structure(
 
     ``scale`` (2,) is focal length over sigma.
     """
-    s = marks.sights
-    last = len(t) - 1
-    both = s.seen[:, 0] & s.seen[:, last]
+    s, sigmas, least = marks.sights, float(scale.mean()), "{:.0f} are needed: move further".format
+    both = s.seen[:, 0] & s.seen[:, -1]
     if both.sum() < MIN_POINTS:
         return f"{both.sum()} features are followed over {t[-1] - t[0]:.1f} s, {MIN_POINTS} are needed"
-    x0, x1 = s.z[both, 0], s.z[both, last]
-    if (bent := _parallax(x0, x1, _turn(x0, x1)) * float(scale.mean())) < MIN_BEND_SIGMAS:
-        least = f"{MIN_BEND_SIGMAS:.0f} are needed: move further"
-        return f"the image moves by {bent:.1f} sigmas more than by a turn, {least}"
-    found = two_view(x0, x1, EPIPOLAR_SIGMAS / float(scale.mean()), rng)
+    x0, x1 = s.z[both, 0], s.z[both, -1]
+    if (bent := _parallax(x0, x1, _turn(x0, x1)) * sigmas) < MIN_BEND_SIGMAS:
+        return f"the image moves by {bent:.1f} sigmas more than by a turn, {least(MIN_BEND_SIGMAS)}"
+    found = two_view(x0, x1, EPIPOLAR_SIGMAS / sigmas, rng)
     if found is None:
         return "the features' motion does not match one camera in a static scene"
-    parallax = _parallax(x0, x1, found.C_01) * float(scale.mean())
-    if parallax < MIN_PARALLAX_SIGMAS:
-        least = f"{MIN_PARALLAX_SIGMAS:.0f} are needed: move further"
-        return f"the parallax is {parallax:.0f} sigmas of an image point, {least}"
+    if (parallax := _parallax(x0, x1, found.C_01) * sigmas) < MIN_PARALLAX_SIGMAS:
+        return f"the parallax is {parallax:.0f} sigmas of an image point, {least(MIN_PARALLAX_SIGMAS)}"
     state = _between(t, found.C_01, found.p_0)
     _resect(state, marks, np.flatnonzero(both)[found.agree], scale)
     return _adjusted(state, marks, scale)

@@ -3,11 +3,8 @@
 GNSS's path over the same time gives the scale. The world's axes come from two kinds of vectors at once (Wahba's
 problem): the path, Han's yaw by track, and the velocity increments with gravity, Han's eq. 3 in its integral form.
 Then tracks, IMU and GNSS velocity are fitted together, which is Han's joint refinement (III.C) and its bundle
-adjustment in one: scale, biases, the world's rotation and the velocities. A strange misfit or a wide sigma of
-tilt, yaw or scale are reasons to go on waiting.
-
-`align_by_camera` attempts it again and again: it waits for displacement and observability, not for a time, and the
-last attempt reports what is missing.
+adjustment in one. A strange misfit or a wide sigma of tilt, yaw or scale are reasons to go on waiting;
+`align_by_camera` attempts it again and again, and the last attempt reports what is missing.
 """
 
 from dataclasses import dataclass, replace
@@ -73,8 +70,7 @@ class VisualInertialFit:
     def start(self) -> VisualStart | Waiting:
         """Return the alignment, or why it is none yet."""
         way_n, v_n = self._gnss_way()
-        size = float(np.linalg.norm(self.seen.p_0[-1]))
-        length = float(np.linalg.norm(way_n[-1])) / size
+        length = float(np.linalg.norm(way_n[-1])) / float(np.linalg.norm(self.seen.p_0[-1]))
         rough = self._way_b(length)
         C_nb = self._wahba(way_n, v_n, rough)
         self._place(C_nb, length)
@@ -136,9 +132,7 @@ class VisualInertialFit:
             float(self.t[0]), C_nb, v_n[0], self.gyro_bias, none, np.zeros((12, 12)), float(self.t[-1]), C_nb,
             0.0, 0.0, 0.0,
         )  # fmt: skip
-        at_once = replace(
-            self.settings.camera, row_time=0.0
-        )  # tracks are derotated: see `feature_tracks.derotated`
+        at_once = replace(self.settings.camera, row_time=0.0)  # the tracks are `derotated`
         one, prior = beginning(first, at_once, site.noise)
         C_ob = C_nb @ self.C_0b
         self.parts = self._parts(np.einsum("kji,j->ki", C_ob, site.earth_n))
@@ -155,12 +149,10 @@ class VisualInertialFit:
         return self._judged(state, held, factor, rough_n)
 
     def _held(self, state: WindowState) -> WindowMeasurements:
-        seen = measurements(self.fixes, self.imu)
+        seen, site = measurements(self.fixes, self.imu), self.settings.site
         fixes = [
-            seen.at_end(
-                float(self.t[i]), part, state.C_ob[i], self.settings.site.pull(state.v[i]), self.settings.antenna
-            )
-            for i, part in enumerate(self.parts)
+            seen.at_end(t, part, C, site.pull(v), self.settings.antenna)
+            for t, part, C, v in zip(self.t.tolist(), self.parts, state.C_ob, state.v, strict=False)
         ]
         return WindowMeasurements(self.parts, [no_fix(), *fixes])
 
@@ -234,9 +226,8 @@ class VisualAligner:
         tracks = derotated(tracks, imu, camera)
         t, marks = _followed(tracks, camera, max(now - MAX_SPAN_S, float(imu.t[0])), min(now, float(imu.t[-1])))
         if len(t) < MIN_FRAMES:
-            return Waiting(
-                f"{len(t)} frames of the camera share {MIN_SHARED_FEATURES} features, {MIN_FRAMES} are needed"
-            )
+            why = f"{len(t)} frames of the camera share {MIN_SHARED_FEATURES} features, {MIN_FRAMES} are needed"
+            return Waiting(why)
         scale = np.array([camera.fx, camera.fy]) / camera.std
         seen = structure(marks, t, scale, np.random.default_rng(TWO_VIEW_SEED))
         if isinstance(seen, str):
