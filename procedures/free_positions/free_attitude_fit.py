@@ -1,14 +1,12 @@
 """Accelerometers fitted to rests in any attitude, alone or together with the twelve positions.
 
-A rest's only sure statement is that the specific force is as long as gravity: one row per rest,
-``|u| = g`` with ``u`` from ``N = K u + b`` (to first order what a fit with the rest's attitude as two free numbers
-would say, without the numbers). A rest on a known face at an unknown heading says besides where up is, but for the
-slab's tilt, which comes in from an unknown side: two rows as wide as a slab may plausibly tilt.
+A rest is one row, ``|u| = g`` with ``u`` from ``N = K u + b``. A rest on a known face at an unknown heading says
+besides where up is, but for the slab's tilt: two rows as wide as a slab may plausibly tilt.
 
 - Where known faces tie the frame, E refers to it. Attitudes between the faces show the skew of the cube's mean
   normals (q_xy + q_yx), which faces alone leave open, and E then refers to the orthogonal axes nearest to them.
 - Where none do, every rest counts by its norm alone, and E is lower triangular, with a prior of the angles between
-the sensors (`procedures.free_positions.norm_fit`).
+  the sensors (`procedures.free_positions.norm_fit`).
 - ``quadratic`` adds K2 per axis, ``N = k (E u + D + K2 u^2)``: on faces it is one with bias and parallelism.
 """
 
@@ -82,12 +80,8 @@ def solve_with_rests(
     solved = model.solve()
     if solved is None:
         return None
-    fit, noise, excess = solved
-    if np.any(
-        np.sqrt(np.diag(fit.covariance)[[0, 4, 8]]) > MAX_RELATIVE_SCALE_STD * np.linalg.norm(guess[0], axis=1)
-    ):
-        return None
-    return model.joint(fit, noise, excess)
+    k, k_std = np.linalg.norm(guess[0], axis=1), np.sqrt(np.diag(solved[0].covariance)[[0, 4, 8]])
+    return None if np.any(k_std > MAX_RELATIVE_SCALE_STD * k) else model.joint(*solved)
 
 
 def no_dwells() -> TriadDwells:
@@ -112,19 +106,17 @@ def _nominal(
     campaigns: Sequence[Campaign], seen: TriadDwells | None, rests: TriadRests | None
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return nominal specific force [g], output and 1 sigma, each (m, 3), of all steps on known faces."""
-    u, rate, std = [np.zeros((0, 3))], [np.zeros((0, 3))], [np.zeros((0, 3))]
+    found = [np.zeros((3, 0, 3))]
     if seen is not None and seen.dwells:
         bench = dwell_bench(campaigns, seen)
-        u.append(specific_force(bench, np.zeros(bench.size)))
-        rate.append(seen.rate)
-        std.append(seen.std)
+        found.append(np.array([specific_force(bench, np.zeros(bench.size)), seen.rate, seen.std]))
     for i, (number, rest) in enumerate(rests.rests if rests else ()):
         if rests is not None and rest.up is not None:
             g = campaigns[number].site.gravity / STANDARD_GRAVITY
-            u.append(g * (campaigns[number].fixture.C_sb @ face_normal(rest.up))[None])
-            rate.append(rests.rate[i : i + 1])
-            std.append(rests.std[i : i + 1])
-    return np.concatenate(u), np.concatenate(rate), np.concatenate(std)
+            u = g * (campaigns[number].fixture.C_sb @ face_normal(rest.up))
+            found.append(np.array([[u], rests.rate[i : i + 1], rests.std[i : i + 1]]))
+    u, rate, std = np.concatenate(found, axis=1)
+    return u, rate, std
 
 
 def _tied_guess(
@@ -153,9 +145,7 @@ def why_not_by_rests(
     if every is None or not every.rests:
         return Undetermined(Lack.NO_RESTS, 0)
     found = _free_guess(campaigns, every)
-    return (
-        found if isinstance(found, Undetermined) else Undetermined(Lack.UNCERTAIN, len(every.rests), tuple(AXES))
-    )
+    return found if isinstance(found, Undetermined) else Undetermined(Lack.UNCERTAIN, len(every.rests), AXES)
 
 
 def _all_as_rests(seen: TriadDwells | None, rests: TriadRests | None) -> TriadRests | None:
@@ -260,15 +250,12 @@ class _AccelerometerModel:
         bench = x[12 : 12 + self.bench.size]
         parts = [self._dwells(x), self.prior.matrix @ bench - self.prior.mean]
         if not self.tied:
-            parts.append(
-                np.array([x[3 * i + j] for i, j in UPPER_TRIANGLE]) / (HELD_STD_RAD * np.max(np.abs(self.K)))
-            )
-            parts.append(x[ANGLES] / x[ANGLES_OF] / angle)
+            upper = np.array([x[3 * i + j] for i, j in UPPER_TRIANGLE])
+            parts += [upper / (HELD_STD_RAD * np.max(np.abs(self.K))), x[ANGLES] / x[ANGLES_OF] / angle]
         if self.rests is not None:
             u = self.force(x, self.rests.rate)
             g = np.array([self.bench.gravity(bench, n) for n, _ in self.rests.rests])
-            parts.append((np.linalg.norm(u, axis=1) - g) / sigma)
-            parts.append(self._ups(u, bench))
+            parts += [(np.linalg.norm(u, axis=1) - g) / sigma, self._ups(u, bench)]
         return np.concatenate(parts)
 
     def _dwells(self, x: FloatArray) -> FloatArray:

@@ -1,17 +1,15 @@
 """Gyroscopes from the moves between rests: gravity's direction, carried by the integrated rotation, must fit.
 
-What was up before a move is carried along and compared with what is up after it (Tedaldi, Pretto, Menegatti, ICRA
-2014). The model is that of the turns, ``N = K w + b``, ``K = diag(k) E``, ``b = k D``.
-
-Two rows a move (carried less seen direction, across up), three a rest (its mean output is the bias and the Earth's
-rate). The directions are given in the accelerometers' frame, and **E refers to that frame**: turning it turns both
-triads' E alike. The Earth's horizontal rate is fitted, two numbers for every unbroken chain of moves, in axes that
-the chain itself carries along; before the fit they are as wide as that rate. The bias is part of the fit; a move's
-own is that and the mean of what its two rests deviate by, as far as that is more than noise.
+The model is that of the turns, ``N = K w + b``, ``K = diag(k) E``, ``b = k D`` (Tedaldi, Pretto, Menegatti, ICRA
+2014). Two rows a move (carried less seen direction, across up), three a rest (its mean output is the bias and the
+Earth's rate). **E refers to the accelerometers' frame**. The Earth's horizontal rate is fitted, two numbers for
+every unbroken chain of moves, in axes that the chain itself carries along. A move's own bias is that of the fit
+and the mean of what its two rests deviate by, as far as that is more than noise.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -48,11 +46,10 @@ class SegmentedSequence:
     def moves(self) -> list[tuple[int, slice]]:
         """Return per move without a gap the number of the rest it begins from, and its samples."""
         gaps = self.record.series.starts
-        found = []
-        for i, (before, after) in enumerate(zip(self.stretches, self.stretches[1:], strict=False)):
-            if not np.any((gaps > before.stop - 1) & (gaps <= after.start)):
-                found.append((i, slice(before.stop, after.start)))
-        return found
+        return [
+            (i, slice(before.stop, after.start)) for i, (before, after) in enumerate(pairwise(self.stretches))
+            if not np.any((gaps > before.stop - 1) & (gaps <= after.start))
+        ]  # fmt: skip
 
 
 def segment(campaigns: Sequence[Campaign]) -> tuple[SegmentedSequence, ...]:
@@ -143,8 +140,7 @@ def solve_moves(
 ) -> MovesFit | None:
     """Solve k, E and D of the gyroscopes from the moves of sequences; None if they do not determine them."""
     seen = moves_and_rests(campaigns, segmented, accelerometer)
-    guess = first_guess(seen) if seen is not None else None
-    if seen is None or guess is None:
+    if seen is None or (guess := first_guess(seen)) is None:
         return None
     K, b = guess
     x, scatter = np.concatenate((K.ravel(), b, np.zeros(2 * (seen.chain.max() + 1)))), np.zeros(2)
@@ -254,9 +250,8 @@ class _MovesModel:
         K, b = x0[:9].reshape(3, 3), x0[9:12]
         self.k = np.linalg.norm(K, axis=1)
         mean_instability = (instability[seen.before] + instability[seen.after]) / 2
-        self.carried = integrate_moves(
-            replace(seen.samples, output=seen.samples.output - mean_instability[:, None]), K, b
-        )
+        steady = replace(seen.samples, output=seen.samples.output - mean_instability[:, None])
+        self.carried = integrate_moves(steady, K, b)
         self.level = self._levels()
         self.across = _level(seen.up[seen.after])
         drift = np.radians(np.sqrt(np.mean((seen.noise / self.k) ** 2) * seen.samples.seconds))

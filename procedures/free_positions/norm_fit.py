@@ -1,15 +1,11 @@
 """Three accelerometers from rests in unknown attitudes, by the norm ``|K^-1 (N - b)| = g``, or why it fails.
 
-The norm says nothing of how the frame is turned. `NormFit` therefore has E lower triangular: the frame's x axis is
-sensor x's input axis, its y axis lies in the plane of sensors x and y (Gram-Schmidt in this order).
-Source of the method: Tedaldi, Pretto, Menegatti, ICRA 2014, who take E upper triangular and minimise the squares.
+`NormFit` has E lower triangular: the frame's x axis is sensor x's input axis, its y axis lies in the plane of
+sensors x and y. Source of the method: Tedaldi, Pretto, Menegatti, ICRA 2014, who take E upper triangular.
 
 Six faces set by hand determine bias and scale factor of each axis; misalignment shows only by the tilt of the
-rests. It has a prior, so that tilt times misalignment is in the standard uncertainty of bias and scale factor.
-What the prior says more of than the rests do is not observable.
-
-Why rests in unknown attitudes determine no bias and scale factor of each axis, and which rest would.
-For the words alone: whether rests determine the unit is the fit's matter (`procedures.free_positions.norm_fit`).
+rests. It has a prior; what that says more of than the rests do is not observable. `Undetermined` says which rest
+is missing.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -62,10 +58,8 @@ class Undetermined:
             case Lack.FEW_RESTS:
                 return [f"6 rests, one on each face, or 10 that differ in attitude ({found})"]
             case Lack.SILENT:
-                axes = ", ".join(self.axes)
-                return [
-                    f"accelerometer outputs that change with attitude ({axes}: the same in {self.rests} rests)"
-                ]
+                same = f"{', '.join(self.axes)}: the same in {self.rests} rests"
+                return [f"accelerometer outputs that change with attitude ({same})"]
             case Lack.ONE_ATTITUDE:
                 return [f"rests on all six faces ({found}, all in nearly one attitude)"]
             case Lack.ONE_SIDED:
@@ -77,9 +71,8 @@ class Undetermined:
                     f"does not move, and check the accelerometers' columns"
                 ]
             case Lack.UNCERTAIN:
-                return [
-                    f"longer rests, or more that turn accelerometer {', '.join(self.axes)} up and down ({found})"
-                ]
+                which = f"accelerometer {', '.join(self.axes)}"
+                return [f"longer rests, or more that turn {which} up and down ({found})"]
 
 
 def _turned_over(axis: str, side: str) -> str:
@@ -239,7 +232,7 @@ def fit_norm(rate: FloatArray, std: FloatArray, gravity: float) -> NormFit | Und
     """
     if (early := plainly_lacking(rate, MIN_RESTS)) is not None:
         return early
-    start = _ellipsoid(rate, gravity) or _level_ellipsoid(rate, gravity)
+    start = _ellipsoid(rate, gravity, is_tilted=True) or _ellipsoid(rate, gravity, is_tilted=False)
     if start is None:
         return undetermined(rate, Lack.UNEQUAL)
     K, b = start
@@ -323,37 +316,25 @@ def norm_sigma(K: FloatArray, b: FloatArray, rate: FloatArray, std: FloatArray) 
     return sigma
 
 
-def _ellipsoid(rate: FloatArray, gravity: float) -> tuple[FloatArray, FloatArray] | None:
-    """Fit the quadric ``v' M v + 2 m' v = 1`` to the outputs; None unless it is an ellipsoid."""
+def _ellipsoid(rate: FloatArray, gravity: float, *, is_tilted: bool) -> tuple[FloatArray, FloatArray] | None:
+    """Fit the quadric ``v' M v + 2 m' v = 1`` to the outputs; None unless it is an ellipsoid.
+
+    One that is not tilted has the sensors' axes: for rests too few or too near the faces for a tilted one.
+    """
     middle, size = (np.asarray(f(rate, axis=0), dtype=np.float64) for f in (np.mean, np.std))
-    if len(rate) < 9 or np.any(size <= 0):
+    if np.any(size <= 0) or (is_tilted and len(rate) < 9):
         return None
     v = (rate - middle) / size
-    x, y, z = v.T
-    A = np.stack((x * x, y * y, z * z, 2 * x * y, 2 * x * z, 2 * y * z, 2 * x, 2 * y, 2 * z), axis=1)
-    xx, yy, zz, xy, xz, yz, *m = np.linalg.lstsq(A, np.ones(len(v)), rcond=None)[0]
-    M = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    return _axes_of(M, np.array(m), middle, size, gravity)
-
-
-def _level_ellipsoid(rate: FloatArray, gravity: float) -> tuple[FloatArray, FloatArray] | None:
-    """Fit an ellipsoid whose axes are the sensors': for rests too few or too near the faces for a tilted one."""
-    middle, size = (np.asarray(f(rate, axis=0), dtype=np.float64) for f in (np.mean, np.std))
-    if np.any(size <= 0):
-        return None
-    v = (rate - middle) / size
-    a, b, c, *m = np.linalg.lstsq(np.hstack((v**2, 2 * v)), np.ones(len(v)), rcond=None)[0]
-    return _axes_of(np.diag([a, b, c]), np.array(m), middle, size, gravity)
-
-
-def _axes_of(
-    M: FloatArray, m: FloatArray, middle: FloatArray, size: FloatArray, gravity: float
-) -> tuple[FloatArray, FloatArray] | None:
-    if (
-        not np.all(np.isfinite(M))
-        or np.linalg.cond(M) > MAX_ELLIPSOID_CONDITION
-        or np.any(np.linalg.eigvalsh(M) <= 0)
-    ):
+    if is_tilted:
+        x, y, z = v.T
+        A = np.stack((x * x, y * y, z * z, 2 * x * y, 2 * x * z, 2 * y * z, 2 * x, 2 * y, 2 * z), axis=1)
+        xx, yy, zz, xy, xz, yz, *rest = np.linalg.lstsq(A, np.ones(len(v)), rcond=None)[0]
+        M = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    else:
+        xx, yy, zz, *rest = np.linalg.lstsq(np.hstack((v**2, 2 * v)), np.ones(len(v)), rcond=None)[0]
+        M = np.diag([xx, yy, zz])
+    m, is_finite = np.array(rest), np.all(np.isfinite(M))
+    if not is_finite or np.linalg.cond(M) > MAX_ELLIPSOID_CONDITION or np.any(np.linalg.eigvalsh(M) <= 0):
         return None
     centre = -np.linalg.solve(M, m)
     inverse = np.linalg.inv(M / (1 + centre @ M @ centre)) / gravity**2
@@ -374,8 +355,7 @@ def choose_rests(activity: ScatterLevel, gravity: float) -> tuple[float, list[sl
             rests = activity.rests(multiplier)
             fit = _quick_fit(activity.series, rests, gravity)
             if isinstance(fit, NormFit):
-                is_judged = fit.free >= 1
-                found.append((fit.spread if is_judged else np.inf, multiplier, rests))
+                found.append((fit.spread if fit.free >= 1 else np.inf, multiplier, rests))
         if found:
             usual = [each for each in found if each[1] >= USUAL_MULTIPLIER] or found
             is_any_judged = any(np.isfinite(each[0]) for each in found)

@@ -1,8 +1,8 @@
 """A table of means, a row a pose, as a calibration: bias, scale factor and misalignment by the norm of gravity.
 
-The fit is that of rests in unknown attitudes (`procedures.free_positions.norm_fit`). What the poses' scatter says
-of the standard uncertainty is widened for few degrees of freedom (Student's t, JCGM 100, G.3), what stated noise
-says is not; it is no less than the jackknife's. Every pose is predicted by all others.
+The fit is that of rests in unknown attitudes (`procedures.free_positions.norm_fit`). Standard uncertainties by the
+poses' scatter are widened for few degrees of freedom (Student's t, JCGM 100, G.3), and no less than the
+jackknife's.
 """
 
 from collections.abc import Sequence

@@ -1,13 +1,11 @@
 """Rests in an unsegmented recording, found by the unit's own noise; whether it moves or turns at all.
 
 A sample is at rest where a window of one second about it scatters no more than ``multiplier`` times what the
-quietest windows of the same recording do, in each triad by itself (variances of x, y, z added). Tedaldi, Pretto,
-Menegatti, ICRA 2014, do the same with the accelerometers and the scatter of an initial minute.
+quietest windows of the same recording do, in each triad by itself (variances of x, y, z added; Tedaldi, Pretto,
+Menegatti, ICRA 2014, have the scatter of an initial minute).
 
-Does a gyroscope's output say that the recording turned? Then only what rests in it is a soak.
-The accelerometers show no turn about the vertical (`moving`). A gyroscope whose unit is known does, by its medians
-of a second: they lie far from rest for more than a moment, and come there fast. A drift comes slowly, a jump comes
-once and is small, wrong rows move no median.
+The accelerometers show no turn about the vertical. A gyroscope whose unit is known does (`turning`): its medians
+of a second lie far from rest for more than a moment, and come there fast.
 """
 
 from collections.abc import Sequence
