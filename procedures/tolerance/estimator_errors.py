@@ -7,30 +7,18 @@ pair's two, ``N = k (E u + D)`` put into Yao 2018 (3)-(11) gives for sensor q, U
     D~_q = k_q / k~_q (D_q + E_q (s_x + s_y + s_z) / 3)                  12 positions, Yao 2018 (13)
     D~_q = k_q / k~_q (D_q + E_q s_q)                                    two directions
 
-Yao 2018's equations (14)-(17) are missing from the printed text. By what stands around them, the last line written
-out for q = x, y, z is (14)-(16), and (13) less D_q with k_q / k~_q = 1 is (17). With every item t (table 3)
+Yao 2018's equations (14)-(17) are missing from the printed text: the last line written out for q = x, y, z is
+(14)-(16), and (13) less D_q with k_q / k~_q = 1 is (17).
 
-    s_x = (cos t - cos 3t, sin t, sin 3t) / 2        d_x = (cos t + cos 3t, sin t, -sin 3t) / 2
-    s_y = (sin 5t, cos 3t - cos 5t, sin 3t) / 2      d_y = (-sin 5t, cos 3t + cos 5t, sin 3t) / 2
-    s_z = (sin 5t, sin 3t, cos 3t - cos 5t) / 2      d_z = (-sin 5t, sin 3t, cos 3t + cos 5t) / 2
+The joint solve (`procedures.twelve_positions.accelerometer_fit`) fits K', b' and the tilts of six faces, of which
+the cube's perpendicularity is held at ``q = c p``. Without noise ``K' u'_f + b' = K w_f + b`` on every face, with
+w_f the *apparent* up vector ``K^-1 (N_f - b)``: the true one, and what a model that lacks K2 makes of it. Hence
+u'_f = M w_f + v with ``M = K'^-1 K`` and ``v = K'^-1 (b - b')``: twelve unknowns, and twelve conditions, that u'
+has unit length (6) and that its tilts obey q' = c p' (6).
 
-so that (14)-(16) are ``D~_q = k_q / k~_q (D_q + E_q s_q)`` with these rows, (17) is ``E_q (s_x + s_y + s_z) / 3``,
-and with sin nt = n sin t follow (13) as printed, (18), (19) and (20).
-
-What the joint solve finds without noise, for many cubes at once.
-The solve (`procedures.twelve_positions.accelerometer_fit`) fits K', b' and the tilts of six faces to the means of
-six position pairs: 18 rates, 12 + 12 unknowns, of which the cube's perpendicularity is held at ``q = c p``. It can
-meet every rate, so that without noise ``K' u'_f + b' = K w_f + b`` on every face, with w_f the *apparent* up
-vector ``K^-1 (N_f - b)``: the true one, and what a model that lacks K2 makes of it. Hence u'_f = M w_f + v with
-``M = K'^-1 K`` and ``v = K'^-1 (b - b')``: twelve unknowns of the cube alone, and twelve conditions, that u' has
-unit length (6) and that its tilts obey q' = c p' (6). To first order m_ca = c p_ac - q_ac, v = 0: the cube's
-perpendicularity goes into the misalignment, its parallelism nowhere. To second order v is the skew times the
-parallelism (`procedures.twelve_positions.bench_parameters.skew_jacobian`).
-
-How the errors are distributed over the cubes a drawing brings forth: Monte Carlo through the full formulas.
-An item is one number of one cube: its tilt has any sign, uniform between plus and minus its tolerance, or normal
-with the tolerance as two standard deviations. A face tilts by the signed sum of the items on the way to it, in
-a direction of its own: any, or the one of Yao 2018 table 3.
+Monte Carlo: an item of one cube has any sign, uniform between plus and minus its tolerance, or normal with the
+tolerance as two standard deviations. A face tilts by the signed sum of the items on the way to it, in any
+direction, or in that of Yao 2018 table 3.
 """
 
 from dataclasses import dataclass
@@ -99,11 +87,6 @@ class ToleranceUnit:
     E: FloatArray
     D: FloatArray
     K2: FloatArray
-
-    @classmethod
-    def ideal(cls) -> "ToleranceUnit":
-        """Return the unit that has nothing but its axes."""
-        return cls(np.eye(3), np.zeros(3), np.zeros(3))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -179,12 +162,9 @@ class DrawnErrors:
 
 
 def draw_tilts(
-    rng: np.random.Generator,
-    item: FloatArray,
-    n: int,
-    shape: ToleranceShape = "uniform",
+    rng: np.random.Generator, item: FloatArray, n: int, shape: ToleranceShape = "uniform",
     directions: Directions = "any",
-) -> FloatArray:
+) -> FloatArray:  # fmt: skip
     """Return the face tilts (6, 2, n) [rad] of n cubes made to the items ``item`` (11,) [rad]."""
     if shape == "uniform":
         part = rng.uniform(-1.0, 1.0, (len(item), n))
@@ -204,13 +184,9 @@ def tilt_std(item: FloatArray, shape: ToleranceShape = "uniform") -> FloatArray:
 
 
 def draw_errors(
-    item: FloatArray,
-    unit: ToleranceUnit,
-    n: int,
-    seed: int,
-    shape: ToleranceShape = "uniform",
+    item: FloatArray, unit: ToleranceUnit, n: int, seed: int, shape: ToleranceShape = "uniform",
     directions: Directions = "any",
-) -> DrawnErrors:
+) -> DrawnErrors:  # fmt: skip
     """Draw n cubes made to ``item`` (11,) [rad], return the errors on each; equal seeds give equal cubes."""
     rng = np.random.default_rng(seed)
     bias, scale, angle = np.empty((3, 3, n)), np.empty((3, n)), np.empty((3, n))

@@ -1,11 +1,9 @@
 """What a face certificate, a re-mounted IMU or free positions would buy: 1 sigma with and without them.
 
-The joint model of `procedures.twelve_positions.accelerometer_fit` with two things changed. What is known of a cube
-beforehand is its drawing: each tilt of each face has the standard deviation of the items on the way to it, or that
-and the certificate's, combined; nothing is held, so that E's sigma is against the cube's own axes. And K2 may be
-open, one column per sensor. Free positions add their norm, ``|K^-1 (N - b)| = g``, one row each: no attitude is
-known. An IMU turned in the cube does not sit as before: three angles within `SEATING_STD_RAD` for each mounting
-but the first.
+The joint model of `procedures.twelve_positions.accelerometer_fit`, but that each tilt of each face is known as the
+items on the way to it, and the certificate, say, and that K2 may be open. Free positions add their norm,
+``|K^-1 (N - b)| = g``, one row each. An IMU turned in the cube does not sit as before: three angles within
+`SEATING_STD_RAD` for each mounting but the first.
 """
 
 import itertools
@@ -86,20 +84,17 @@ def remedy_gain(
     ``noise`` [g] is 1 sigma of a dwell's mean.
     """
     closed, opened = (_sigma(help_, item, unit, noise, shape, is_open) for is_open in (False, True))
-    off = ~np.eye(3, dtype=bool)
-    misalignment = float(closed[3:12].reshape(3, 3)[off].max())
-    return RemedyGain(
-        help_, float(closed[12:15].max()), float(opened[12:15].max()), float(opened[15:].max()), misalignment
-    )
+    misaligned = closed[3:12].reshape(3, 3)[~np.eye(3, dtype=bool)]
+    worst = (closed[12:15], opened[12:15], opened[15:], misaligned)
+    return RemedyGain(help_, *(float(each.max()) for each in worst))
 
 
 def _sigma(
     help_: Remedy, item: FloatArray, unit: ToleranceUnit, noise: float, shape: ToleranceShape, is_open: bool
 ) -> FloatArray:
     """Return 1 sigma (18,) of k, E, D and K2."""
-    model = _RemedyModel(
-        _bench(help_.turns), unit, CUBE_EDGES[: len(CUBE_EDGES) * help_.free_positions] / np.sqrt(2)
-    )
+    edges = CUBE_EDGES[: len(CUBE_EDGES) * help_.free_positions] / np.sqrt(2)
+    model = _RemedyModel(_bench(help_.turns), unit, edges)
     spread = np.maximum(tilt_std(item, shape), HELD_STD_RAD)
     if help_.certificate is not None:
         spread = 1 / np.hypot(1 / spread, 1 / help_.certificate)

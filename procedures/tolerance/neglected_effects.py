@@ -1,11 +1,9 @@
 """Effects that Yao 2018 neglects, one by one: seating, plate, model terms, rotations.
 
-The paper says of what it does not look at: the reference surfaces inside the cube, the slab, the second-order
-coefficient of the accelerometers (2), nonlinearity, asymmetry and bias instability of the gyroscopes (1), and the
-turns, of which it analyses only the positions. Each is an item with a tolerance t here; the item is uniform within
-plus and minus t, and what it does is given as 1 sigma by the first order that does not vanish. Slopes and seat
-tilts have any direction, so that each of their two components has the variance t^2 / 6. Positions and formulas are
-the paper's (3)-(11); gyroscopes are taken as aligned. What an item leaves untouched to first order is left out.
+Each is an item with a tolerance t; the item is uniform within plus and minus t, and what it does is given as 1
+sigma by the first order that does not vanish. Slopes and seat tilts have any direction, so that each of their two
+components has the variance t^2 / 6. Positions and formulas are the paper's (3)-(11); gyroscopes are taken as
+aligned.
 """
 
 from collections.abc import Callable, Mapping

@@ -1,18 +1,15 @@
 """The cheapest tolerances under which an estimator's worst case meets an accuracy.
 
 An item costs ``weight / tolerance``. Its tolerances minimise the total under the worst case's bound, a polynomial
-with positive coefficients: in the logarithms of the tolerances a convex problem (geometric program), so the
-minimum found is the only one.
+with positive coefficients: in the logarithms of the tolerances a convex problem (geometric program).
 
-The worst case: how far an estimator can be off on any cube that its drawing allows.
 Every face may tilt in any direction by up to the sum of the items on the way to it. The errors are expanded to the
 second order in the twelve tilts: gradient L and Hessian H of the exact formulas. Over tilts of at most S_f
 
     error <= C + sum_f |L_f| S_f + sum_f max(0, lambda_max(H_ff)) S_f^2 / 2 + sum_f<g |H_fg| S_f S_g
 
 with C what a perfect cube leaves (K2), |L_f| the length of a face's two slopes and |H_fg| the spectral norm of a
-2 x 2 block; and likewise for the error's negative. With S = `STACK` times items that is a polynomial of the items
-without a negative coefficient but C. What it leaves out is of third order, a tilt's part of the second.
+2 x 2 block; and likewise for the error's negative. With S = `STACK` times items that is a polynomial of the items.
 `worst_corner` holds against it what corners of the allowed region give by the full formulas.
 """
 
@@ -104,15 +101,14 @@ def worst_corner(quantity: Quantity, item: FloatArray) -> FloatArray:
     value, L, _ = expand(quantity)
     rows = len(value)
     size = STACK @ item
-    compass = np.exp(2j * np.pi * np.arange(CORNER_DIRECTIONS) / CORNER_DIRECTIONS)
+    around = np.exp(2j * np.pi * np.arange(CORNER_DIRECTIONS) / CORNER_DIRECTIONS)
+    compass = np.stack((around.real, around.imag), axis=1)
     slope = L / np.maximum(np.linalg.norm(L, axis=2, keepdims=True), 1e-300)
     found = np.zeros((rows, 2))
     for s, sign in enumerate((1.0, -1.0)):
         tilts = sign * slope * size[:, None]  # (r, 6, 2): each error has its own cube
         for face in [f for _ in range(MAX_CORNER_SWEEPS) for f in range(6)]:
-            options = np.concatenate(
-                (np.zeros((1, 2)), size[face] * np.stack((compass.real, compass.imag), axis=1))
-            )
+            options = np.vstack((np.zeros(2), size[face] * compass))
             tried = np.repeat(tilts[:, None], len(options) + 1, axis=1)  # (r, options, 6, 2), the first as it is
             tried[:, 1:, face] = options
             all_values = sign * quantity(np.moveaxis(tried.reshape(-1, 6, 2), 0, 2)).reshape(rows, rows, -1)

@@ -19,6 +19,7 @@ from procedures.twelve_positions.accelerometer_fit import closed_form, solve_acc
 from tests.procedures.independent import TABLE_4_D, TABLE_4_E, THETA, campaign, dwells
 from tests.refusals import refused
 
+IDEAL = ToleranceUnit(np.eye(3), np.zeros(3), np.zeros(3))
 P1_ITEMS = angles(dict.fromkeys(ITEMS, 0.04), 400.0)
 EVERY = range(1, 13)
 tilts_of = st.lists(st.floats(-1e-3, 1e-3), min_size=12, max_size=12).map(lambda t: np.array(t).reshape(6, 2, 1))
@@ -63,7 +64,7 @@ def test_p1_s_cube_gives_equations_13_18_19_and_20() -> None:
     ]
     eq18 = np.sum(E * np.array(rows), axis=1)
     assert found.bias[1, :, 0] == pytest.approx(eq18, abs=2.1e-3 * 1.4e-6)  # D (k / k~ - 1), left out of (18)
-    ideal = estimator_errors(p1_tilts(P1_ITEMS)[..., None], ToleranceUnit.ideal())
+    ideal = estimator_errors(p1_tilts(P1_ITEMS)[..., None], IDEAL)
     assert ideal.bias[0, :, 0] == pytest.approx(s(t) * np.array([5 / 3, 2 / 3, 1]), rel=5e-4)  # (19): + 8 t^2 / 6
     assert np.abs(ideal.bias[1]).max() <= 4.01 * t**2  # (20): cosines are left
     assert found.bias[0, :, 0] == pytest.approx([1.6704e-4, 0.6711e-4, 1.0065e-4], abs=0.6e-8)
@@ -124,8 +125,8 @@ def test_the_12_position_error_grows_as_the_tilts_and_the_others_as_their_square
 ) -> None:
     size = float(np.hypot(tilts[:, 0], tilts[:, 1]).max())
     plain, smaller = (
-        estimator_errors(tilts, ToleranceUnit.ideal()).bias,
-        estimator_errors(factor * tilts, ToleranceUnit.ideal()).bias,
+        estimator_errors(tilts, IDEAL).bias,
+        estimator_errors(factor * tilts, IDEAL).bias,
     )
     assert smaller[0] == pytest.approx(factor * plain[0], abs=2 * size**2 + 1e-15)
     assert smaller[1:] == pytest.approx(factor**2 * plain[1:], abs=20 * size**3 + 1e-15)
@@ -135,7 +136,7 @@ def test_the_12_position_error_grows_as_the_tilts_and_the_others_as_their_square
 def test_a_perfectly_parallel_cube_spoils_no_bias_of_an_aligned_unit(tilts: FloatArray) -> None:
     """Opposite faces parallel, however skew: the up vectors of a pair are each other's negative."""
     tilts[1::2] = -tilts[::2]
-    assert np.abs(estimator_errors(tilts, ToleranceUnit.ideal()).bias).max() < 1e-14
+    assert np.abs(estimator_errors(tilts, IDEAL).bias).max() < 1e-14
 
 
 def test_wrong_items_are_refused_by_name() -> None:

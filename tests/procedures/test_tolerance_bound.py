@@ -24,7 +24,7 @@ from procedures.tolerance.tolerances_for_accuracy import (
     worst_case,
     worst_corner,
 )
-from tests.procedures.test_tolerance import P1_ITEMS, PAPER, random_case
+from tests.procedures.test_tolerance import IDEAL, P1_ITEMS, PAPER, random_case
 from tests.refusals import refused
 
 QUIET = 1e-5 / np.sqrt(5000)  # g: a dwell of P1
@@ -34,7 +34,7 @@ items_of = st.lists(st.floats(1e-6, 2e-4), min_size=11, max_size=11).map(np.arra
 
 def test_the_worst_12_position_error_is_the_sum_of_all_tilts_that_face_it() -> None:
     """By hand, an aligned unit: (3 + 5 + 3 + 5, 1 + 3 + 3 + 5, 1 + 3 + 3 + 5) theta / 6."""
-    worst = worst_case(all_errors(ToleranceUnit.ideal())).largest(P1_ITEMS)[:3]
+    worst = worst_case(all_errors(IDEAL)).largest(P1_ITEMS)[:3]
     assert worst == pytest.approx(1e-4 * np.array([16, 12, 12]) / 6, rel=2e-4)  # cosines: 2 theta of it
 
 
@@ -54,7 +54,7 @@ def test_no_corner_and_no_drawn_cube_is_worse_than_the_bound(item: FloatArray, s
 @pytest.mark.parametrize(("shape", "share"), [("uniform", 1 / 3), ("normal", 1 / 4)])
 def test_the_12_position_error_scatters_as_its_items_do(shape: ToleranceShape, share: float) -> None:
     """First order: variance = sum over the four faces across of a tilt's variance, over 36."""
-    sample = draw_errors(P1_ITEMS, ToleranceUnit.ideal(), 40_000, 7, shape)
+    sample = draw_errors(P1_ITEMS, IDEAL, 40_000, 7, shape)
     variance = np.array([1, 3, 3, 5, 3, 5]) * 1e-8 * share / 2  # of each tilt: items on the way, two directions
     assert tilt_std(P1_ITEMS, shape) ** 2 == pytest.approx(variance)
     across = np.array([variance[[2, 3, 4, 5]].sum(), variance[[0, 1, 4, 5]].sum(), variance[[0, 1, 2, 3]].sum()])
