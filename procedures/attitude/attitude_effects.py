@@ -236,11 +236,7 @@ def evidence_of(
 
 
 def functions_of_time(evidence: Evidence) -> dict[str, Function]:
-    """Return by name what may act without a name: of each kind of rows and axis, a smooth function of time.
-
-    Neighbouring windows share what a mixer leaves of one manoeuvre: with a function of time they are no
-    independent witnesses of an effect.
-    """
+    """Return by name what may act without a name: of each kind of rows and axis, a smooth function of time."""
     found = dict[str, Function]()
     for number, triad in enumerate(TRIADS):
         for axis in range(3):

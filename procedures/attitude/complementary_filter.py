@@ -169,8 +169,7 @@ class ComplementaryFilter:
 def level_velocity(log: AttitudeLog) -> FloatArray:
     """Return a log's GNSS velocity (n, 3) [m/s] forward, right and down of the heading, nan where there is none.
 
-    Where no heading stands with a velocity: its size, nan and its vertical part, for nothing says how much of it
-    goes to the right.
+    Where no heading stands with a velocity: its size, nan and its vertical part.
     """
     if log.velocity is None:
         return np.full((len(log.t), 3), np.nan)

@@ -113,10 +113,9 @@ WHITE_LAG_SAMPLES = 16  # samples
 def white_count_noise(dwells: Sequence[IntArray]) -> float:
     """Return the noise [counts/sqrt(sample)] if it is large enough to make the remainder white, else 0.
 
-    An increment is r + w + q' - q with q uniform of variance 1/12: half the mean square of the increments'
-    differences is s^2 + 3/12. A rate near a simple fraction imitates that, but not over `WHITE_LAG_SAMPLES`
-    samples, where a remainder that only repeats cannot pass `MIN_WHITE_NOISE`; nor does it ever change an
-    increment by more than 2. ``dwells`` are increments (n,) of each dwell, counts per sample.
+    Half the mean square of the increments' differences is s^2 + 3/12. A rate near a simple fraction imitates that,
+    but not over `WHITE_LAG_SAMPLES` samples, nor does it change an increment by more than 2. ``dwells`` are
+    increments (n,) of each dwell, counts per sample.
     """
     fast = _mean_square([np.diff(d) for d in dwells]) / 2 - 0.25
     long = [np.diff(lag_sums(d)) for d in dwells if len(d) > 2 * WHITE_LAG_SAMPLES]

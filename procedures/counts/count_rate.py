@@ -350,9 +350,8 @@ def _averaged_over_noise(
 def _likely(interval: tuple[float, float], step: int) -> tuple[float, float]:
     """Return mean and 1 sigma of the rates of an ``interval``, for a remainder of which nothing is known.
 
-    The larger a rate is, the more rarely it passes no integer in a dwell: a triangle. That it passes one at the
-    moment that is seen is as likely as it is large, up to where a second edge would have come: a ramp, which rises
-    from where the count stands still.
+    A rate that passes no integer in a dwell: a triangle. One that passes one at the moment that is seen: a ramp,
+    which rises from where the count stands still.
     """
     low, high = interval
     if not step:

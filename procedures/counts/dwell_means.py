@@ -150,10 +150,9 @@ MIN_DWELL_BLOCKS = 128
 def estimate_rates(dwells: Sequence[FloatArray], period: float) -> list[RateEstimate]:
     """Estimate the mean of one channel in each of several ``dwells`` (n,) of samples, in any unit of rate.
 
-    The white noise, shared by all dwells, is taken from the Allan variance of blocks, the longest of which every
-    dwell still holds `MIN_DWELL_BLOCKS`: the samples of a filtered or drifting output are not independent, and
-    those of a quantised integral cancel, so the scatter of single samples would promise too much or too little
-    (NIST SP 1065, 5.2). It is at least what rounding to the output's own step leaves.
+    The white noise, shared by all dwells, is taken from the Allan variance of the longest blocks of which every
+    dwell holds `MIN_DWELL_BLOCKS` (NIST SP 1065, 5.2). It is at least what rounding to the output's own step
+    leaves.
     """
     values = [np.asarray(dwell, dtype=np.float64) for dwell in dwells]
     scatter = np.sqrt(np.mean([_white(each, max(len(each) // MIN_DWELL_BLOCKS, 1)) ** 2 for each in values]))

@@ -158,9 +158,8 @@ def _lasting(late: FloatArray, long: IntArray, least: float) -> IntArray:
 def _beyond_chance(late: FloatArray, begin: IntArray, end: IntArray, gaps: list[int]) -> list[int]:
     """Return those gaps that stamps without a loss would not show by chance.
 
-    A read comes at any phase of the sample period, so the least late rows of a few reads may be a period later
-    than those of others. A step up is a loss where it exceeds all steps between neighbouring runs, or where the
-    runs after it rank above those before (Mann and Whitney, Annals of Mathematical Statistics 18, 1947).
+    A step up is a loss where it exceeds all steps between neighbouring runs, or where the runs after it rank above
+    those before (Mann and Whitney, Annals of Mathematical Statistics 18, 1947).
     """
     least = np.minimum.reduceat(late, begin)
     at = np.searchsorted(begin, gaps)

@@ -82,7 +82,7 @@ def _turned_over(axis: str, side: str) -> str:
 
 
 def plainly_lacking(rate: FloatArray, least: int) -> Undetermined | None:
-    """Say what rests with the mean outputs ``rate`` (n, 3) plainly lack; None where a fit is worth trying."""
+    """Say what rests of mean outputs ``rate`` (n, 3) [output/s] plainly lack; None where a fit is worth trying."""
     n = len(rate)
     if n == 0:
         return Undetermined(Lack.NO_RESTS, 0)
@@ -261,11 +261,7 @@ def fit_norm(rate: FloatArray, std: FloatArray, gravity: float) -> NormFit | Und
 
 
 def _bend(misfit: Callable[[FloatArray], FloatArray], fit: Fit) -> FloatArray:
-    """Return by how much of its sigma (3,) the second order moves b, one sigma off the minimum.
-
-    Of an axis of which one side was seen the bias shows by the tilt of the other faces alone: the norm is not
-    linear in it, and what minimises it may be far off.
-    """
+    """Return by how much of its sigma (3,) the second order moves b, one sigma off the minimum."""
     std = np.sqrt(np.diag(fit.covariance))[6:]
     step = fit.covariance[6:] / std[:, None]
     second = (misfit(fit.x + step) + misfit(fit.x - step)) / 2 - fit.residual
@@ -277,8 +273,7 @@ def _bend(misfit: Callable[[FloatArray], FloatArray], fit: Fit) -> FloatArray:
 def excess_scatter(residual: FloatArray, noise: FloatArray, free: float) -> float:
     """Return the scatter common to all rows that brings their weighted squares to the ``free`` degrees of freedom.
 
-    ``residual`` and ``noise``, 1 sigma, are (n,). Source: Mandel and Paule, Anal. Chem. 42, 1970; Newton's steps
-    approach the root of this falling, convex function from below.
+    ``residual`` and ``noise``, 1 sigma, are (n,). Source: Mandel and Paule, Anal. Chem. 42, 1970.
     """
     variance = 0.0
     for _ in range(MAX_NEWTON_STEPS):
@@ -344,10 +339,8 @@ def _ellipsoid(rate: FloatArray, gravity: float, *, is_tilted: bool) -> tuple[Fl
 def choose_rests(activity: ScatterLevel, gravity: float) -> tuple[float, list[slice]]:
     """Return the threshold's multiplier and the rests that leave k and D least uncertain.
 
-    The fit's covariance has the scatter that its residual shows in it: a multiplier too small throws rests away,
-    and the covariance grows; one too large lets movement in, and the residual and with it the covariance grow.
-    The smallest residual alone, the usual choice, would reward having few rests. Where the rests are just enough
-    there is no residual, and the usual multiplier is taken, or the least above it that determines the unit.
+    A multiplier too small throws rests away, one too large lets movement in: both make the fit's covariance grow.
+    Where the rests are just enough the usual multiplier is taken, or the least above it that determines the unit.
     """
     for multipliers in (MULTIPLIERS_TRIED, LOOSE_MULTIPLIERS):
         found: list[tuple[float, float, list[slice]]] = []

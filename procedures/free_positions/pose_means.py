@@ -131,8 +131,7 @@ def _without_each(accel: FloatArray, std: FloatArray, gravity: float) -> tuple[F
 def _jackknife(without_each: Sequence[FloatArray]) -> FloatArray:
     """Return the 1 sigma of parameters by how far they move as each pose is left out.
 
-    It holds where the fit is far from linear, as of few poses that hardly determine it. Source: Efron and Stein,
-    The jackknife estimate of variance, Ann. Statist. 9, 1981.
+    Source: Efron and Stein, The jackknife estimate of variance, Ann. Statist. 9, 1981.
     """
     values, n = np.stack(without_each), len(without_each)
     found: FloatArray = np.sqrt((n - 1) * np.var(values, axis=0))
@@ -142,8 +141,7 @@ def _jackknife(without_each: Sequence[FloatArray]) -> FloatArray:
 def gyro_bias(gyro: FloatArray, std: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the mean (3,) of ``gyro`` (n, 3) over poses and its standard uncertainty, in the unit of ``gyro``.
 
-    The Earth's rate is not corrected. The poses' scatter counts where it is larger than ``std`` (n, 3): it holds
-    the Earth's rate and the bias's dependence on attitude.
+    The Earth's rate is not corrected: the poses' scatter, where it is larger than ``std`` (n, 3), holds it.
     """
     n = len(gyro)
     stated = np.sqrt(np.mean(std**2, axis=0) / n)

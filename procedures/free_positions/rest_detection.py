@@ -169,7 +169,6 @@ def true_angle(
     """Return the angle ``beyond_deg`` + 360 n that a gyroscope turned by; None where no n fits, or more than one.
 
     An angle fits where the gyroscope is within ``scale_error`` of it, relative, or within ``slack_deg`` [deg].
-    From 1 / (2 ``scale_error``) turns on some n always fits, from 1 / ``scale_error`` on always more than one.
     """
     if not np.isfinite(turned_deg):
         return None

@@ -169,11 +169,7 @@ def origin_at(fix: GnssFix) -> LocalLevel:
 
 
 def level_fixes(origin: LocalLevel, t: FloatArray, fixes: Sequence[GnssFix]) -> GnssFixes:
-    """Return usable fixes, valid at times ``t`` (n,) [s] of the IMU's clock, in a level frame.
-
-    Without a height above the ellipsoid all are above mean sea level; a receiver states both or one all along.
-    The sigma is the same on each axis: the root mean square of the three.
-    """
+    """Return usable fixes, valid at times ``t`` (n,) [s] of the IMU's clock, in a level frame."""
     n = len(fixes)
     p_n, v_n = np.full((n, 3), np.nan), np.full((n, 3), np.nan)
     for i, fix in enumerate(fixes):

@@ -196,11 +196,7 @@ def wanted(sigmas: dict[str, float]) -> WantedSigmas:
 
 
 def with_all_solved(asked: WantedSigmas, usual: FloatArray) -> WantedSigmas:
-    """Return what is asked, and of all the rest `TIMES_USUAL` of the usual campaign's sigmas (30,).
-
-    Without that the shortest campaign for a bias would leave scale factors open altogether. The accelerometers'
-    scale factors follow the site's gravity, and a row of E is of unit length, whatever is done.
-    """
+    """Return what is asked, and of all the rest `TIMES_USUAL` of the usual campaign's sigmas (30,)."""
     return WantedSigmas(np.minimum(asked.sigma, np.where(MEASURED, TIMES_USUAL * usual, np.inf)))
 
 

@@ -248,11 +248,7 @@ def next_placement(
 
 
 def is_enough(sigmas: DesignSigmas, wanted: WantedSigmas, so_far: CampaignDesign) -> bool:
-    """Say whether what was done has all that is wanted, in placements enough to judge its residual by.
-
-    A dwell under way with which it is enough pays no longer; what any other has to last was shared out among all
-    placements to come.
-    """
+    """Say whether what was done has all that is wanted, in placements enough to judge its residual by."""
     return len(so_far.positions) >= FEWEST and is_met(sigmas, wanted, so_far)
 
 

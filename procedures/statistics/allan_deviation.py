@@ -174,9 +174,8 @@ def fit_noise(curve: AllanDeviation, quantum: float = 0.0) -> NoiseFit:
     """Fit the noise terms to a curve, as many as it supports.
 
     A term has a value with its 95 % interval (chi-square, of the degrees of freedom that its relative sigma stands
-    for), else a bound: no term can exceed the curve's upper limit anywhere. ``quantum`` is what one count is, in
-    the unit of the rate times seconds: cumulative counts err by less than one, which alone explains a deviation up
-    to sqrt(2) quantum / tau, so that a term which is large only below this has no value, but for quantisation.
+    for), else a bound: no term can exceed the curve's upper limit. ``quantum`` is what one count is, in the unit
+    of the rate times seconds: what counting alone explains, up to sqrt(2) quantum / tau, is quantisation only.
     """
     shapes = np.array(list(noise_shapes(curve.tau).values())).T
     seen = curve.deviation > 0

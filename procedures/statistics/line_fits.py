@@ -209,9 +209,8 @@ class TimeLine:
 def fit_time_line(clock_ns: IntArray, reference_ns: IntArray) -> TimeLine | None:
     """Fit a line to marks ``clock_ns``, ``reference_ns`` (n,) [ns] of two clocks, the first in order.
 
-    None where they are too few. The slope is the median of the slopes between the medians of up to 32 stretches
-    (Theil and Sen): up to a quarter of the marks may be anything. The offset is the marks' median, so that half of
-    them are late of it.
+    None where they are too few. The slope is the median between the medians of up to 32 stretches (Theil and Sen),
+    the offset the marks' median.
     """
     if len(clock_ns) < MIN_MARKS or clock_ns[-1] <= clock_ns[0]:
         return None

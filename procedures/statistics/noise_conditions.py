@@ -147,8 +147,7 @@ def _by_likelihood(blocks: IntArray, levels: int, high: float) -> NoiseOfLevels:
 def log_likelihood_of_sigmas(counts: FloatArray, sigmas: FloatArray) -> FloatArray:
     """Return ln of the likelihood of each of ``sigmas`` (s,) [steps] for ``counts`` (b, k) of blocks' levels.
 
-    It is log-concave in a block's mean (Pratt, JASA 1981): where few points of the common grid lie within its
-    peak, which is as narrow as sigma over the root of the rows, it is integrated on a finer one.
+    It is log-concave in a block's mean (Pratt, JASA 1981): a narrow peak is integrated on a finer grid.
     """
     counts, alike = np.unique(counts, axis=0, return_counts=True)
     return np.array([float(alike @ _integrals(counts, float(sigma))) for sigma in sigmas])
@@ -302,8 +301,7 @@ def without_trend(
 ) -> tuple[NoiseFit, tuple[Condition, ...]]:
     """Return the fit with bounds for what is a smooth trend in ``rate`` (n,), ``period`` [s] apart, and no noise.
 
-    ``tau`` [s] is the least averaging time. Without a polynomial a random walk stays as large as its interval
-    says, but for its slowest part; a trend goes.
+    ``tau`` [s] is the least averaging time. Without a polynomial a trend goes, a random walk hardly.
     """
     seen = [name for name in DRIFT_TERMS if fit.terms[name].value is not None]
     if not seen or not _is_large(fit, seen, len(rate) * period / 10):

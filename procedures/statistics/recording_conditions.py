@@ -91,8 +91,7 @@ def has_excess_zeros(differences: FloatArray, step: float, halo: int) -> bool:
 def held_samples(rate: FloatArray, step: float) -> SensorSamples | None:
     """Return the sensor's samples where the rows of ``rate`` (n,) repeat them, None where none is repeated.
 
-    ``step`` is the `level_step`, in the unit of ``rate``. Where the rows are not those of a regular sensor, all
-    terms stay undetermined.
+    ``step`` is the `level_step`, in the unit of ``rate``. Without a regular sensor all terms stay undetermined.
     """
     change = np.diff(rate)
     regular = _regular_changes(change)

@@ -218,9 +218,8 @@ def sine_sum(values: FloatArray, turns: float) -> complex:
 def slowed(values: FloatArray, turns: float, least: int) -> tuple[FloatArray, Complex]:
     """Return the middles of ``least`` or more parts, and sums over them of values (n,) times exp(-2 pi i turns k).
 
-    The middles [samples] and sums (m,) determine the frequencies near: of one d turns per sample away what
-    ``sums @ exp(-2 pi i d middles)`` gives is off by 2 d n / m of what noise does to it, 1 sigma: the samples of a
-    part turn alike.
+    The middles [samples] and sums (m,) determine the frequencies near as ``sums @ exp(-2 pi i d middles)``, d
+    turns per sample away: the samples of a part turn alike.
     """
     n = len(values)
     size = max(n // least, 1)

@@ -26,9 +26,7 @@ def measure_level_velocity(s: KalmanState, c: KalmanSettings, i: int, measured: 
 def measure_rest_velocity(s: KalmanState, c: KalmanSettings, variance: float) -> None:
     """Measure that the velocity is zero, and learn nothing of accelerometer biases across gravity from it.
 
-    At rest these cannot be distinguished from a tilt. A gyro's bias in yaw turns the body in the filter's eyes,
-    and in such a turn they seem to be seen; so they are held (Schmidt's update): estimate and covariance
-    stay as they were.
+    At rest these cannot be distinguished from a tilt: they are held (Schmidt's update), estimate and covariance.
     """
     for i in range(3):
         s.held[3, i] = s.dx[12 + i]
@@ -254,11 +252,7 @@ def sum_since(s: KalmanState, seconds: float) -> None:
 
 @inlined
 def measure_gnss_velocity(s: KalmanState, c: KalmanSettings, vel: FloatArray) -> None:
-    """Take in a GNSS velocity ``vel`` (3,) [m/s]; the first fast enough gives the heading where none was given.
-
-    The filter's own velocity carries the motion over the fix interval, so that what is compared are velocity
-    increments, not accelerations at a point; and likewise from the moment of the fix to now.
-    """
+    """Take in a GNSS velocity ``vel`` (3,) [m/s]; the first fast enough gives the heading where none was given."""
     sum_since(s, c.fix_latency)
     speed = math.hypot(vel[0], vel[1])
     if math.isnan(s.memory[0].speed) and speed > c.rest_speed:

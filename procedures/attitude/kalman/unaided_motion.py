@@ -86,7 +86,6 @@ def settings_in_hand(kept: AttitudeKalmanFilter) -> KalmanSettings:
 def vehicle_settings(settings: KalmanSettings) -> KalmanSettings:
     """Return settings of a log without aid, with what its unit does at rest filled in, for a vehicle.
 
-    The gyros are believed for minutes, within scale and axes of a MEMS one; the velocity hardly says anything.
     What stands still is judged by the unit's own noise: in a vehicle a slow bend or soft braking looks like rest.
     """
     root = math.sqrt(settings.update_s)

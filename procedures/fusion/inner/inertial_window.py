@@ -102,8 +102,7 @@ class InertialWindow(InnerWindow):
     def smoothed(self) -> list[tuple[float, FloatArray, FloatArray]]:
         """Return time [s], position (3,) [m] and attitude (3, 3) of each keyframe by all fixes, and end.
 
-        Outliers are included. What has left takes the step that what has stayed leaves it (Rauch, Tung, Striebel
-        1965).
+        Source of the smoothing: Rauch, Tung, Striebel 1965.
         """
         self._linearise_again()
         states, times = smoothed_states(self._left, self.state), self.frames.t.tolist()

@@ -95,11 +95,7 @@ class InnerWindow:
         return self._integrated(self._grid, slice(*self._grid.at[k - 1 : k + 1].tolist())) if k else None
 
     def _live(self, t: float, imu: ImuSeries, fixes: GnssFixes) -> Preintegrated:
-        """Return the IMU up to a new keyframe at ``t`` [s].
-
-        ``imu`` has the samples since the last keyframe and around both ends; ``fixes`` those since some seconds
-        before it.
-        """
+        """Return the IMU up to a new keyframe at ``t`` [s]."""
         self.fixes, self._gaps, self._imu = fixes, imu_gaps(imu), imu
         self._measured = self._measurements(fixes.part(fixes.t > self.t - CLIMB_SPAN_S - 1.0), imu)
         return self._integrated(grid(imu, np.array([self.t, t])))

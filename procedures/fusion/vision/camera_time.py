@@ -56,9 +56,8 @@ def camera_offset(
 ) -> CameraTimeOffset | Waiting:  # fmt: skip
     """Return the offset of the camera's stamps, or what is missing to know it.
 
-    Known before is ``prior`` and 1 sigma ``std`` [s]. Some 10 to 30 s of both are wanted; frames that the IMU does
-    not span at all offsets that are tried are not used. Where turns are so even that their residual is
-    within their noise, 1 sigma up to ``even_std`` [s] is accepted.
+    Known before is ``prior`` and 1 sigma ``std`` [s]. Where turns are so even that their residual is within their
+    noise, 1 sigma up to ``even_std`` [s] is accepted.
     """
     pairs = _spanned(imu, frame_pairs(tracks, camera), prior, SEARCH_SIGMAS * std)
     if len(pairs) < MIN_PAIRS:
