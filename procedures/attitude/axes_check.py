@@ -213,12 +213,11 @@ def unit_by_motion(log: AttitudeLog) -> str | None:
     windows = windows_of(log)
     if (seen := disagreement(log, windows)) is not None:
         return seen.units[0] if not seen.has_other_axes and seen.units == ("deg/s",) else None
-    scales = rate_scales(log)
-    is_clear = (
-        bool(scales) and scales[0].explained > MIN_EXPLAINED and scales[0].scale > SIGNIFICANT * scales[0].std
-    )
-    is_one = is_clear and abs(np.log(scales[0].scale)) < np.log(MIN_SCALE_ERROR)
-    return "rad/s" if is_one else None
+    if not (scales := rate_scales(log)):
+        return None
+    given = scales[0]
+    is_clear = given.explained > MIN_EXPLAINED and given.scale > SIGNIFICANT * given.std
+    return "rad/s" if is_clear and abs(np.log(given.scale)) < np.log(MIN_SCALE_ERROR) else None
 
 
 def _named(S: FloatArray) -> str:

@@ -36,10 +36,8 @@ class GainTuning:
     @property
     def at_edge(self) -> bool:
         """Whether the best stands at an end of the grid, so that better ones may lie beyond."""
-        k1, k2 = ([getattr(g, name) for g in self.candidates] for name in ("k1", "k2"))
-        return any(
-            len(set(grid)) > 1 and grid[self.best] in (min(grid), max(grid)) for grid in (k1, k2)
-        )  # fmt: skip
+        grids = ([getattr(each, name) for each in self.candidates] for name in ("k1", "k2"))
+        return any(len(set(grid)) > 1 and grid[self.best] in (min(grid), max(grid)) for grid in grids)
 
 
 def grid_of_taus(taus: Sequence[float] = TAUS) -> tuple[ComplementaryGains, ...]:
@@ -58,7 +56,7 @@ def grid_of_gains() -> tuple[ComplementaryGains, ...]:
 
 def tune(
     log: AttitudeLog, aid: str, candidates: Sequence[ComplementaryGains], gravity: float = STANDARD_GRAVITY
-) -> GainTuning:  # fmt: skip
+) -> GainTuning:
     """Run the filter with each of ``candidates`` and compare with the log's truth.
 
     Raises
@@ -73,14 +71,11 @@ def tune(
     if truth is None:
         raise NotObservable("gains", ["roll_rad and pitch_rad to compare with"])
     if rows.sum() < 10 * FOLDS:
-        which = "scored rows" if log.scored is not None else "rows"
-        raise NotObservable(
-            "gains", [f"{10 * FOLDS} {which} with roll_rad and pitch_rad, of which it has {rows.sum()}"]
-        )
+        which = f"{10 * FOLDS} {'scored rows' if log.scored is not None else 'rows'}"
+        raise NotObservable("gains", [f"{which} with roll_rad and pitch_rad, of which it has {rows.sum()}"])
     fold = np.arange(rows.sum()) * FOLDS // rows.sum()
-    square = np.array(
-        [inclination(estimate(log, aid, gains, gravity).down[rows], truth[rows]) ** 2 for gains in candidates]
-    )
+    down = [estimate(log, aid, gains, gravity).down[rows] for gains in candidates]
+    square = np.array([inclination(each, truth[rows]) ** 2 for each in down])
     in_fold = np.stack([square[:, fold == i].mean(axis=1) for i in range(FOLDS)], axis=1)
     weight = np.bincount(fold, minlength=FOLDS) / rows.sum()
     picked = tuple(int(np.argmin(np.delete(in_fold, i, 1) @ np.delete(weight, i))) for i in range(FOLDS))

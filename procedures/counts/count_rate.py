@@ -204,9 +204,8 @@ def estimate_channels(
     ]
     laid = [[_path(*each) for each in zip(dwells, samples, starts, strict=True)] for dwells in channels]
     white = [white_count_noise(dwells) for dwells in channels]
-    posteriors = iter(
-        _searched([noise_posterior(p) for p, noise in zip(laid, white, strict=True) if not noise > 0])
-    )
+    searches = [noise_posterior(paths) for paths, noise in zip(laid, white, strict=True) if not noise > 0]
+    posteriors = iter(_searched(searches))
     found = list[list[RateEstimate]]()
     for paths, noise in zip(laid, white, strict=True):
         if noise > 0:
@@ -307,9 +306,8 @@ def _fit(asked: Tries[_Path]) -> None:
     while new:
         size = np.cumsum([np.count_nonzero(path.keep) for path, _ in new])
         here = max(int(np.searchsorted(size, NODES_AT_ONCE, side="right")), 1)
-        nodes = [
-            Nodes(t, linked, low, basis[:, 0]) for t, linked, low, basis in (p.arrays(1) for p, _ in new[:here])
-        ]
+        arrays = (path.arrays(1) for path, _ in new[:here])
+        nodes = [Nodes(t, linked, low, basis[:, 0]) for t, linked, low, basis in arrays]
         sites = propagate(nodes, [noise for _, noise in new[:here]], MAX_SWEEPS, SWEEP_TOLERANCE)
         for (path, noise), one in zip(new[:here], sites, strict=True):
             path.found[noise] = one.tau, one.nu, one.evidence

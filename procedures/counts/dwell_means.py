@@ -95,10 +95,8 @@ def _fitted(design: FloatArray, values: FloatArray) -> FloatArray:
     gram = design.T @ design
     size = np.sqrt(gram.diagonal())
     size[size == 0] = 1.0
-    found: FloatArray = (
-        np.linalg.lstsq(gram / np.outer(size, size), design.T @ values / size, rcond=None)[0] / size
-    )
-    return found
+    found: FloatArray = np.linalg.lstsq(gram / np.outer(size, size), design.T @ values / size, rcond=None)[0]
+    return found / size
 
 
 def _waves(n: int, turns: Sequence[float]) -> FloatArray:

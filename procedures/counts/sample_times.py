@@ -164,22 +164,17 @@ def _beyond_chance(late: FloatArray, begin: IntArray, end: IntArray, gaps: list[
     least = np.minimum.reduceat(late, begin)
     at = np.searchsorted(begin, gaps)
     usual = MIN_STEP_RATIO * float(np.abs(np.delete(np.diff(least), at - 1)).max(initial=0.0))
-    step = [
-        least[j : j + MAX_COMPARED_RUNS].min() - least[max(j - MAX_COMPARED_RUNS, 0) : j].min()
-        for j in at.tolist()
-    ]
+    runs = [(least[max(j - MAX_COMPARED_RUNS, 0) : j], least[j : j + MAX_COMPARED_RUNS]) for j in at.tolist()]
+    step = [after.min() - before.min() for before, after in runs]
     found = np.array([0, len(least)])
     for i in np.argsort(step)[::-1]:  # the others are then looked at between those found
         j = int(at[i])
         next_one = int(np.searchsorted(found, j))
-        since = max(
-            int(found[next_one - 1]), int(np.searchsorted(end, begin[j] - MAX_COMPARED_ROWS, side="right"))
-        )
-        until = min(int(found[next_one]), int(np.searchsorted(begin, begin[j] + MAX_COMPARED_ROWS)))
+        since = max(found[next_one - 1], np.searchsorted(end, begin[j] - MAX_COMPARED_ROWS, side="right"))
+        until = min(found[next_one], np.searchsorted(begin, begin[j] + MAX_COMPARED_ROWS))
         before, after = least[since:j], least[j:until]
-        if after[:MAX_COMPARED_RUNS].min() - before[-MAX_COMPARED_RUNS:].min() > usual or _ranks_above(
-            after, before
-        ):
+        rise = after[:MAX_COMPARED_RUNS].min() - before[-MAX_COMPARED_RUNS:].min()
+        if rise > usual or _ranks_above(after, before):
             found = np.insert(found, next_one, j)
     return [int(begin[j]) for j in found[1:-1]]
 

@@ -20,6 +20,7 @@ from procedures.fusion.fusion_records import (
     ImuNoise,
     ImuSeries,
     Waiting,
+    in_degrees,
 )
 from procedures.fusion.preintegration import imu_gaps
 from procedures.gyrocompass import attitude_at_rest
@@ -56,9 +57,7 @@ def align_at_rest(
     yaw_std = float(rate_std / max(horizontal, 1e-12))
     tilt_std = float(np.hypot(noise.accel_bias, noise.accel / np.sqrt(elapsed)) / gravity)
     if yaw_std > MAX_YAW_STD or tilt_std > MAX_TILT_STD or C_nb is None:
-        tilt, yaw, tilt_asked, yaw_asked = np.degrees(
-            np.minimum([tilt_std, yaw_std, MAX_TILT_STD, MAX_YAW_STD], np.pi)
-        )
+        tilt, yaw, tilt_asked, yaw_asked = in_degrees(tilt_std, yaw_std, MAX_TILT_STD, MAX_YAW_STD)
         return Waiting(
             f"at rest the Earth's rate gives yaw to {yaw:.1f} deg and gravity tilt to {tilt:.1f} deg (u), "
             f"{yaw_asked:.0f} and {tilt_asked:.0f} are needed: move it, or use better gyros"

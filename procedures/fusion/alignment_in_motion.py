@@ -32,6 +32,7 @@ from procedures.fusion.fusion_records import (
     ImuNoise,
     ImuSeries,
     Waiting,
+    in_degrees,
 )
 from procedures.fusion.preintegration import ImuGrid, InertialIncrements, grid, imu_gaps, integrate
 
@@ -292,9 +293,7 @@ def _why_waiting(best: _Minimum, others: list[_Minimum], misfit: float, tilt_std
             f"{MAX_CHI2_PER_DOF:g}): check time stamps, noise densities and velocity_std_m_s"
         )
     if tilt_std > MAX_TILT_STD or yaw_std > MAX_YAW_STD:
-        tilt, yaw, tilt_asked, yaw_asked = np.degrees(
-            np.minimum([tilt_std, yaw_std, MAX_TILT_STD, MAX_YAW_STD], np.pi)
-        )
+        tilt, yaw, tilt_asked, yaw_asked = in_degrees(tilt_std, yaw_std, MAX_TILT_STD, MAX_YAW_STD)
         return (
             f"tilt is known to {tilt:.1f} deg and yaw to {yaw:.1f} deg (u), {tilt_asked:.0f} and "
             f"{yaw_asked:.0f} are needed: change the velocity more"

@@ -198,6 +198,11 @@ MAX_TILT_STD = np.radians(1.0)
 MAX_TIME_OFFSET_STD_S = 0.015  # s, of GNSS's stamps where it is estimated: a window is built on it
 
 
+def in_degrees(*std: float) -> FloatArray:
+    """Return 1 sigma (n,) of angles, given in rad, in degrees for a sentence: half a turn at most."""
+    return np.degrees(np.minimum(std, np.pi))
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class AlignmentState:
     """State at the first of the fixes ``t0``: ``C_nb``, ``v_n``, biases and constants with covariance.

@@ -129,10 +129,8 @@ def joined(chain: FloatArray, moved: FloatArray) -> FloatArray:
 
 def without_first(N: FloatArray) -> FloatArray:
     """Return the normal matrix (..., n - 4, n - 4) with the first four parameters of N (..., n, n) eliminated."""
-    across = N[..., :OWN, OWN:]
-    left: FloatArray = N[..., OWN:, OWN:] - np.swapaxes(across, -1, -2) @ np.linalg.solve(
-        N[..., :OWN, :OWN], across
-    )
+    own, across = N[..., :OWN, :OWN], N[..., :OWN, OWN:]
+    left: FloatArray = N[..., OWN:, OWN:] - np.swapaxes(across, -1, -2) @ np.linalg.solve(own, across)
     return left
 
 

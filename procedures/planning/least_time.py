@@ -54,10 +54,8 @@ def shortened(sigmas: DesignSigmas, wanted: WantedSigmas, design: CampaignDesign
     for step in STEPS_TRIED_S:
         while True:
             tried = [_changed(lengths, {i: -step}) for i in range(len(lengths))]
-            found = [
-                (each, wanted.score(sigmas.of(design.lasting(each)))) for each in tried if min(each) >= SHORTEST_S
-            ]
-            met = [(score, each) for each, score in found if is_met(sigmas, wanted, design.lasting(each))]
+            found = [(sigmas.of(design.lasting(each)), each) for each in tried if min(each) >= SHORTEST_S]
+            met = [(wanted.score(each), its) for each, its in found if wanted.worst(each) <= 1]
             if not met:
                 break
             lengths = min(met)[1]

@@ -117,9 +117,8 @@ class OrderSearch:
         else:
             before = self._dwells[order[i - 1]] if i else self._head[-1]
             N += joined(chain, self._sigmas.steps.moved(before.position, self._positions[among]))
-        information = (
-            self._information[[j for at, j in enumerate(order) if at != i]].sum(axis=0) + self._information[among]
-        )
+        others = [j for at, j in enumerate(order) if at != i]
+        information = self._information[others].sum(axis=0) + self._information[among]
         dwells = len(order) + sum(at.turn is None for at in self._head)
         sigmas = self._sigmas.by_information(information + self._decided_before, without_first(N), dwells)
         return self._wanted.score(sigmas)

@@ -135,9 +135,7 @@ def _by_likelihood(blocks: IntArray, levels: int, high: float) -> NoiseOfLevels:
         best = int(np.argmax(log_likelihood))
         best_sigma = float(looked[best])
         inside = np.flatnonzero(log_likelihood > log_likelihood[best] - LOG_RATIO)
-        low, upper = (
-            float(looked[i]) for i in (max(int(inside[0]) - 1, 0), min(int(inside[-1]) + 1, len(looked) - 1))
-        )
+        low, upper = looked[[max(inside[0] - 1, 0), min(inside[-1] + 1, len(looked) - 1)]].tolist()
         if low == SIGMAS[0] or upper == SIGMAS[-1]:
             return NoiseOfLevels(None, 0.0, min(upper, high), levels)
         looked = np.geomspace(low, upper, len(SIGMAS) // 2)
@@ -243,11 +241,8 @@ def undetermined(fit: NoiseFit, conditions: Sequence[Condition]) -> NoiseFit:
 
 def wider(fit: NoiseFit, low: Mapping[str, float], high: Mapping[str, float]) -> NoiseFit:
     """Return the fit with its limits times factors by term."""
-    terms = {
-        name: NoiseTerm(term.value, term.low * low[name], term.high * high[name])
-        for name, term in fit.terms.items()
-    }
-    return replace(fit, terms=terms)
+    each = fit.terms.items()
+    return replace(fit, terms={k: NoiseTerm(t.value, t.low * low[k], t.high * high[k]) for k, t in each})
 
 
 def stamps_in_turn(t: FloatArray) -> Condition | None:

@@ -156,10 +156,8 @@ def interpolated_samples(rate: FloatArray, step: float) -> SensorSamples | None:
             f"Rows lie on straight lines between every {apart:.0f}th one: the recording was interpolated. "
             "The analysis uses the samples in between which it was."
         )
-        first = int(np.bincount(knots % int(apart)).argmax())
-        return SensorSamples(
-            rate[first :: int(apart)], apart, Condition("interpolated", text, (), {"rows": apart})
-        )  # fmt: skip
+        own = rate[int(np.bincount(knots % int(apart)).argmax()) :: int(apart)]
+        return SensorSamples(own, apart, Condition("interpolated", text, (), {"rows": apart}))
     share = 1 - len(knots) / len(second)
     text = (
         f"{100 * share:.3g} % of the rows lie on a straight line between their neighbours: the recording was "

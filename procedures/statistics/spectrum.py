@@ -97,9 +97,7 @@ def lines_of(rate: FloatArray, period: float) -> list[Line]:
     found = list[Line]()
     while len(found) < MAX_LINES:
         at = int(np.argmax(ratio))
-        log_p = min(
-            float(np.log(len(ratio) - begin) - BACKGROUND_DOF / 2 * np.log1p(2 * ratio[at] / BACKGROUND_DOF)), 0.0
-        )
+        log_p = float(np.log(len(ratio) - begin) - BACKGROUND_DOF / 2 * np.log1p(2 * ratio[at] / BACKGROUND_DOF))
         if not log_p < MAX_LOG_P:
             break
         found.append(_line(weighed, mean_square, at, period, float(background[at]), log_p))
@@ -224,11 +222,8 @@ def slowed(values: FloatArray, turns: float, least: int) -> tuple[FloatArray, Co
     n = len(values)
     size = max(n // least, 1)
     edges = np.arange(0, n, size)
-    sums: Complex = np.add.reduceat(values * sine(n, turns, 1.0), edges) - 1j * np.add.reduceat(
-        values * sine(n, turns, -1j), edges
-    )
-    middles: FloatArray = (edges + np.append(edges[1:], n) - 1) / 2
-    return middles, sums
+    real, imaginary = (np.add.reduceat(values * sine(n, turns, phase), edges) for phase in (1.0, -1j))
+    return (edges + np.append(edges[1:], n) - 1) / 2, real - 1j * imaginary
 
 
 def _factors(n: int, turns: float) -> tuple[Complex, Complex]:

@@ -150,6 +150,7 @@ def _faces_in_turns(size: float, case: SetAsideCase) -> dict[str, FloatArray]:
     }
 
 
+_GYRO = "IEEE 952; Yao 2018 (1)"
 SET_ASIDE: Mapping[str, SetAsideItem] = MappingProxyType({
     "slab-flatness": SetAsideItem("flatness of the plate", "mm", 0.008, "DIN 876, grade 0, 1 m", _slab_flatness),
     "slab-level": SetAsideItem("level of the plate", "mm/m", 0.1, "a machinist's level", _slab_level),
@@ -158,19 +159,13 @@ SET_ASIDE: Mapping[str, SetAsideItem] = MappingProxyType({
     "seat-stop-flatness": SetAsideItem("flatness of the seat's stop", "mm", 0.01, "Yao 2018, 3", _seat_stop),
     "seat-stop-parallelism": SetAsideItem("parallelism of the stop to A", "mm", 0.02, "Yao 2018, 3", _seat_stop),
     "quadratic": SetAsideItem("K2 of the accelerometers", "ug/g2", 10.0, "IEEE 1293; Yao 2018 (2)", _quadratic),
-    "accelerometer-wander": SetAsideItem(
-        "accelerometer bias, step to step", "ug", 1.0, "IEEE 1293, bias repeatability", _accelerometer_instability
-    ),
-    "gyroscope-wander": SetAsideItem(
-        "gyroscope bias, step to step", "deg/h", 0.01, "IEEE 952; Yao 2018 (1)", _gyroscope_instability
-    ),
-    "asymmetry": SetAsideItem("gyroscope asymmetry", "ppm", 10.0, "IEEE 952; Yao 2018 (1)", _asymmetry),
-    "nonlinearity": SetAsideItem(
-        "gyroscope nonlinearity at the turns' speed", "ppm", 10.0, "IEEE 952; Yao 2018 (1)", _nonlinearity
-    ),
-    "faces-in-turns": SetAsideItem(
-        "the drawing's tilts in the turns", "times", 1.0, "Yao 2018, 2: positions only", _faces_in_turns
-    ),
+    "accelerometer-wander": SetAsideItem("accelerometer bias, step to step", "ug", 1.0,
+                                         "IEEE 1293, bias repeatability", _accelerometer_instability),
+    "gyroscope-wander": SetAsideItem("gyroscope bias, step to step", "deg/h", 0.01, _GYRO, _gyroscope_instability),
+    "asymmetry": SetAsideItem("gyroscope asymmetry", "ppm", 10.0, _GYRO, _asymmetry),
+    "nonlinearity": SetAsideItem("gyroscope nonlinearity at the turns' speed", "ppm", 10.0, _GYRO, _nonlinearity),
+    "faces-in-turns": SetAsideItem("the drawing's tilts in the turns", "times", 1.0, "Yao 2018, 2: positions only",
+                                   _faces_in_turns),
 })  # fmt: skip
 
 

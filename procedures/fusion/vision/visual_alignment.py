@@ -22,6 +22,7 @@ from procedures.fusion.fusion_records import (
     GnssFixes,
     ImuSeries,
     Waiting,
+    in_degrees,
 )
 from procedures.fusion.gnss_velocity import measurements, no_fix
 from procedures.fusion.inner.landmarks import Landmarks
@@ -196,9 +197,7 @@ def _why_waiting(tilt_std: float, yaw_std: float, scale_std: float, misfit: floa
         )
     if tilt_std < MAX_TILT_STD and yaw_std < MAX_YAW_STD and scale_std < MAX_SCALE_STD:
         return ""
-    tilt, yaw, tilt_asked, yaw_asked = np.degrees(
-        np.minimum([tilt_std, yaw_std, MAX_TILT_STD, MAX_YAW_STD], np.pi)
-    )
+    tilt, yaw, tilt_asked, yaw_asked = in_degrees(tilt_std, yaw_std, MAX_TILT_STD, MAX_YAW_STD)
     return (
         f"tilt is known to {tilt:.1f} deg, yaw to {yaw:.1f} deg and scale to {100 * scale_std:.0f} % (u), "
         f"{tilt_asked:.0f}, {yaw_asked:.0f} and {100 * MAX_SCALE_STD:.0f} are needed: move it further"
