@@ -53,13 +53,13 @@ def interval_moments(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArr
     return np.log(p), mean * np.sign(middle), variance
 
 
-def smooth(
+def theta_of_first_and_all(
     t: FloatArray, linked: FloatArray, tau: FloatArray, nu: FloatArray, basis: FloatArray, noise: float
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, float]:
-    """Return the posterior of S and theta under Gaussian sites.
+) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
+    """Return theta and its covariance, (1,) and (1, 1) by the basis's first column, (p,) and (p, p) by all.
 
-    Returns mean (m,) and variance (m,) of S, theta (p,), its covariance (p, p) and the log of the normaliser.
-    Level and theta have flat priors.
+    With T the random walk's tridiagonal precision and A = T + diag(tau), the joint precision of (S, theta) is
+    [[A, -T B], [-B'T, B'T B]]; S is eliminated by A's factorisation, once for both. Priors are flat.
 
     Parameters
     ----------
@@ -68,87 +68,29 @@ def smooth(
     tau, nu : (m,) the sites' precision and precision times mean, S in counts
     basis : (m, p) of theta at the nodes
     noise : counts per sqrt(sample)
-
-    Notes
-    -----
-    With T the random walk's tridiagonal precision and A = T + diag(tau), the joint precision of (S, theta) is
-    [[A, -T B], [-B'T, B'T B]]; S is eliminated by A's factorisation. With d the pivots from the first node on and
-    e those from the last, A's inverse has 1 / (d + e - diag A) on its diagonal.
     """
-    link, step, change = _steps(t, linked, basis, noise)
-    TB, diagonal = _of_steps(step), _diagonal(link, tau)
-    pivot, factor, _ = dpttrf(diagonal, -link)
-    back, _, _ = dpttrf(diagonal[::-1], -link[::-1])
-    level, bent = _solved(pivot, factor, nu, TB)
-    theta, covariance, information, h = _theta(step.T @ change, TB, level, bent)
-    determinant = np.linalg.det(information) if len(information) > 1 else information[0, 0]
-    log_norm = 0.5 * float(np.log(link[link > 0]).sum())
-    log_norm += 0.5 * float(nu @ level + h @ theta - np.log(pivot).sum()) - 0.5 * math.log(determinant)
-    variance = 1.0 / (pivot + back[::-1] - diagonal) + ((bent @ covariance) * bent).sum(axis=1)
-    return level + bent @ theta, variance, theta, covariance, log_norm
-
-
-def theta_of_first_and_all(
-    t: FloatArray, linked: FloatArray, tau: FloatArray, nu: FloatArray, basis: FloatArray, noise: float
-) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
-    """Return theta and its covariance as `smooth` does, (1,) by the basis's first column and (p,) by all.
-
-    S is eliminated once for both, and nothing is stated of it. Covariances are (1, 1) and (p, p).
-
-    Parameters
-    ----------
-    t, linked, tau, nu, basis, noise : (m,) but for basis (m, p) and noise, in the units of `smooth`
-    """
-    link, step, change = _steps(t, linked, basis, noise)
-    TB = _of_steps(step)
-    pivot, factor, _ = dpttrf(_diagonal(link, tau), -link)
-    level, bent = _solved(pivot, factor, nu, TB)
-    # of one column a sum of products runs as along a vector: it is one, not a column of several
-    first = [np.ascontiguousarray(each[:, :1]) for each in (step, change, TB)]
-    alone = _theta(first[0].T @ first[1], first[2], level, bent[:, :1])
-    return alone[:2], _theta(step.T @ change, TB, level, bent)[:2]
-
-
-def _steps(
-    t: FloatArray, linked: FloatArray, basis: FloatArray, noise: float
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the steps' precision (m - 1,), times the basis's change in each (m - 1, p), and that change."""
     apart = noise * noise * (t[1:] - t[:-1])  # zero where a segment begins when another ended
     link = np.divide(1.0, apart, out=np.zeros(len(apart)), where=linked[1:] > 0)
     change = basis[1:] - basis[:-1]
-    return link, link[:, None] * change, change
-
-
-def _of_steps(step: FloatArray) -> FloatArray:
-    """Return T B (m, p), what the steps (m - 1, p) sum to at each node."""
-    TB = np.zeros((len(step) + 1, step.shape[1]))
+    step, TB, diagonal = link[:, None] * change, np.zeros_like(basis), tau.copy()
     TB[1:] += step
     TB[:-1] -= step
-    return TB
-
-
-def _diagonal(link: FloatArray, tau: FloatArray) -> FloatArray:
-    diagonal = tau.copy()
     diagonal[1:] += link
     diagonal[:-1] += link
-    return diagonal
-
-
-def _solved(
-    pivot: FloatArray, factor: FloatArray, nu: FloatArray, TB: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return A^-1 nu (m,) and A^-1 T B (m, p) by A's factors."""
-    right = np.empty((len(nu), 1 + TB.shape[1]), order="F")
+    pivot, factor, _ = dpttrf(diagonal, -link)
+    right = np.empty((len(nu), 1 + basis.shape[1]), order="F")
     right[:, 0], right[:, 1:] = nu, TB
     solved, _ = dpttrs(pivot, factor, right, overwrite_b=1)
-    return solved[:, 0], solved[:, 1:]
+    level, bent = solved[:, 0], solved[:, 1:]
+    # of one column a sum of products runs as along a vector: it is one, not a column of several
+    first = [np.ascontiguousarray(each[:, :1]) for each in (step, change, TB)]
+    alone = _theta(first[0].T @ first[1], first[2], level, bent[:, :1])
+    return alone, _theta(step.T @ change, TB, level, bent)
 
 
-def _theta(
-    BTB: FloatArray, TB: FloatArray, level: FloatArray, bent: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return theta (p,), its covariance (p, p), its information (p, p), and that times theta."""
+def _theta(BTB: FloatArray, TB: FloatArray, level: FloatArray, bent: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return theta (p,) and its covariance (p, p); ``level`` is A^-1 nu, ``bent`` A^-1 T B."""
     information = BTB - TB.T @ bent
     inverse = np.linalg.inv(information) if len(information) > 1 else 1.0 / information
-    covariance, h = np.asarray(inverse, dtype=np.float64), TB.T @ level
-    return covariance @ h, covariance, information, h
+    covariance = np.asarray(inverse, dtype=np.float64)
+    return covariance @ (TB.T @ level), covariance

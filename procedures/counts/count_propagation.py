@@ -82,6 +82,16 @@ def propagate(paths: Sequence[Nodes], noises: Sequence[float], sweeps: int, tole
     return [found[number] for number in range(len(paths))]
 
 
+def output_under_sites(
+    path: Nodes, noise: float, tau: FloatArray, nu: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return mean (m,) and variance (m,) of the output S [counts] under sites ``tau`` and ``nu`` (m,)."""
+    left = _Left([path], [noise])
+    left.tau, left.nu = tau, nu
+    left.smooth()
+    return left.mean, left.variance
+
+
 class _Left:
     """The paths that have not settled yet, their nodes one after the other."""
 
@@ -117,7 +127,10 @@ class _Left:
         return values if len(values) == 1 else np.repeat(values, self.sizes)
 
     def smooth(self) -> None:
-        """Find mean and variance of S and theta under the sites, as `count_kernels.smooth` of each path."""
+        """Find mean and variance of S and theta under the sites; A is that of `theta_of_first_and_all`.
+
+        With d the pivots from the first node on, e those from the last: diag A^-1 = 1 / (d + e - diag A).
+        """
         diagonal = self.tau + self.link
         diagonal[:-1] += self.link[1:]
         pivot, factor, _ = dpttrf(diagonal, -self.link[1:])

@@ -14,9 +14,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
-from procedures.counts.count_kernels import smooth, theta_of_first_and_all
+from procedures.counts.count_kernels import theta_of_first_and_all
 from procedures.counts.count_noise import Search, Tries, Weights, noise_posterior, white_count_noise
-from procedures.counts.count_propagation import Nodes, propagate, rate_within_counts
+from procedures.counts.count_propagation import Nodes, output_under_sites, propagate, rate_within_counts
 from procedures.errors import TooShort
 
 NODE_WINDOWS, NODES_PER_WINDOW_END = 64, 3
@@ -94,6 +94,11 @@ class _Path:
             self.made[terms] = t, linked, self.low[self.keep], basis
         return self.made[terms]
 
+    def nodes(self) -> Nodes:
+        """Return the nodes in use, of the mean rate alone."""
+        t, linked, low, basis = self.arrays(1)
+        return Nodes(t, linked, low, basis[:, 0])
+
     def take(self, noise: float) -> float:
         """Take the sites found at a noise; return the log evidence."""
         self.tau, self.nu, evidence = self.found[noise]
@@ -134,8 +139,8 @@ class _Path:
         """Take in the nodes that the sites found so far leave in doubt; say whether there were any."""
         if self.is_thinned or self.keep.all():
             return False
-        t, linked, _, basis = self.arrays(1)
-        mean, variance, *_ = smooth(t, linked, self.tau, self.nu, basis, noise)
+        nodes = self.nodes()
+        t, (mean, variance) = nodes.t, output_under_sites(nodes, noise, self.tau, self.nu)
         before = np.clip(np.searchsorted(t, self.t, side="right") - 1, 0, len(t) - 2)
         share = (self.t - t[before]) / (t[before + 1] - t[before])
         at = mean[before] + share * (mean[before + 1] - mean[before])
@@ -306,8 +311,7 @@ def _fit(asked: Tries[_Path]) -> None:
     while new:
         size = np.cumsum([np.count_nonzero(path.keep) for path, _ in new])
         here = max(int(np.searchsorted(size, NODES_AT_ONCE, side="right")), 1)
-        arrays = (path.arrays(1) for path, _ in new[:here])
-        nodes = [Nodes(t, linked, low, basis[:, 0]) for t, linked, low, basis in arrays]
+        nodes = [path.nodes() for path, _ in new[:here]]
         sites = propagate(nodes, [noise for _, noise in new[:here]], MAX_SWEEPS, SWEEP_TOLERANCE)
         for (path, noise), one in zip(new[:here], sites, strict=True):
             path.found[noise] = one.tau, one.nu, one.evidence

@@ -21,7 +21,6 @@ from procedures.fusion.inner.inner_window import (
     KNOWN_STD,
     ORIGIN_STD,
     OUTAGE_S,
-    InnerSettings,
     InnerWindow,
 )
 from procedures.fusion.inner.marginalised_keyframes import MarginalisedKeyframe, RevisedPath, smoothed_states
@@ -55,13 +54,6 @@ class WindowSettings:
     lever_std: float | None = None
     offset_std: float | None = None
 
-    @property
-    def inner(self) -> InnerSettings:
-        """What every window is given."""
-        shaken = ACCEL_NOISE_FACTOR if self.still_std is None else 1.0
-        noise = replace(self.site.noise, accel=shaken * self.site.noise.accel)
-        return InnerSettings(self.site, noise, self.frames, rounds=1)
-
 
 class InertialWindow(InnerWindow):
     """An odometry source from calibrated IMU samples and fixes, from where an alignment begins.
@@ -77,7 +69,9 @@ class InertialWindow(InnerWindow):
         self.frames = keyframes(fixes.t, start.t0, float(imu.t[-1]), settings.spacing)
         self._is_flat = settings.still_std is None and not np.isfinite(fixes.v_n[:, 2]).any()
         begun = self._beginning(fixes, start, KNOWN_STD if wheel is None else wheel.mount.scale_std)
-        super().__init__(settings.inner, self.frames.t, imu, fixes, start, begun, LeverArm(settings.lever), wheel)
+        site = settings.site.shaken(1.0, ACCEL_NOISE_FACTOR if settings.still_std is None else 1.0)
+        antenna = LeverArm(settings.lever)
+        super().__init__(site, settings.frames, 1, self.frames.t, imu, fixes, start, begun, antenna, wheel)
         self._first, self._left = begun[1], list[MarginalisedKeyframe]()
         self._is_settled = False  # that it was linearised again where the alignment's data end
         self._path = RevisedPath()

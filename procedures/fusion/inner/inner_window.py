@@ -5,7 +5,7 @@ problem (Han 2022 IV.A). What leaves is marginalised with all that was seen of i
 line is integrated, with as much noise as such a line misses.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -42,27 +42,18 @@ FREE_VELOCITY = 1.0  # m/s
 KNOWN_STD = 1e-6  # m, rad or s, of what is not estimated
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class InnerSettings:
-    """Gravity, Earth rate and IMU at ``site``; the window is ``frames`` long and fitted in at most ``rounds``.
+class InnerWindow:
+    """Keyframes at ``times`` (n,) [s] of a recording, and then those that `_live` lays behind them.
 
-    ``noise`` is the IMU's as it counts, shaken by what carries it.
+    The window is ``frames`` long and fitted in at most ``rounds``; the noise of ``site`` is shaken.
     """
 
-    site: Site
-    noise: ImuNoise
-    frames: int
-    rounds: int
-
-
-class InnerWindow:
-    """Keyframes at ``times`` (n,) [s] of a recording, and then those that `_live` lays behind them."""
-
     def __init__(
-        self, inner: InnerSettings, times: FloatArray, imu: ImuSeries, fixes: GnssFixes, start: AlignmentState,
-        begun: tuple[WindowState, Prior], antenna: LeverArm, wheel: WheelAid | None = None,
+        self, site: Site, frames: int, rounds: int, times: FloatArray, imu: ImuSeries, fixes: GnssFixes,
+        start: AlignmentState, begun: tuple[WindowState, Prior], antenna: LeverArm, wheel: WheelAid | None = None,
     ) -> None:  # fmt: skip
-        self._inner, self.fixes, self.start, self.antenna = inner, fixes, start, antenna
+        self._site, self._frames, self._rounds = site, frames, rounds
+        self.fixes, self.start, self.antenna = fixes, start, antenna
         self.wheel, self._imu = wheel, imu
         self.marks, self._scale = Landmarks(), np.ones(2)
         self.state, self._prior = begun
@@ -104,17 +95,17 @@ class InnerWindow:
         """Return some rows of the IMU on a grid, integrated from the newest keyframe on."""
         state, part = self.state, ImuGrid(g.dt[rows], g.omega_b[rows], g.f_b[rows], g.at[:0])
         middle = self.t + part.dt.sum() / 2
-        noise = next((_within(each, self._inner.noise) for each in self._gaps if each.first < middle < each.last),
-                     self._inner.noise)  # fmt: skip
-        earth_b = state.C_ob[-1].T @ self._heading().T @ self._inner.site.earth_n
+        noise = next((_within(each, self._site.noise) for each in self._gaps if each.first < middle < each.last),
+                     self._site.noise)  # fmt: skip
+        earth_b = state.C_ob[-1].T @ self._heading().T @ self._site.earth_n
         return preintegrate(part, state.bg[-1], state.ba[-1], earth_b, noise)
 
     def _add_keyframe(self, t: float, part: Preintegrated | None) -> None:
         """Predict a keyframe at ``t`` [s] behind ``part`` of the IMU, None for the first; the oldest leaves."""
-        while len(self.state.p) > self._inner.frames + self.awaited:
+        while len(self.state.p) > self._frames + self.awaited:
             self._slide()
         if part is not None:
-            last, site = self.state, self._inner.site
+            last, site = self.state, self._site
             rated = replace(last, rate=part.rates[:1]) if last.rate is not None and len(last.p) == 1 else last
             self.state = rated.with_frame(*predicted(last, part, site), last.bg[-1], last.ba[-1], part.rates[-1])
             fix = self._fix(part, self._heading() @ last.C_ob[-1], site.pull(last.v[-1]))
@@ -129,11 +120,11 @@ class InnerWindow:
     def _with_wheel(self, wheel: WheelAid, fix: KeyframeFix, t: float, part: Preintegrated) -> KeyframeFix:
         """Return the measurements at the newest keyframe, at ``t`` [s] behind ``part``, with the wheel's part."""
         C, v = self.state.C_ob[-1], self.state.v[-1]
-        seen = wheel.measured(self.t, part, C.T @ self._inner.site.pull(v))
+        seen = wheel.measured(self.t, part, C.T @ self._site.pull(v))
         if seen is None:
             return fix
         v_b, slipped = C.T @ v, wheel.slips_now
-        P = predicted_covariance(self._factor, self._solved, C, v_b, self._inner.noise, part.dt)
+        P = predicted_covariance(self._factor, self._solved, C, v_b, self._site.noise, part.dt)
         seen = wheel.judged(seen, t, part.dt, v_b, 1 + self.state.wheel, P, self._imu)
         if wheel.slips_now and not slipped:
             self._held = without_wheel(self._held, t - self.t, RETRACTED_S)
@@ -148,9 +139,9 @@ class InnerWindow:
         return self._measured.at_end(self.t, part, C_nb, pull, self.antenna)
 
     def _solve(self) -> None:
-        for _ in range(self._inner.rounds):
+        for _ in range(self._rounds):
             normal, free = assemble(
-                self.state, self._prior, self._held, self._inner.site, self.marks, self.marks.sights.seen,
+                self.state, self._prior, self._held, self._site, self.marks, self.marks.sights.seen,
                 self._scale,
             )  # fmt: skip
             self._factor, self._solved = self._factorised(normal.A), self.last
@@ -171,7 +162,7 @@ class InnerWindow:
         if not len(self.marks.slot):  # nothing ties it but to the next, and to what the prior knows
             known = known.part(slice(max(2, len(self._prior.at.p))))
         held = self._held
-        self._prior, gone = marginalised(known, self._prior, held, self._inner.site, self.marks, self._scale)
+        self._prior, gone = marginalised(known, self._prior, held, self._site, self.marks, self._scale)
         self.state = replace(self.state.part(slice(1, None)), held=self._prior.at.held)
         self._held = WindowMeasurements(held.parts[1:], held.fixes[1:])
         return gone

@@ -21,7 +21,6 @@ from procedures.fusion.inner.inner_window import (
     KNOWN_STD,
     ORIGIN_STD,
     OUTAGE_S,
-    InnerSettings,
     InnerWindow,
 )
 from procedures.fusion.inner.landmarks import residuals
@@ -69,13 +68,6 @@ class VisionSettings:
     frames: int = FRAMES
     offset_std: float = 0.0
 
-    @property
-    def inner(self) -> InnerSettings:
-        """What every window is given."""
-        noise = self.site.noise
-        shaken = replace(noise, gyro=ACCEL_NOISE_FACTOR * noise.gyro, accel=ACCEL_NOISE_FACTOR * noise.accel)
-        return InnerSettings(self.site, shaken, self.frames, ROUNDS)
-
 
 def beginning(
     start: AlignmentState, camera: PinholeCamera, noise: ImuNoise, offset_std: float = 0.0,
@@ -112,7 +104,8 @@ class VisualInertialWindow(InnerWindow):
         self.frames = keyframes(seen, start.t0, float(imu.t[-1]), FRAME_SPACING_S, MIN_FRAME_SPACING_S)
         wheel_std = KNOWN_STD if wheel is None else wheel.mount.scale_std
         begun = beginning(start, settings.camera, settings.site.noise, settings.offset_std, wheel_std)
-        super().__init__(settings.inner, self.frames.t, imu, fixes, start, begun, settings.antenna, wheel)
+        site, antenna = settings.site.shaken(ACCEL_NOISE_FACTOR, ACCEL_NOISE_FACTOR), settings.antenna
+        super().__init__(site, settings.frames, ROUNDS, self.frames.t, imu, fixes, start, begun, antenna, wheel)
         self._scale = np.array([settings.camera.fx, settings.camera.fy]) / settings.camera.std
         self.rejected, self.seen_until = 0, -np.inf  # s, the newest keyframe that has a frame
         self._aided = bool(fixes.has_velocity.any())

@@ -24,7 +24,7 @@ wheel's place about the IMU. Nothing is assumed across forward.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -47,6 +47,11 @@ class Site:
     gravity: float
     earth_n: FloatArray
     noise: ImuNoise
+
+    def shaken(self, gyro: float, accel: float) -> "Site":
+        """Return it with the IMU's white noise times factors: what carries the IMU shakes it."""
+        noise = replace(self.noise, gyro=gyro * self.noise.gyro, accel=accel * self.noise.accel)
+        return replace(self, noise=noise)
 
     def pull(self, v: FloatArray) -> FloatArray:
         """Return gravity and Coriolis acceleration (..., 3) [m/s2] at velocities ``v`` (..., 3) [m/s], frame o."""

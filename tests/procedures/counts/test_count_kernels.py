@@ -7,11 +7,8 @@ from hypothesis import strategies as st
 from scipy.stats import norm, truncnorm
 
 from procedures.arrays import FloatArray, IntArray
-from procedures.counts.count_kernels import (
-    interval_moments,
-    smooth,
-)
-from procedures.counts.count_propagation import Nodes, Sites, propagate
+from procedures.counts.count_kernels import interval_moments, theta_of_first_and_all
+from procedures.counts.count_propagation import Nodes, Sites, output_under_sites, propagate
 
 Case = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, float]
 
@@ -44,11 +41,15 @@ def dense(case: Case) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, f
 
 @pytest.mark.parametrize("p", [1, 2, 3])
 @pytest.mark.parametrize("segments", [1, 2, 3])
-def test_smooth_is_dense_linear_algebra(p: int, segments: int) -> None:
+def test_the_posterior_under_sites_is_dense_linear_algebra(p: int, segments: int) -> None:
     for seed in range(5):
-        case = problem(seed, 12, p, segments)
-        for got, expected in zip(smooth(*case), dense(case), strict=True):
-            assert got == pytest.approx(expected, rel=1e-8, abs=1e-9)
+        t, linked, tau, nu, basis, noise = case = problem(seed, 12, p, segments)
+        mean, variance, *of_first, _ = dense((t, linked, tau, nu, basis[:, :1], noise))
+        found = output_under_sites(Nodes(t, linked, np.zeros(len(t)), basis[:, 0]), noise, tau, nu)
+        first, every = theta_of_first_and_all(*case)
+        expected = (mean, variance, *of_first, *dense(case)[2:4])
+        for got, wanted in zip((*found, *first, *every), expected, strict=True):
+            assert got == pytest.approx(wanted, rel=1e-8, abs=1e-9)
 
 
 @settings(max_examples=150)
