@@ -22,13 +22,12 @@ from procedures.attitude.kalman.kalman_settings import AIDED_SETTINGS, UNAIDED_S
 from procedures.attitude.kalman.unaided_motion import heading_at_rest, run_unaided
 from procedures.attitude.sensor_noise import (
     at_rest,
-    clipped_rows,
+    clipping_limits,
     down_over_gaps,
     frozen_rows_warning,
     frozen_stretches,
     gate_of,
     gyro_noise,
-    measured_rows,
     rows_of,
     sigma_over_gaps,
 )
@@ -91,7 +90,9 @@ def over_frozen_rows(run: Estimator[P]) -> Estimator[P]:
         stretches = frozen_stretches(log)
         if not stretches:
             return run(log, *args, **kwargs)
-        measured = measured_rows(log, stretches)
+        measured = np.ones(len(log.t), bool)
+        for each in stretches:
+            measured[each] = False
         track = run(rows_of(log, measured), *args, **kwargs)
         return replace(
             track, down=down_over_gaps(log, measured, track.down),
@@ -148,15 +149,11 @@ def estimate(
 
 
 def _kalman_filtered(
-    log: AttitudeLog,
-    aid: str,
-    settings: KalmanSettings,
-    gravity: float,
-    latitude: float | None,
+    log: AttitudeLog, aid: str, settings: KalmanSettings, gravity: float, latitude: float | None,
     learns_motion: bool,
-) -> AttitudeEstimate:
+) -> AttitudeEstimate:  # fmt: skip
     earth = np.zeros(3) if latitude is None else earth_rate_ned(latitude)
-    rate_limit, force_limit, _ = clipped_rows(log)
+    rate_limit, force_limit = clipping_limits(log)
     unknown = EARTH_RATE if latitude is None else 0.0
     if aid == "none":  # with one, rest is that of a vehicle whose engine may run
         settings = at_rest(settings, log)
@@ -228,7 +225,7 @@ def _warnings_of(log: AttitudeLog) -> list[str]:
         found.append(
             "starts upside down; if it stood level, say --axes, or --accel-convention gravity if 1 g points down"
         )
-    rate_limit, force_limit, _ = clipped_rows(log)
+    rate_limit, force_limit = clipping_limits(log)
     if rows := int((np.abs(log.omega_b) >= rate_limit).any(axis=1).sum()):
         found.append(
             f"gyroscopes clipped at {np.degrees(rate_limit):.4g} deg/s, {rows} rows: the rate is unknown there"

@@ -7,7 +7,7 @@ fault: there the noise is less than the resolution.
 """
 
 import math
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 
 import numpy as np
 
@@ -31,14 +31,6 @@ MIN_ALTERNATING = 0.6  # of fourth differences: 0.8 of white noise, next to none
 MIN_USED = 0.2  # of a channel's rows
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class FrozenStretch:
-    """Rows ``first`` to ``last`` that repeat the row before ``first``."""
-
-    first: int
-    last: int
-
-
 def noise_above_resolution(values: FloatArray) -> float:
     """Return the standard deviation of the noise in ``values`` (n,), in their unit; nan below their resolution.
 
@@ -60,11 +52,11 @@ def noise_above_resolution(values: FloatArray) -> float:
     return noise if alternating > MIN_ALTERNATING and noise > resolution else float("nan")
 
 
-def frozen_stretches(log: AttitudeLog) -> list[FrozenStretch]:
-    """Return the stretches in which all six channels repeat themselves, though they are noisy elsewhere."""
+def frozen_stretches(log: AttitudeLog) -> list[slice]:
+    """Return the rows in which all six channels repeat themselves, though they are noisy elsewhere."""
     values = np.hstack([log.omega_b, log.f_b])
     found = [
-        FrozenStretch(a, b - 1)
+        slice(a, b)
         for a, b in (true_runs((values[1:] == values[:-1]).all(axis=1)) + 1).tolist()
         if b - a >= MIN_REPEATS and log.t[b - 1] - log.t[a - 1] >= MIN_FROZEN_S - 0.5 * log.nominal
     ]
@@ -76,21 +68,13 @@ def frozen_stretches(log: AttitudeLog) -> list[FrozenStretch]:
     return [each for each in found if _goes_on_elsewhere(values, each, noise)]
 
 
-def _goes_on_elsewhere(values: FloatArray, stretch: FrozenStretch, noise: FloatArray) -> bool:
-    held = values[stretch.first]
-    if stretch.last + 1 < len(values):
-        jump = np.abs(values[stretch.last + 1] - held)
+def _goes_on_elsewhere(values: FloatArray, stretch: slice, noise: FloatArray) -> bool:
+    held = values[stretch.start]
+    if stretch.stop < len(values):
+        jump = np.abs(values[stretch.stop] - held)
         return bool((jump > JUMP_SIGMA * np.where(np.isfinite(noise), noise, np.inf)).any())
     off = abs(float(np.linalg.norm(held[3:])) / STANDARD_GRAVITY - 1)
     return float(np.linalg.norm(held[:3])) > MOVING_RATE or off > MOVING_FORCE
-
-
-def measured_rows(log: AttitudeLog, stretches: list[FrozenStretch]) -> BoolArray:
-    """Return which rows (n,) are outside the stretches."""
-    measured = np.ones(len(log.t), bool)
-    for each in stretches:
-        measured[each.first : each.last + 1] = False
-    return measured
 
 
 def rows_of(log: AttitudeLog, rows: BoolArray) -> AttitudeLog:
@@ -123,10 +107,10 @@ def sigma_over_gaps(log: AttitudeLog, measured: BoolArray, sigma: FloatArray) ->
     return np.asarray(filled)
 
 
-def frozen_rows_warning(log: AttitudeLog, stretches: list[FrozenStretch]) -> str:
+def frozen_rows_warning(log: AttitudeLog, stretches: list[slice]) -> str:
     """Return the line that says which rows are treated as a gap."""
-    rows = sum(each.last - each.first + 1 for each in stretches)
-    start = f"{log.t[stretches[0].first]:.6g} s"
+    rows = sum(each.stop - each.start for each in stretches)
+    start = f"{log.t[stretches[0].start]:.6g} s"
     if len(stretches) > 1:
         start += f" on, in {len(stretches)} stretches"
     return (
@@ -182,11 +166,9 @@ def range_limit(samples: FloatArray, least: float) -> float:
     return top if is_sure else float("inf")
 
 
-def clipped_rows(log: AttitudeLog) -> tuple[float, float, int]:
-    """Return the ranges of gyros [rad/s] and accelerometers [m/s2], infinity where unseen, and the rows at one."""
-    rate, force = range_limit(log.omega_b, MIN_RANGE[0]), range_limit(log.f_b, MIN_RANGE[1])
-    at_limit = (np.abs(log.omega_b) >= rate).any(axis=1) | (np.abs(log.f_b) >= force).any(axis=1)
-    return rate, force, int(at_limit.sum())
+def clipping_limits(log: AttitudeLog) -> tuple[float, float]:
+    """Return the ranges of gyros [rad/s] and accelerometers [m/s2], infinity where unseen."""
+    return range_limit(log.omega_b, MIN_RANGE[0]), range_limit(log.f_b, MIN_RANGE[1])
 
 
 QUIETEST_QUANTILE = 0.05  # of the windows' variance that counts as the unit's own

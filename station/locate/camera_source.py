@@ -15,7 +15,7 @@ from procedures.fusion.inner.window_terms import Site
 from procedures.fusion.pose_graph import PoseGraph, PoseGraphSettings
 from procedures.fusion.preintegration import imu_gaps
 from procedures.fusion.vision.camera_time import CameraTimeOffset, camera_offset
-from procedures.fusion.vision.visual_alignment import VisualAligner, align_by_camera
+from procedures.fusion.vision.visual_alignment import align_by_camera
 from procedures.geodesy import earth_rate_n
 from station.errors import DataRefused
 from station.files.fusion_folder import FusionLog
@@ -154,7 +154,7 @@ def _aligned(
 ) -> AlignmentState | Waiting:
     """Align by the camera; where that never works by the IMU alone, as at rest."""
     assert log.imu is not None
-    found = align_by_camera(VisualAligner(settings), log.imu, tracks, fixes)
+    found = align_by_camera(settings, log.imu, tracks, fixes)
     if not isinstance(found, Waiting):
         return found.aligned
     site, antenna = settings.site, settings.antenna

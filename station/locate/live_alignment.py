@@ -25,7 +25,7 @@ from procedures.fusion.inner.visual_inertial_window import VisionSettings
 from procedures.fusion.inner.window_terms import Site
 from procedures.fusion.odometry import OdometryPose
 from procedures.fusion.pose_graph import GlobalPose, PoseGraph, PoseGraphSettings
-from procedures.fusion.vision.visual_alignment import VisualAligner
+from procedures.fusion.vision.visual_alignment import align_at
 from station.locate.live_camera import LiveCamera
 
 LONGEST_REST = 60.0  # s of a rest that the window goes through again: its data are what the heading is known by
@@ -89,7 +89,7 @@ class LiveAlignment:
         now = min(self._seen_until, float(imu.t[-1]), float(fixes.t[-1]))
         antenna = LeverArm(a.lever, a.lever_std or 0.0)
         settings = VisionSettings(Site(a.gravity, a.earth_n, a.noise), camera.camera, antenna)
-        found = VisualAligner(settings).align(imu, tracks, fixes, now)
+        found = align_at(settings, imu, tracks, fixes, now)
         if isinstance(found, Waiting):
             self._seen = found
             return found

@@ -13,7 +13,7 @@ from procedures.attitude.complementary_gains import PAPER_GAINS
 from procedures.attitude.complementary_velocity_aids import observability
 from procedures.attitude.gain_tuning import grid_of_taus, tune
 from procedures.attitude.kalman.unaided_motion import heading_at_rest
-from procedures.attitude.sensor_noise import clipped_rows, gyro_noise
+from procedures.attitude.sensor_noise import clipping_limits, gyro_noise
 from tests.stored.attitude_log import G, drive
 from tests.stored.conftest import StoredResult
 
@@ -58,6 +58,6 @@ def test_what_a_log_shows_of_itself(stored_result: StoredResult) -> None:
     still = replace(LOG, **first, airspeed=None, velocity=None, roll=None, pitch=None)
     stored_result.check({
         "aids": [default_aid(LOG), default_aid(still)], "gaps": with_a_gap(LOG).gaps, "noise": gyro_noise(LOG),
-        "clipped": clipped_rows(LOG), "axes": disagreement(LOG), "heading": heading_at_rest(still, 0.8, 1e-5),
+        "clipped": clipping_limits(LOG), "axes": disagreement(LOG), "heading": heading_at_rest(still, 0.8, 1e-5),
         "observability": observability(LOG, 0.05),
     })  # fmt: skip

@@ -13,7 +13,7 @@ from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettin
 from procedures.fusion.inner.visual_inertial_window import VisionSettings, VisualInertialWindow
 from procedures.fusion.odometry import OdometryDrift
 from procedures.fusion.pose_graph import PoseGraph, PoseGraphSettings
-from procedures.fusion.vision.visual_alignment import VisualAligner, VisualStart, align_by_camera
+from procedures.fusion.vision.visual_alignment import VisualStart, align_by_camera
 from tests.drivers.simulated.camera_tracks import View
 from tests.procedures.fusion.motions import CAMERA, EARTH, GRAVITY, NOISE, SITE, Eight, fog, tracks_of
 from tests.stored.conftest import StoredResult
@@ -77,7 +77,7 @@ def test_a_window_with_a_camera(stored_result: StoredResult) -> None:
     imu, fixes = flight.imu(np.random.default_rng(1), EARTH), flight.fixes(np.random.default_rng(2))
     tracks = tracks_of(flight, 3, view=View(features=80, longest=6.0))
     settings = VisionSettings(SITE, CAMERA, LeverArm(ZERO))
-    start = align_by_camera(VisualAligner(settings), imu, tracks, fixes)
+    start = align_by_camera(settings, imu, tracks, fixes)
     assert isinstance(start, VisualStart)
     poses = list(VisualInertialWindow(settings, imu, tracks, fixes, start.aligned).poses())
     stored_result.check({"start": start, "poses": poses[::5]})

@@ -75,15 +75,9 @@ class WheelAid:
         return at_end(speeds, self.mount, t0, part, pull_b)
 
     def judged(
-        self,
-        seen: KeyframeWheel,
-        t: float,
-        dt: float,
-        v_b: FloatArray,
-        scale: float,
-        P: FloatArray,
+        self, seen: KeyframeWheel, t: float, dt: float, v_b: FloatArray, scale: float, P: FloatArray,
         imu: ImuSeries,
-    ) -> KeyframeWheel:
+    ) -> KeyframeWheel:  # fmt: skip
         """Return a keyframe's wheel as far as it is believed.
 
         Parameters

@@ -54,14 +54,9 @@ NOTHING = Eliminated(
 
 
 def assemble(
-    state: WindowState,
-    prior: Prior,
-    held: WindowMeasurements,
-    site: Site,
-    marks: Landmarks,
-    seen: BoolArray,
+    state: WindowState, prior: Prior, held: WindowMeasurements, site: Site, marks: Landmarks, seen: BoolArray,
     scale: FloatArray,
-) -> tuple[Normal, Eliminated]:
+) -> tuple[Normal, Eliminated]:  # fmt: skip
     """Return the normal equations of prior, IMU, fixes and sights ``seen`` (l, k), whitened by ``scale`` (2,)."""
     normal = zero(state.size)
     _add_prior(normal, state, prior)

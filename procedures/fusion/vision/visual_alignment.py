@@ -213,39 +213,35 @@ MIN_FRAME_SPACING_S = 0.09  # s between the frames that are used
 TWO_VIEW_SEED = 0  # of the samples of `two_view`
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class VisualAligner:
-    """What stays the same."""
-
-    settings: VisionSettings
-
-    def align(self, imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes, now: float) -> VisualStart | Waiting:
-        """Align by the last frames before ``now`` [s], or say what is missing."""
-        camera = self.settings.camera
-        tracks = derotated(tracks, imu, camera)
-        t, marks = _followed(tracks, camera, max(now - MAX_SPAN_S, float(imu.t[0])), min(now, float(imu.t[-1])))
-        if len(t) < MIN_FRAMES:
-            why = f"{len(t)} frames of the camera share {MIN_SHARED_FEATURES} features, {MIN_FRAMES} are needed"
-            return Waiting(why)
-        scale = np.array([camera.fx, camera.fy]) / camera.std
-        seen = structure(marks, t, scale, np.random.default_rng(TWO_VIEW_SEED))
-        if isinstance(seen, str):
-            return Waiting(seen)
-        known = fixes.part(np.searchsorted(fixes.t, now, "right") > np.arange(len(fixes.t)))
-        if not known.has_velocity.any():
-            return Waiting("no GNSS velocity yet, which is needed for the scale")
-        return VisualInertialFit(self.settings, imu, known, t, marks, seen, scale).start()
+def align_at(
+    settings: VisionSettings, imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes, now: float
+) -> VisualStart | Waiting:
+    """Align by the last frames before ``now`` [s], or say what is missing."""
+    camera = settings.camera
+    tracks = derotated(tracks, imu, camera)
+    t, marks = _followed(tracks, camera, max(now - MAX_SPAN_S, float(imu.t[0])), min(now, float(imu.t[-1])))
+    if len(t) < MIN_FRAMES:
+        why = f"{len(t)} frames of the camera share {MIN_SHARED_FEATURES} features, {MIN_FRAMES} are needed"
+        return Waiting(why)
+    scale = np.array([camera.fx, camera.fy]) / camera.std
+    seen = structure(marks, t, scale, np.random.default_rng(TWO_VIEW_SEED))
+    if isinstance(seen, str):
+        return Waiting(seen)
+    known = fixes.part(np.searchsorted(fixes.t, now, "right") > np.arange(len(fixes.t)))
+    if not known.has_velocity.any():
+        return Waiting("no GNSS velocity yet, which is needed for the scale")
+    return VisualInertialFit(settings, imu, known, t, marks, seen, scale).start()
 
 
 def align_by_camera(
-    aligner: VisualAligner, imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes
+    settings: VisionSettings, imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes
 ) -> VisualStart | Waiting:
     """Return the first alignment that the data allow, none of which uses anything later than its end."""
     start = max(float(each.t[0]) for each in (imu, tracks, fixes))
     end = min(float(each.t[-1]) for each in (imu, tracks, fixes))
     found: VisualStart | Waiting = Waiting("IMU, camera and GNSS overlap for less than a second")
     for now in attempt_times(start, end, FIRST_ATTEMPT_S, MIN_ATTEMPT_SPACING_S):
-        found = aligner.align(imu, tracks, fixes, now)
+        found = align_at(settings, imu, tracks, fixes, now)
         if isinstance(found, VisualStart):
             break
     return found

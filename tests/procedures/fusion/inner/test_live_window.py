@@ -13,7 +13,7 @@ from procedures.fusion.gnss_velocity import LeverArm
 from procedures.fusion.inner.inertial_window import InertialWindow, WindowSettings
 from procedures.fusion.inner.visual_inertial_window import VisionSettings, VisualInertialWindow
 from procedures.fusion.inner.window_state import FRAME_SPACING_S, MIN_FRAME_SPACING_S, Frame, filled
-from procedures.fusion.vision.visual_alignment import VisualAligner, VisualStart, align_by_camera
+from procedures.fusion.vision.visual_alignment import VisualStart, align_by_camera
 from tests.drivers.simulated.camera_tracks import View
 from tests.procedures.fusion.motions import CAMERA, EARTH, GRAVITY, NO_LEVER, NOISE, SITE, Eight, tracks_of
 
@@ -53,7 +53,7 @@ def test_a_visual_window_that_is_lived_through_ends_where_the_recorded_one_does(
     tracks = tracks_of(flight, 3, view=View(features=60, longest=6.0))
     dark = (tracks.t > 6.0) & (tracks.t < 6.5)
     tracks = FeatureTracks(tracks.t[~dark], tracks.feature[~dark], tracks.uv[~dark])
-    found = align_by_camera(VisualAligner(SETTINGS), imu, tracks, fixes)
+    found = align_by_camera(SETTINGS, imu, tracks, fixes)
     assert isinstance(found, VisualStart)
     start = found.aligned
     whole = VisualInertialWindow(SETTINGS, imu, tracks, fixes, start)

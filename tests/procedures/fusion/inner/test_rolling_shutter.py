@@ -10,7 +10,7 @@ from procedures.fusion.feature_tracks import FeatureTracks, PinholeCamera, derot
 from procedures.fusion.fusion_records import GnssFixes, ImuSeries
 from procedures.fusion.gnss_velocity import LeverArm
 from procedures.fusion.inner.visual_inertial_window import VisionSettings, VisualInertialWindow
-from procedures.fusion.vision.visual_alignment import VisualAligner, VisualStart, align_by_camera
+from procedures.fusion.vision.visual_alignment import VisualStart, align_by_camera
 from tests.drivers.simulated.camera_tracks import View
 from tests.procedures.fusion.motions import CAMERA, EARTH, SITE, Eight, tracks_of
 
@@ -46,7 +46,7 @@ def located(
 ) -> tuple[float, float, int]:
     """Return errors of the step over a second [m rms], tilt [deg rms], and how many sights were rejected."""
     settings = VisionSettings(SITE, replace(camera, std=0.3), LeverArm(ZERO))
-    start = align_by_camera(VisualAligner(replace(settings, camera=replace(camera, std=1.0))), imu, tracks, fixes)
+    start = align_by_camera(replace(settings, camera=replace(camera, std=1.0)), imu, tracks, fixes)
     assert isinstance(start, VisualStart), start
     window = VisualInertialWindow(settings, imu, tracks, fixes, start.aligned)
     poses = [(pose.t, pose.p_o, pose.C_ob) for pose in window.poses()]

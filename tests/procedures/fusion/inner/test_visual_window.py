@@ -12,7 +12,7 @@ from procedures.fusion.gnss_velocity import LeverArm
 from procedures.fusion.inner.visual_inertial_window import VisionSettings, VisualInertialWindow
 from procedures.fusion.inner.wheel_aid import WheelAid
 from procedures.fusion.pose_graph import PoseGraph
-from procedures.fusion.vision.visual_alignment import VisualAligner, VisualStart, align_by_camera
+from procedures.fusion.vision.visual_alignment import VisualStart, align_at, align_by_camera
 from tests.drivers.simulated.camera_tracks import View
 from tests.procedures.fusion.motions import ACCEL_BIAS, CAMERA, EARTH, GYRO_BIAS, SITE, Eight, tracks_of, turned
 
@@ -43,7 +43,7 @@ def tracks(flight: Eight) -> FeatureTracks:
 
 @cache
 def begun(imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes, camera: PinholeCamera = CAMERA) -> VisualStart:
-    found = align_by_camera(VisualAligner(VisionSettings(SITE, camera, LeverArm(ZERO))), imu, tracks, fixes)
+    found = align_by_camera(VisionSettings(SITE, camera, LeverArm(ZERO)), imu, tracks, fixes)
     assert isinstance(found, VisualStart), found
     return found
 
@@ -63,9 +63,9 @@ def turn_of(C_nb: np.ndarray, flight: Eight, t: float) -> np.ndarray:
 def test_the_joint_fit_knows_scale_and_attitude_to_its_own_sigma(
     flight: Eight, imu: ImuSeries, tracks: FeatureTracks, fixes: GnssFixes
 ) -> None:
-    aligner, found = VisualAligner(VisionSettings(SITE, CAMERA, LeverArm(ZERO))), list[VisualStart]()
+    settings, found = VisionSettings(SITE, CAMERA, LeverArm(ZERO)), list[VisualStart]()
     for now in np.arange(2.0, 10.0, 1.0):
-        if isinstance(each := aligner.align(imu, tracks, fixes, float(now)), VisualStart):
+        if isinstance(each := align_at(settings, imu, tracks, fixes, float(now)), VisualStart):
             found.append(each)
     assert len(found) >= 5
     lengths = [np.linalg.norm(flight.p(each.t[-1:]) - flight.p(each.t[:1])) for each in found]
@@ -87,7 +87,7 @@ def test_the_start_waits_for_displacement_and_says_so(tracks: FeatureTracks) -> 
     still = tracks_of(flight, 3)
     rng = np.random.default_rng(1)
     found = align_by_camera(
-        VisualAligner(VisionSettings(SITE, CAMERA, LeverArm(ZERO))),
+        VisionSettings(SITE, CAMERA, LeverArm(ZERO)),
         flight.imu(rng, EARTH),
         still,
         flight.fixes(rng),
