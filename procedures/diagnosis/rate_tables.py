@@ -91,13 +91,13 @@ class RateTables:
         columns = (np.zeros(0, dtype=np.int64), np.arange(len(self.x)))
         whole = np.ones(r, dtype=np.int64)
         return Evidence(
-            residual, self.noise / abs(k), -self.jacobian() / k[:, None], GYROSCOPE * whole, KINDS.index("rate") * whole,
-            p.block[p.at], p.sensor, np.zeros(r, dtype=bool), self.x, columns, weights, self._seen(),
-            self.noise_dof, gain=self.gain[p.at, p.sensor],
+            residual, self.noise / abs(k), -self.jacobian() / k[:, None], GYROSCOPE * whole,
+            KINDS.index("rate") * whole, p.block[p.at], p.sensor, np.zeros(r, dtype=bool), self.x, columns,
+            weights, self._seen(), self.noise_dof, gain=self.gain[p.at, p.sensor],
         )  # fmt: skip
 
     def jacobian(self) -> FloatArray:
-        """Return by how much each output follows each parameter (r, p) [1, deg/s], with k times what is added as is.
+        """Return by how much each output follows each parameter (r, p) [1, deg/s]; k times what is added stays.
 
         ``N = k (o + added(o))``, ``o = E omega + D``: the bias and the other axes act through o, on which k, the
         norm of a sensor's own row, has no influence.

@@ -115,9 +115,9 @@ ACCELEROMETER_RATE_LAG, GYROSCOPE_RATE_LAG = twins(
     plausible=(2e-5, 3.0),
     starts=_rate_lags,
     meaning="Bias while the sensor's own temperature changes",
-    about="The coil follows the thermometer by tau dT_s/dt = T - T_s, and the Shupe effect goes by dT_s/dt. It is a "
-    "temperature coefficient less one that lags, of equal size: (T - T_s) / tau. Two of them, of the coil and of its "
-    "spool, are the usual thermal model of a FOG. Plausible: as without a lag.",
+    about="The coil follows the thermometer by tau dT_s/dt = T - T_s, and the Shupe effect goes by dT_s/dt. It is "
+    "a temperature coefficient less one that lags, of equal size: (T - T_s) / tau. Two of them, of the coil and "
+    "of its spool, are the usual thermal model of a FOG. Plausible: as without a lag.",
     source=(
         "IEEE Std 1293, temperature-rate sensitivity of bias; heat conduction, first order",
         "D. M. Shupe, Thermally induced nonreciprocity, Appl. Opt. 19 (1980) 654; heat conduction, first order",

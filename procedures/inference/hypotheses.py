@@ -48,7 +48,7 @@ class Way:
     rows: IntArray | None = None
 
     def followed(self, evidence: Evidence) -> "Way":
-        """Return it as far as the output follows the input: what acts on the input does not show beyond a range."""
+        """Return it as far as the output follows the input: beyond its range the input does not show."""
         if evidence.gain is None or self.candidate is None or self.candidate.effect.multiplies_output:
             return self
         return replace(self, H=self.H * evidence.gain[:, None])

@@ -121,7 +121,7 @@ class MonitorScreen(Screen[None]):
             self.set_class(view.location.is_located, "-placed")
             self.map.show(view.location)
             self.where.show(view)
-        names = f"law {', '.join(reading.name for reading in view.filters)}  " if view.filters else ""
+        names = f"filter {', '.join(reading.name for reading in view.filters)}  " if view.filters else ""
         self.title_line.show((f"{view.unit or 'FOG station'}  monitor", f"{names}aid {view.aid}{_at(view)}"))
         self.state.show(state_of(view))
         self.horizon.show(view.shown)

@@ -110,7 +110,7 @@ class FilterTable(ValueWidget[tuple[FilterReading, ...]]):
 
     def _drawn(self, filters: tuple[FilterReading, ...]) -> Content:
         apart = difference(filters)
-        head = "LAW   " + "".join(f"{one.name:>13}" for one in filters) + ("" if apart is None else "  difference")
+        head = "FILTER" + "".join(f"{one.name:>13}" for one in filters) + ("" if apart is None else "  difference")
         lines = [Content.styled(head, "bold")]
         for name in ("roll", "pitch"):
             each = [(f"{getattr(reading, name):+13.3f}", "bold $accent") for reading in filters]

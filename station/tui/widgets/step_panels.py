@@ -63,7 +63,7 @@ class MonitoredLines(ValueWidget[MonitoredView]):
 
     def _drawn(self, seen: MonitoredView) -> Content:
         if not seen.filters:
-            return Content.assemble((" LAWS  ", "bold"), seen.text)
+            return Content.assemble((" FILTERS  ", "bold"), seen.text)
         lines = [
             Content.assemble(
                 (f" {one.name:7}", "bold"), f"roll {one.roll_deg:+.3f} pitch {one.pitch_deg:+.3f} deg"
