@@ -142,17 +142,15 @@ class RateTables:
 
     def without(self, evidence: Evidence, added: Sequence[Candidate], values: Sequence[FloatArray]) -> Self:
         """Fit the linear model to the outputs less what effects add, with ``values`` (k,) each, in their units."""
-        total, inside, gain = (np.zeros_like(self.added), np.zeros_like(self.added), np.ones_like(self.added))
+        total, inside, gain = np.zeros_like(self.added), np.zeros_like(self.added), np.ones_like(self.added)
         raised = replace(evidence, excitation=_raised(evidence.excitation))
         for candidate, c in zip(added, values, strict=True):
-            _, part, _ = added_at_nodes(candidate, evidence, c)
-            if part is not None:
-                total = total + part
-            if part is not None and candidate.effect.multiplies_output:
-                _, more, _ = added_at_nodes(candidate, raised, c)
-                gain = gain + (more - part) / RAISED_DEG_S
-            elif part is not None:
-                inside = inside + part
+            (_, part, _), (_, more, _) = (added_at_nodes(candidate, each, c) for each in (evidence, raised))
+            if part is None or more is None:
+                continue
+            total = total + part
+            gain = gain + (more - part) / RAISED_DEG_S
+            inside = inside if candidate.effect.multiplies_output else inside + part
         now = replace(self, added=total, inside=inside, gain=gain)
         p, k = self.points, self.points.scale(self.x)
         left = p.output - p.design() @ self.x - total[p.at, p.sensor] * k[p.sensor]
