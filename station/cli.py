@@ -14,6 +14,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from station.commands._options import with_groups
 from station.commands.command_table import COMMANDS, Command
 from station.errors import CANCELLED, error_code, explain, one_line
 
@@ -53,7 +54,7 @@ def _group(command: Command, table: tuple[Command, ...]) -> Any:
 
 def _single(command: Command, module: ModuleType) -> Any:
     single = typer.Typer(add_completion=False, rich_markup_mode=None)
-    single.command(command.name, short_help=command.help)(getattr(module, command.function))
+    single.command(command.name, short_help=command.help)(with_groups(getattr(module, command.function)))
     return typer.main.get_command(single)
 
 

@@ -185,11 +185,7 @@ def attitude_diagnosis_text(document: Mapping[str, Any]) -> str:
     names = both([finding["effect"] for finding in document["findings"]]) if document["findings"] else ""
     lines = [f"{document['verdict'].upper()}. {EFFECT_TITLES[document['verdict']].format(names=names)}"]
     for number, finding in enumerate(document["findings"], 1):
-        lines += [
-            "",
-            f"{number}. {finding['effect']} ({finding['kind']})",
-            f"   {confidence_in_words(finding)}",
-        ]
+        lines += ["", f"{number}. {finding['effect']} ({finding['kind']})", f"   {confidence_in_words(finding)}"]
         lines += [f"   {row.name:<9} {row.value:<44} {row.size:>12}" for row in coefficient_rows(finding)]
         if finding["aliases"]:
             lines.append(f"   it may also be: {', '.join(alternatives_in_words(document, finding))}")

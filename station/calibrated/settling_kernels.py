@@ -37,10 +37,7 @@ def _sine(q: float, u: float) -> tuple[float, float]:
     """Return ``sin(s u) / s - u`` for q = s^2, of a negative q with sinh, and its slope by u."""
     y = q * u * u
     if abs(y) < SERIES_BELOW:
-        return (
-            u * y * (-1 / 6 + y * (1 / 120 - y / 5040)),
-            y * (-1 / 2 + y * (1 / 24 - y / 720)),
-        )
+        return (u * y * (-1 / 6 + y * (1 / 120 - y / 5040)), y * (-1 / 2 + y * (1 / 24 - y / 720)))
     x = sqrt(abs(y))
     if y > 0:
         return u * (sin(x) / x - 1.0), cos(x) - 1.0

@@ -20,7 +20,7 @@ import platformdirs
 import typer
 from pydantic import BaseModel, ValidationError
 
-from station.commands._options import option
+from station.commands._options import Plain, Quiet, Slow, flag, option
 from station.errors import CANCELLED
 from station.files.campaign_setup import Setup
 from station.files.toml_file import expected_of
@@ -31,37 +31,39 @@ if TYPE_CHECKING:
     from station.guide.options import EngineOptions
 
 
-WarmUp = Annotated[
-    bool, option("--warm-up/--no-warm-up", "", "Wait until the unit has warmed up. Not with --headless.")
-]
-Headless = Annotated[bool, option("--headless", "", "Lines of text, no questions, no warm-up.")]
-Store = Annotated[bool, option("--store", "", "With --headless: store the calibration.")]
-Plain = Annotated[bool, option("--plain", "", "Lines of text instead of a screen.")]
-Web = Annotated[bool, option("--web", "", "The same screen in a browser on this computer.")]
-WebPort = Annotated[int, option("--port", "PORT", "Port of --web; 0: any free one.", min=0, max=65535)]
-Slow = Annotated[bool, option("--slow", "", "Update twice per second, for a slow console.")]
-Quiet = Annotated[bool, option("--quiet", "", "No sounds.")]
-Hands = Annotated[str | None, option("--hands", "HOST:PORT", "Control address of a simulated device.")]
-MoveS = Annotated[float, option("--move-s", "S", "Device time a simulated move takes.")]
-
-Tremor = Annotated[bool, option("--tremor", "", "With --hands: move with tremor and pauses, like real hands.")]
-
 FAIL, CANNOT_GO_ON = 1, 2
 SITE_FIELDS = ("latitude_deg", "longitude_deg", "height_m", "gravity_m_s2", "gravity_std_m_s2")
 PROCEDURE_FIELDS = ("heading_std_deg", "closure_std_deg")
 
 
 @dataclass(frozen=True, slots=True)
-class Display:
-    """How the campaign is looked at: ``headless`` by nobody, else by screen, lines of text or browser."""
+class GuideOptions:
+    """How a campaign is looked at, ``headless`` by nobody, else by screen, lines of text or browser; its hands."""
 
-    headless: bool = False
-    plain: bool = False
-    web: bool = False
-    port: int = 8000
-    slow: bool = False
-    quiet: bool = False
-    stores: bool = False
+    warm_up: Annotated[
+        bool, flag("--warm-up/--no-warm-up", "Wait until the unit has warmed up. Not with --headless.")
+    ] = True
+    headless: Annotated[bool, flag("--headless", "Lines of text, no questions, no warm-up.")] = False
+    store: Annotated[bool, flag("--store", "With --headless: store the calibration.")] = False
+    plain: Plain = False
+    web: Annotated[bool, flag("--web", "The same screen in a browser on this computer.")] = False
+    port: Annotated[int, option("PORT", "Port of --web; 0: any free one.", min=0, max=65535)] = 8000
+    slow: Slow = False
+    quiet: Quiet = False
+    hands: Annotated[str | None, option("HOST:PORT", "Control address of a simulated device.")] = None
+    move_s: Annotated[float, option("S", "Device time a simulated move takes.")] = 45.0
+    tremor: Annotated[bool, flag("--tremor", "With --hands: move with tremor and pauses, like real hands.")] = (
+        False
+    )
+
+    def engine(self, database: str | None, setup: Setup, **more: Any) -> "EngineOptions":
+        """Return the options of the engine that is looked at so."""
+        from station.guide.options import EngineOptions
+
+        return EngineOptions(
+            root=campaigns_root(), database=database, setup=setup, hands=self.hands, move_s=self.move_s,
+            tremor=self.tremor, asks=not self.headless, warms_up=not self.headless and self.warm_up, **more,
+        )  # fmt: skip
 
 
 def campaigns_root() -> Path:
@@ -94,7 +96,7 @@ def _check(table: type[BaseModel], **options: object) -> None:
         raise typer.BadParameter(f"{name} {fault['input']}: expected {expected_of(fault)}") from None
 
 
-def guide(options: "EngineOptions", screen: Display) -> int:
+def guide(options: "EngineOptions", screen: GuideOptions) -> int:
     """Run an engine until its campaign has ended or the operator has left; return the exit code."""
     if not (screen.headless or screen.plain or screen.web) and not (sys.stdin.isatty() and sys.stdout.isatty()):
         raise typer.BadParameter(
@@ -109,7 +111,7 @@ def guide(options: "EngineOptions", screen: Display) -> int:
 
         show = PlainScreen(typer.echo, rings=False).show
         with open_db(options.database) as database:
-            return _code(run_headless(options, database, show, stores=screen.stores))
+            return _code(run_headless(options, database, show, stores=screen.store))
     from station.guide.client import engine_process
 
     with engine_process(options) as socket:
@@ -137,7 +139,7 @@ def _refuse_addresses(options: "EngineOptions") -> None:
         operator.close()
 
 
-def _serve(socket: Path, screen: Display) -> CalibrationView:
+def _serve(socket: Path, screen: GuideOptions) -> CalibrationView:
     """Serve the engine to browsers until its campaign has ended, or the server was stated to."""
     from station.guide.client import EngineConnection
     from station.tui.web import serve
@@ -174,7 +176,7 @@ def _report(view: CalibrationView) -> Path | None:
     return Path(view.verdict.report) if view.verdict and view.verdict.report else None
 
 
-def _look(socket: Path, screen: Display, options: "EngineOptions") -> CalibrationView:
+def _look(socket: Path, screen: GuideOptions, options: "EngineOptions") -> CalibrationView:
     from station.guide.client import EngineConnection
 
     changed = threading.Event()

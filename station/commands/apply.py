@@ -6,39 +6,27 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from station.commands import Database, _log_options
-from station.commands._options import argument, option, refused_as
+from station.commands import Database
+from station.commands._log_options import COLUMNS, LogOptions
+from station.commands._options import Axes, argument, flag, option, refused_as
 
 if TYPE_CHECKING:
-    from station.applying.source import Source
     from station.calibration import Calibration
 
 
 def apply(
     recording: Annotated[Path, argument("INPUT", "A log, a recording (.mcap) or its folder, or a campaign/1.")],
-    calibration: Annotated[str, option("--calibration", "FILE|SERIAL", "Else a unit's newest stored one.")],
-    out: Annotated[Path, option("--out", "FILE", ".csv, .parquet, .mcap, .npz, .mat or .ros2.")],
-    units: Annotated[
-        str, option("--units", "FORCE,RATE", "As in g,deg/s; names of columns follow.")
-    ] = "m/s2,rad/s",
-    frame: Annotated[str, option("--frame", "FRAME", "sensor, cube or frd (forward-right-down).")] = "sensor",
-    axes: Annotated[str, option("--axes", "F,R,D", "Which IMU axes point forward, right, down.")] = "",
-    without: Annotated[
-        list[str] | None, option("--without", "EFFECT", "Do not correct this error term; repeatable.")
-    ] = None,
+    calibration: Annotated[str, option("FILE|SERIAL", "Else a unit's newest stored one.")],
+    out: Annotated[Path, option("FILE", ".csv, .parquet, .mcap, .npz, .mat or .ros2.")],
+    units: Annotated[str, option("FORCE,RATE", "As in g,deg/s; names of columns follow.")] = "m/s2,rad/s",
+    frame: Annotated[str, option("FRAME", "sensor, cube or frd (forward-right-down).")] = "sensor",
+    axes: Axes = "",
+    without: Annotated[list[str] | None, option("EFFECT", "Do not correct this error term; repeatable.")] = None,
     force: Annotated[
-        bool, option("--force", "", "Write it even if specific force or rate at rest is impossible.")
+        bool, flag("--force", "Write it even if specific force or rate at rest is impossible.")
     ] = False,
-    time: _log_options.Time = None,
-    gyro: _log_options.Gyro = None,
-    accel: _log_options.Accel = None,
-    unit_gyro: _log_options.UnitGyro = None,
-    unit_accel: _log_options.UnitAccel = None,
-    unit_time: _log_options.UnitTime = None,
-    temperature: _log_options.Temperature = None,
-    aux: _log_options.Aux = None,
-    rate: _log_options.Rate = None,
-    serial: _log_options.Serial = None,
+    *,
+    log: Annotated[LogOptions, (*COLUMNS, "temperature", "aux", "serial")],
     db: Database = None,
 ) -> None:
     """Write specific force [m/s2] and angular rate [rad/s] of a recording, corrected by a calibration.
@@ -56,6 +44,7 @@ def apply(
     Example: station apply drive.csv --calibration S123 --out drive.parquet
     """
     from station.applying.applying import OutputRequest, Progress, apply_to
+    from station.applying.open_source import open_source
     from station.calibrated.output_frame import frame_named
     from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, unit_named
 
@@ -66,11 +55,7 @@ def apply(
             raise ValueError(f"found {units!r}, expected {expected}, as in g,deg/s")
     with refused_as("--frame"):
         in_frame = frame_named(frame)
-    given = _log_options.LogOptions({
-        "time": time, "gyro": gyro, "accel": accel, "unit_gyro": unit_gyro, "unit_accel": unit_accel,
-        "unit_time": unit_time, "temperature": temperature, "aux": aux, "rate": rate,
-    })  # fmt: skip
-    source = _source(recording, given, serial)
+    source = open_source(recording, log.columns(), log.serial)
     known = _calibration(calibration, db, source.stated.model).without(*(without or ()))
     for note in source.stated.notes:
         typer.echo(f"inferred: {note}", err=True)
@@ -83,12 +68,6 @@ def apply(
     typer.echo(
         f"{out}: {done.samples} samples at {1 / done.period:.6g} Hz, {known.model} {known.serial}, {out}.json"
     )
-
-
-def _source(path: Path, given: _log_options.LogOptions, serial: str | None) -> "Source":
-    from station.applying.open_source import open_source
-
-    return open_source(path, given.columns(), serial)
 
 
 def _calibration(named: str, db: str | None, model: str | None) -> "Calibration":

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from procedures.units import STANDARD_GRAVITY
-from station.commands import Database, _log_options
-from station.commands._options import Heading, Latitude, argument, option, refused_as, write_result
+from station.commands import Database
+from station.commands._log_options import COLUMNS, LogOptions, print_inferred
+from station.commands._options import Heading, Latitude, argument, flag, option, refused_as, write_result
 
 if TYPE_CHECKING:
     from procedures.attitude.attitude_estimate import AttitudeEstimate
@@ -23,64 +24,48 @@ def attitude(
     aid: Annotated[
         str | None,
         option(
-            "--aid",
             "AID",
             "none, airspeed, airspeed-filter, gnss, paper-airspeed, paper-airspeed-rate, paper-gnss "
             "or paper-filter. "
             "Without it: airspeed-filter, else gnss, else none.",
         ),
     ] = None,
-    tau: Annotated[float | None, option("--tau", "S", "Time constant of the complementary filter [s].")] = None,
-    k1: Annotated[float | None, option("--k1", "", "K1 of the complementary filter [1/s].")] = None,
-    k2: Annotated[float | None, option("--k2", "", "K2 of the complementary filter [1/s].")] = None,
-    gravity: Annotated[float, option("--gravity", "M_S2", "", min=9.7, max=9.9)] = STANDARD_GRAVITY,
+    tau: Annotated[float | None, option("S", "Time constant of the complementary filter [s].")] = None,
+    k1: Annotated[float | None, option("", "K1 of the complementary filter [1/s].")] = None,
+    k2: Annotated[float | None, option("", "K2 of the complementary filter [1/s].")] = None,
+    gravity: Annotated[float, option("M_S2", "", min=9.7, max=9.9)] = STANDARD_GRAVITY,
     latitude: Latitude = None,
     heading: Heading = None,
     gyro_bias_std: Annotated[
-        float | None,
-        option("--gyro-bias-std", "DEG_H", "Standard uncertainty of the gyros' biases, if known.", min=1e-6),
+        float | None, option("DEG_H", "Standard uncertainty of the gyros' biases, if known.", min=1e-6)
     ] = None,
     accel_bias_std: Annotated[
         float | None,
         option(
-            "--accel-bias-std",
             "UG",
             "Standard uncertainty of the accelerometers' biases, if known: the least uncertainty of the vertical.",
             min=1e-3,
             max=1e6,
         ),
     ] = None,
-    gnss_latency: Annotated[
-        float, option("--gnss-latency", "S", "Latency of the velocities.", min=0, max=2)
-    ] = 0.0,
+    gnss_latency: Annotated[float, option("S", "Latency of the velocities.", min=0, max=2)] = 0.0,
     direction: Annotated[
-        str,
-        option("--direction", "WAY", "forwards, as online; both: forwards and backwards, for recordings."),
+        str, option("WAY", "forwards, as online; both: forwards and backwards, for recordings.")
     ] = "forwards",
-    out: Annotated[Path | None, option("--out", "OUT.csv", "Write roll, pitch and down vector here.")] = None,
+    out: Annotated[Path | None, option("OUT.csv", "Write roll, pitch and down vector here.")] = None,
     diagnose: Annotated[
-        bool, option("--diagnose", "", "Find the error terms that the model lacks, and correct them.")
+        bool, flag("--diagnose", "Find the error terms that the model lacks, and correct them.")
     ] = False,
-    json: Annotated[Path | None, option("--json", "OUT", "Write attitude/1 here instead of a summary.")] = None,
+    json: Annotated[Path | None, option("OUT", "Write attitude/1 here instead of a summary.")] = None,
     axes: Annotated[
         str | None,
-        option(
-            "--axes",
-            "F,R,D",
-            "Sensor axes that point forward, right, down; x,-y,-z (z up), x,y,z of attitude-log/1.",
-        ),
+        option("F,R,D", "Sensor axes that point forward, right, down; x,-y,-z (z up), x,y,z of attitude-log/1."),
     ] = None,
     accel_convention: Annotated[
-        str | None,
-        option("--accel-convention", "WORD", "At rest +1 g points up (force) or down (gravity: as iOS)."),
+        str | None, option("WORD", "At rest +1 g points up (force) or down (gravity: as iOS).")
     ] = None,
-    time: _log_options.Time = None,
-    gyro: _log_options.Gyro = None,
-    accel: _log_options.Accel = None,
-    unit_time: _log_options.UnitTime = None,
-    unit_gyro: _log_options.UnitGyro = None,
-    unit_accel: _log_options.UnitAccel = None,
-    rate: _log_options.Rate = None,
+    *,
+    columns: Annotated[LogOptions, COLUMNS],
     db: Database = None,
 ) -> None:
     """Compute roll and pitch along a log of rates and specific forces.
@@ -117,11 +102,7 @@ def attitude(
     from station.files.atomic_file import refuse_own
 
     refuse_own((out, json), (log,))
-    options = _log_options.LogOptions({
-        "time": time, "gyro": gyro, "accel": accel, "unit_time": unit_time, "unit_gyro": unit_gyro,
-        "unit_accel": unit_accel, "rate": rate,
-    })  # fmt: skip
-    read = _read(log, options, axes, accel_convention)
+    read = _read(log, columns, axes, accel_convention)
     from dataclasses import replace
 
     import numpy as np
@@ -219,7 +200,7 @@ def _estimated(
     return track, document, attitude_text(read, document)
 
 
-def _read(log: Path, options: _log_options.LogOptions, axes: str | None, convention: str | None) -> "AttitudeLog":
+def _read(log: Path, options: LogOptions, axes: str | None, convention: str | None) -> "AttitudeLog":
     from station.attitude.general_log import CONVENTIONS, read_any_log
     from station.calibrated.output_frame import body_axes
 
@@ -228,11 +209,8 @@ def _read(log: Path, options: _log_options.LogOptions, axes: str | None, convent
         raise typer.BadParameter(expected, param_hint="--accel-convention")
     with refused_as("--axes"):
         C = None if axes is None else body_axes(axes)
-    read = read_any_log(log, options.columns() if options.is_given else None, C, convention)
-    for line in read.guesses:
-        typer.echo(f"inferred: {line}", err=True)
-    for line in read.notes:
-        typer.echo(f"note: {line}", err=True)
+    read = read_any_log(log, options.columns() if options.given else None, C, convention)
+    print_inferred(read.guesses, read.notes)
     return read.log
 
 
@@ -251,12 +229,10 @@ def _gains(tau: float | None, k1: float | None, k2: float | None) -> "Complement
 
 def tune(
     log: Annotated[Path, argument("LOG", "A CSV file of attitude-log/1 with truth.")],
-    aid: Annotated[str, option("--aid", "AID", "none, airspeed or a paper- aid of `station attitude`.")] = "none",
-    gains: Annotated[
-        bool, option("--gains", "", "Search K1 and K2 separately instead of one time constant.")
-    ] = False,
-    gravity: Annotated[float, option("--gravity", "M_S2", "", min=9.7, max=9.9)] = STANDARD_GRAVITY,
-    json: Annotated[Path | None, option("--json", "OUT", "Write tuning/1 here instead of the curve.")] = None,
+    aid: Annotated[str, option("AID", "none, airspeed or a paper- aid of `station attitude`.")] = "none",
+    gains: Annotated[bool, flag("--gains", "Search K1 and K2 separately instead of one time constant.")] = False,
+    gravity: Annotated[float, option("M_S2", "", min=9.7, max=9.9)] = STANDARD_GRAVITY,
+    json: Annotated[Path | None, option("OUT", "Write tuning/1 here instead of the curve.")] = None,
     db: Database = None,
 ) -> None:
     """Choose the complementary filter's time constant [s] or gains [1/s] by cross-validation; show the curve.

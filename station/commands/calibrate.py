@@ -6,82 +6,47 @@ from typing import Annotated
 import typer
 
 from station.commands import Database
-from station.commands._guided import (
-    Display,
-    Hands,
-    Headless,
-    MoveS,
-    Plain,
-    Quiet,
-    Slow,
-    Store,
-    Tremor,
-    WarmUp,
-    Web,
-    WebPort,
-    campaigns_root,
-    guide,
-    set_up,
-)
-from station.commands._options import argument, option, refused_as
+from station.commands._guided import GuideOptions, guide, set_up
+from station.commands._options import Gnss, Noise, argument, flag, option, refused_as
 
 
 def calibrate(
-    device: Annotated[str, option("--device", "URL", "The IMU, as in serial:///dev/ttyUSB0.")] = "",
-    out: Annotated[Path | None, option("--out", "FOLDER", "A new folder for the campaign.")] = None,
-    gnss: Annotated[str, option("--gnss", "URL", "A GNSS receiver, as in mavlink:udpin:0.0.0.0:14550.")] = "",
-    latitude: Annotated[
-        float | None, option("--latitude", "DEG", "Geodetic latitude of the surface plate.")
-    ] = None,
-    longitude: Annotated[float | None, option("--longitude", "DEG", "")] = None,
-    height: Annotated[float | None, option("--height", "M", "Above the ellipsoid.")] = None,
-    gravity: Annotated[float | None, option("--gravity", "M/S2", "Surveyed gravity; else the normal one.")] = None,
-    gravity_std: Annotated[float | None, option("--gravity-std", "M/S2", "Its standard uncertainty.")] = None,
-    cube: Annotated[str | None, option("--cube", "ID", "The cube, see `fixtures`.")] = None,
-    slab: Annotated[str | None, option("--slab", "ID", "The surface plate, see `fixtures`.")] = None,
-    operator: Annotated[str | None, option("--operator", "", "Who calibrates.")] = None,
+    device: Annotated[str, option("URL", "The IMU, as in serial:///dev/ttyUSB0.")] = "",
+    out: Annotated[Path | None, option("FOLDER", "A new folder for the campaign.")] = None,
+    gnss: Gnss = "",
+    latitude: Annotated[float | None, option("DEG", "Geodetic latitude of the surface plate.")] = None,
+    longitude: Annotated[float | None, option("DEG", "")] = None,
+    height: Annotated[float | None, option("M", "Above the ellipsoid.")] = None,
+    gravity: Annotated[float | None, option("M/S2", "Surveyed gravity; else the normal one.")] = None,
+    gravity_std: Annotated[float | None, option("M/S2", "Its standard uncertainty.")] = None,
+    cube: Annotated[str | None, option("ID", "The cube, see `fixtures`.")] = None,
+    slab: Annotated[str | None, option("ID", "The surface plate, see `fixtures`.")] = None,
+    operator: Annotated[str | None, option("", "Who calibrates.")] = None,
     dwell_s: Annotated[
-        float | None, option("--dwell-s", "S", "Accepted seconds per position; 0: from --bias-ug.", min=0.0)
+        float | None, option("S", "Accepted seconds per position; 0: from --bias-ug.", min=0.0)
     ] = None,
-    bias_ug: Annotated[
-        float | None, option("--bias-ug", "UG", "Target for the uncertainty of accelerometer biases.")
-    ] = None,
-    turns: Annotated[int | None, option("--turns", "N", "Revolutions per manual rotation.", min=1)] = None,
+    bias_ug: Annotated[float | None, option("UG", "Target for the uncertainty of accelerometer biases.")] = None,
+    turns: Annotated[int | None, option("N", "Revolutions per manual rotation.", min=1)] = None,
     repeats: Annotated[
-        int | None,
-        option("--repeats", "N", "How often the first position is repeated at the end; else 1.", min=0, max=9),
+        int | None, option("N", "How often the first position is repeated at the end; else 1.", min=0, max=9)
     ] = None,
-    heading_std: Annotated[
-        float | None, option("--heading-std", "DEG", "Standard uncertainty of headings.")
-    ] = None,
+    heading_std: Annotated[float | None, option("DEG", "Standard uncertainty of headings.")] = None,
     closure_std: Annotated[
-        float | None, option("--closure-std", "DEG", "Standard uncertainty of the closure error of rotations.")
+        float | None, option("DEG", "Standard uncertainty of the closure error of rotations.")
     ] = None,
-    model: Annotated[str | None, option("--model", "", "For a device that does not send its own.")] = None,
-    serial: Annotated[str | None, option("--serial", "", "For a device that does not send its own.")] = None,
-    plan: Annotated[Path | None, option("--plan", "FILE", "Steps of a plan/1 instead of the usual ones.")] = None,
+    model: Annotated[str | None, option("", "For a device that does not send its own.")] = None,
+    serial: Annotated[str | None, option("", "For a device that does not send its own.")] = None,
+    plan: Annotated[Path | None, option("FILE", "Steps of a plan/1 instead of the usual ones.")] = None,
     until_limits: Annotated[
-        bool, option("--until-limits", "", "Ask for the most useful positions until a verdict is possible.")
+        bool, flag("--until-limits", "Ask for the most useful positions until a verdict is possible.")
     ] = False,
     sigma: Annotated[
         list[str] | None,
-        option("--sigma", "NAME=SIGMA", "The same until an uncertainty is reached, as in `plan`; repeatable."),
+        option("NAME=SIGMA", "The same until an uncertainty is reached, as in `plan`; repeatable."),
     ] = None,
-    noise: Annotated[
-        list[Path] | None,
-        option("--noise", "CAMPAIGN", "A campaign of the unit that shows its noise; repeatable."),
-    ] = None,
-    warm_up: WarmUp = True,
-    headless: Headless = False,
-    store: Store = False,
-    plain: Plain = False,
-    web: Web = False,
-    port: WebPort = 8000,
-    slow: Slow = False,
-    quiet: Quiet = False,
-    hands: Hands = None,
-    move_s: MoveS = 45.0,
-    tremor: Tremor = False,
+    noise: Noise = None,
+    *,
+    screen: GuideOptions,
     db: Database = None,
 ) -> None:
     """Guide a technician through 12 positions, 6 manual rotations and the first position again to a verdict.
@@ -106,7 +71,7 @@ def calibrate(
     Example: station calibrate --device serial:///dev/ttyUSB0?format=counts --latitude 48.1
     """
     from station.files.campaign_setup import Setup
-    from station.guide.options import EngineOptions, TargetUncertainties, load_setup
+    from station.guide.options import TargetUncertainties, load_setup
     from station.guide.view import OperatorCommand
 
     given = {
@@ -117,9 +82,9 @@ def calibrate(
         "heading_std_deg": heading_std, "closure_std_deg": closure_std, "model": model, "serial": serial,
     }  # fmt: skip
     begins = bool(device) and (latitude is not None or bool(gnss))
-    if (headless or plain) and not begins:
+    if (screen.headless or screen.plain) and not begins:
         raise typer.BadParameter("without a screen, give at least --device and --latitude or --gnss")
-    if store and not headless:
+    if screen.store and not screen.headless:
         raise typer.BadParameter("--store is for --headless; on a screen the operator stores with s")
     _refuse_contradicting(
         until_limits, sigma or [], noise, {"--plan": plan, "--dwell-s": dwell_s, "--bias-ug": bias_ug,
@@ -128,13 +93,10 @@ def calibrate(
     setup = set_up(Setup() if begins else load_setup(), given)
     files = tuple(each.resolve() for each in noise or ())
     targets = TargetUncertainties(limits=until_limits, sigma=tuple(sigma or ()), noise=files)
-    options = EngineOptions(
-        root=campaigns_root(), database=db, setup=setup, plan=plan, hands=hands, move_s=move_s, tremor=tremor,
-        wanted=targets if until_limits or sigma else None,
-        asks=not headless, warms_up=not headless and warm_up,
+    options = screen.engine(
+        db, setup, plan=plan, wanted=targets if until_limits or sigma else None,
         first=OperatorCommand(verb="begin", setup=setup) if begins else None,
     )  # fmt: skip
-    screen = Display(headless=headless, plain=plain, web=web, port=port, slow=slow, quiet=quiet, stores=store)
     raise typer.Exit(guide(options, screen))
 
 
@@ -158,19 +120,10 @@ def resume(
     folder: Annotated[
         Path | None, argument("[FOLDER]", "The campaign's folder; else the newest unfinished.")
     ] = None,
-    device: Annotated[str, option("--device", "URL", "Where the IMU is now, if not at the port it had.")] = "",
-    list_only: Annotated[bool, option("--list", "", "List the unfinished campaigns.")] = False,
-    warm_up: WarmUp = True,
-    headless: Headless = False,
-    store: Store = False,
-    plain: Plain = False,
-    web: Web = False,
-    port: WebPort = 8000,
-    slow: Slow = False,
-    quiet: Quiet = False,
-    hands: Hands = None,
-    move_s: MoveS = 45.0,
-    tremor: Tremor = False,
+    device: Annotated[str, option("URL", "Where the IMU is now, if not at the port it had.")] = "",
+    list_only: Annotated[bool, flag("--list", "List the unfinished campaigns.")] = False,
+    *,
+    screen: GuideOptions,
     db: Database = None,
 ) -> None:
     """Resume an unfinished campaign on the same IMU.
@@ -184,7 +137,7 @@ def resume(
     """
     from fixtures_db.database import open_db
     from station.errors import DataRefused
-    from station.guide.options import EngineOptions, load_setup
+    from station.guide.options import load_setup
     from station.guide.start_screen import unfinished_campaigns
     from station.guide.view import OperatorCommand
 
@@ -202,9 +155,5 @@ def resume(
         raise DataRefused("database", None, "no unfinished campaign", "one that is free", "begin with `calibrate`")
     which = str(folder.resolve() if folder is not None else free[0])
     setup = load_setup().model_copy(update={"url": device})  # of a form, should this campaign be refused
-    options = EngineOptions(
-        root=campaigns_root(), database=db, setup=setup, hands=hands, move_s=move_s, tremor=tremor,
-        asks=not headless, warms_up=not headless and warm_up, first=OperatorCommand(verb="resume", folder=which),
-    )  # fmt: skip
-    screen = Display(headless=headless, plain=plain, web=web, port=port, slow=slow, quiet=quiet, stores=store)
+    options = screen.engine(db, setup, first=OperatorCommand(verb="resume", folder=which))
     raise typer.Exit(guide(options, screen))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from station.commands import Database
-from station.commands._options import argument, day_option, option
+from station.commands._options import argument, day_option, flag, option
 from station.commands._tamper_evidence import (
     Copy,
     check_copy,
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from fixtures_db.schema import IssuedCertificateRow
     from station.results.certificate.laboratory import Laboratory
 
-Day = Annotated[datetime | None, day_option("--received", "")]
+Day = Annotated[datetime | None, day_option("", names="--received")]
 
 
 def certificate(
@@ -33,23 +33,23 @@ def certificate(
         str | None,
         argument("[CALIBRATION]", "A calibration.json, a serial number, or the first digits of a hash."),
     ] = None,
-    laboratory: Annotated[Path | None, option("--laboratory", "LAB.toml", "The laboratory's file.")] = None,
-    out: Annotated[Path | None, option("--out", "FILE.html", "Where to write; else NUMBER.html here.")] = None,
-    pdf: Annotated[bool, option("--pdf", "", "Also write a PDF; needs the extra `pdf`.")] = False,
-    dcc: Annotated[bool, option("--dcc", "", "Also the XML of a Digital Calibration Certificate.")] = False,
-    customer: Annotated[str | None, option("--customer", "NAME", "")] = None,
-    customer_address: Annotated[str | None, option("--customer-address", "TEXT", "")] = None,
-    customer_email: Annotated[str | None, option("--customer-email", "TEXT", "")] = None,
+    laboratory: Annotated[Path | None, option("LAB.toml", "The laboratory's file.")] = None,
+    out: Annotated[Path | None, option("FILE.html", "Where to write; else NUMBER.html here.")] = None,
+    pdf: Annotated[bool, flag("--pdf", "Also write a PDF; needs the extra `pdf`.")] = False,
+    dcc: Annotated[bool, flag("--dcc", "Also the XML of a Digital Calibration Certificate.")] = False,
+    customer: Annotated[str | None, option("NAME", "")] = None,
+    customer_address: Annotated[str | None, option("TEXT", "")] = None,
+    customer_email: Annotated[str | None, option("TEXT", "")] = None,
     received: Day = None,
-    condition: Annotated[str | None, option("--condition", "TEXT", "Condition of the unit on receipt.")] = None,
-    amend: Annotated[str, option("--amend", "REASON", "Replace the earlier certificate; state the reason.")] = "",
-    copy: Annotated[bool, option("--copy", "", "Write the issued certificate again.")] = False,
-    sign: Annotated[Path | None, option("--sign", "KEY.p12", "Sign XML and PDF; needs the extra `sign`.")] = None,
-    token: Annotated[str | None, option("--token", "URI", "Sign with a key on a token: pkcs11:...")] = None,
-    timestamp: Annotated[str | None, option("--timestamp", "URL", "A service of RFC 3161 that stamps it.")] = None,
-    password_fd: Annotated[int | None, option("--password-fd", "N", "Read the password or PIN there.")] = None,
-    password_env: Annotated[str | None, option("--password-env", "NAME", "Or from this variable.")] = None,
-    example: Annotated[bool, option("--example", "", "Print a sample LAB.toml to edit.")] = False,
+    condition: Annotated[str | None, option("TEXT", "Condition of the unit on receipt.")] = None,
+    amend: Annotated[str, option("REASON", "Replace the earlier certificate; state the reason.")] = "",
+    copy: Annotated[bool, flag("--copy", "Write the issued certificate again.")] = False,
+    sign: Annotated[Path | None, option("KEY.p12", "Sign XML and PDF; needs the extra `sign`.")] = None,
+    token: Annotated[str | None, option("URI", "Sign with a key on a token: pkcs11:...")] = None,
+    timestamp: Annotated[str | None, option("URL", "A service of RFC 3161 that stamps it.")] = None,
+    password_fd: Annotated[int | None, option("N", "Read the password or PIN there.")] = None,
+    password_env: Annotated[str | None, option("NAME", "Or from this variable.")] = None,
+    example: Annotated[bool, flag("--example", "Print a sample LAB.toml to edit.")] = False,
     db: Database = None,
 ) -> None:
     """Issue the certificate of a stored calibration: HTML for numbered A4 pages, and PDF on request.

@@ -63,10 +63,7 @@ COMMANDS = (
         ("export", "Write a calibration for a flight stack, Kalibr, C99 or MATLAB."),
         ("verify", "Detect what was changed after it was accepted."),
     ),
-    *_under(
-        "Fixtures",
-        ("fixtures", "Cubes, surface plates, sites, IMUs and their limits."),
-    ),
+    *_under("Fixtures", ("fixtures", "Cubes, surface plates, sites, IMUs and their limits.")),
     *_under(
         "Devices",
         ("devices", "List ports and what each sends, live with --watch."),

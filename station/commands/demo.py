@@ -6,19 +6,19 @@ from typing import Annotated
 import typer
 
 from station.commands import Database
-from station.commands._options import option
+from station.commands._options import flag, option
 
 WIDTH = 80  # columns
 
 
 def demo(
-    out: Annotated[Path, option("--out", "FOLDER", "Folder for all results.")] = Path("demo"),
-    seed: Annotated[int, option("--seed", "", "Number of the random unit.")] = 1,
-    speed: Annotated[float, option("--speed", "N", "Device seconds per second.", min=0.1)] = 60.0,
-    dwell_s: Annotated[float, option("--dwell-s", "S", "Device time per position.", min=1.0)] = 60.0,
-    turns: Annotated[int, option("--turns", "N", "Revolutions per manual rotation.", min=1)] = 2,
+    out: Annotated[Path, option("FOLDER", "Folder for all results.")] = Path("demo"),
+    seed: Annotated[int, option("", "Number of the random unit.")] = 1,
+    speed: Annotated[float, option("N", "Device seconds per second.", min=0.1)] = 60.0,
+    dwell_s: Annotated[float, option("S", "Device time per position.", min=1.0)] = 60.0,
+    turns: Annotated[int, option("N", "Revolutions per manual rotation.", min=1)] = 2,
     no_turns: Annotated[
-        bool, option("--no-turns", "", "Flip the cube among its 24 positions with tremor; no rotation.")
+        bool, flag("--no-turns", "Flip the cube among its 24 positions with tremor; no rotation.")
     ] = False,
     db: Database = None,
 ) -> None:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from station.commands import Database
-from station.commands._options import option
+from station.commands._options import flag, option
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -17,10 +17,10 @@ CLEAR = "\x1b[H\x1b[2J"
 
 
 def devices(
-    url: Annotated[list[str] | None, option("--url", "URL", "Check what this device sends; repeatable.")] = None,
-    seconds: Annotated[float, option("--seconds", "S", "For how long.", min=0.1)] = 2.0,
-    watch: Annotated[bool, option("--watch", "", "Repeat until Ctrl-C.")] = False,
-    json: Annotated[bool, option("--json", "", "Write JSON, one line per check.")] = False,
+    url: Annotated[list[str] | None, option("URL", "Check what this device sends; repeatable.")] = None,
+    seconds: Annotated[float, option("S", "For how long.", min=0.1)] = 2.0,
+    watch: Annotated[bool, flag("--watch", "Repeat until Ctrl-C.")] = False,
+    json: Annotated[bool, flag("--json", "Write JSON, one line per check.")] = False,
     db: Database = None,
 ) -> None:
     """List serial ports, CAN interfaces and MAVLink systems and what each sends, or check one device in detail.

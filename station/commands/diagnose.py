@@ -3,12 +3,14 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from textwrap import fill
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from station.commands import Database, _log_options
-from station.commands._options import Effects, argument, option, write_result
+from station.commands import Database
+from station.commands._log_options import LogOptions, means_of_logs, read_logs
+from station.commands._options import Effects, argument, flag, option, refuse_other_than_toml, write_result
 
 if TYPE_CHECKING:
     from procedures.discovery.discover import Discovery
@@ -20,33 +22,19 @@ if TYPE_CHECKING:
 def diagnose(
     campaigns: Annotated[list[Path], argument("RECORDING", "Folders of campaign/1, or logs of one unit.")],
     validate: Annotated[
-        list[Path] | None,
-        option("--validate", "RECORDING", "Test the findings on this other campaign of the unit."),
+        list[Path] | None, option("RECORDING", "Test the findings on this other campaign of the unit.")
     ] = None,
-    time: _log_options.Time = None,
-    gyro: _log_options.Gyro = None,
-    accel: _log_options.Accel = None,
-    unit_gyro: _log_options.UnitGyro = None,
-    unit_accel: _log_options.UnitAccel = None,
-    unit_time: _log_options.UnitTime = None,
-    temperature: _log_options.Temperature = None,
-    aux: _log_options.Aux = None,
-    rate: _log_options.Rate = None,
-    reference: _log_options.Reference = None,
-    utc: _log_options.Utc = None,
-    as_: _log_options.As = None,
-    latitude: _log_options.Latitude = None,
-    serial: _log_options.Serial = None,
-    campaign: _log_options.Folder = None,
+    *,
+    log: LogOptions,
     effects: Effects = None,
     discover: Annotated[
-        bool, option("--discover", "", "Search ten thousand terms for an error term that the catalogue lacks.")
+        bool, flag("--discover", "Search ten thousand terms for an error term that the catalogue lacks.")
     ] = False,
-    plan: Annotated[Path | None, option("--plan", "FILE", "Write the next measurement as plan/1.")] = None,
-    json: Annotated[Path | None, option("--json", "OUT", "Write diagnosis/2 here instead of a summary.")] = None,
-    html: Annotated[Path | None, option("--html", "FILE", "Write a page with plots here.")] = None,
+    plan: Annotated[Path | None, option("FILE", "Write the next measurement as plan/1.")] = None,
+    json: Annotated[Path | None, option("OUT", "Write diagnosis/2 here instead of a summary.")] = None,
+    html: Annotated[Path | None, option("FILE", "Write a page with plots here.")] = None,
     partial: Annotated[
-        bool, option("--partial", "", "Report the findings even if no triad can be solved; always for logs.")
+        bool, flag("--partial", "Report the findings even if no triad can be solved; always for logs.")
     ] = False,
     db: Database = None,
 ) -> None:
@@ -70,24 +58,18 @@ def diagnose(
     from station.files.campaign_folder.campaign_reading import read_campaign
     from station.files.campaign_folder.loaded_campaign import check_one_unit, with_effects
 
-    options = _log_options.LogOptions({
-        "time": time, "gyro": gyro, "accel": accel, "unit_gyro": unit_gyro, "unit_accel": unit_accel,
-        "unit_time": unit_time, "temperature": temperature, "aux": aux, "rate": rate, "reference": reference,
-        "utc": utc, "as": as_, "latitude": latitude, "serial": serial, "campaign": campaign,
-    })  # fmt: skip
-    if options.are_logs(campaigns) and (means := _log_options.means_of_logs(campaigns, options)) is not None:
-        _report_means(means, options, json)
+    refuse_other_than_toml(plan, "--plan")
+    if log.are_logs(campaigns) and (means := means_of_logs(campaigns, log)) is not None:
+        _report_means(means, log, json)
         return
-    if options.are_logs(campaigns):
-        loaded, partial = [_log_options.read_logs(campaigns, options, campaign)], True
+    if log.are_logs(campaigns):
+        loaded, partial = [read_logs(campaigns, log, log.campaign)], True
     else:
-        if not any(options.are_logs([path]) for path in validate or []):
-            options.refuse_with_folders()
+        if not any(log.are_logs([path]) for path in validate or []):
+            log.refuse_with_folders()
         loaded = [read_campaign(folder) for folder in campaigns]
     others = {
-        str(path): _log_options.read_logs([path], options, None)
-        if options.are_logs([path])
-        else read_campaign(path)
+        str(path): read_logs([path], log) if log.are_logs([path]) else read_campaign(path)
         for path in validate or []
     }
     check_one_unit([*loaded, *others.values()])
@@ -95,10 +77,10 @@ def diagnose(
     _diagnose(loaded, others, json, html, plan, is_partial=partial, is_searched=discover)
 
 
-def _report_means(means: "MeansTable", options: _log_options.LogOptions, json: Path | None) -> None:
+def _report_means(means: "MeansTable", log: LogOptions, json: Path | None) -> None:
     from station.results.diagnosis.means_document import means_document, means_text
 
-    document = means_document(means, options.given.get("latitude"), options.given.get("serial"))
+    document = means_document(means, log.latitude, log.serial)
     write_result(document, means_text(document), json, f"means of {document['poses']} poses, means/1")
 
 
@@ -164,7 +146,7 @@ def _say(
     from station.results.diagnosis.diagnosis_json import noise_and_widened
     from station.results.diagnosis.diagnosis_text import diagnosis_text
     from station.results.solution_text import NOT_SOLVED, triad_lines
-    from station.text import unit_in_words
+    from station.text import WIDTH, unit_in_words
 
     document |= noise_and_widened(loaded, found)
     if guesses := [guess for one in loaded for guess in one.guesses]:
@@ -196,6 +178,8 @@ def _say(
 
         next_ones = wanted(document, loaded, planned(document))
         guided = any(one.steps for one in next_ones)
-        for file in write_plans(plan, next_ones):
+        for file, texts in write_plans(plan, next_ones).items():
             way = f"for `station calibrate --plan {file}`" if guided else "in words: no step of it can be guided"
             typer.echo(f"{file}: what to measure next, {way}")
+            for each in texts:
+                typer.echo(fill(each, WIDTH, initial_indent="  ", subsequent_indent="  "))

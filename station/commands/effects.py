@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from station.commands import Database
-from station.commands._options import OfModel, OfSerial, argument, option
+from station.commands._options import OfModel, OfSerial, argument, flag, option
 from station.commands.command_table import Command
 
 COMMANDS = (
@@ -20,8 +20,7 @@ COMMANDS = (
 
 
 def list_(
-    catalogue: Annotated[bool, option("--catalogue", "", "Also list the catalogue.")] = False,
-    db: Database = None,
+    catalogue: Annotated[bool, flag("--catalogue", "Also list the catalogue.")] = False, db: Database = None
 ) -> None:
     """List the user-defined error terms in force, with model or unit and hash.
 
@@ -149,9 +148,9 @@ def try_(
 
 def adopt(
     diagnosis: Annotated[Path, argument("DIAGNOSIS.json", "A diagnosis/2.")],
-    out: Annotated[Path, option("--out", "FILE", "Where to write the effect/1.")],
+    out: Annotated[Path, option("FILE", "Where to write the effect/1.")],
     finding: Annotated[
-        str | None, option("--finding", "N|NAME", "Its number in the diagnosis, or its name; else the only one.")
+        str | None, option("N|NAME", "Its number in the diagnosis, or its name; else the only one.")
     ] = None,
     db: Database = None,
 ) -> None:

@@ -6,27 +6,18 @@ from typing import Annotated, Literal
 import typer
 
 from station.commands import Database
-from station.commands._options import argument, option
+from station.commands._options import argument, flag, option
 
 
 def export(
     calibration: Annotated[Path, argument("CALIBRATION", "A calibration.json.")],
     to: Annotated[
-        Literal["c", "matlab", "px4", "ardupilot", "kalibr", "imu_calib"],
-        option("--to", "", "The target program."),
+        Literal["c", "matlab", "px4", "ardupilot", "kalibr", "imu_calib"], option("", "The target program.")
     ],
-    out: Annotated[
-        Path | None, option("--out", "DIR|FILE", "Where to write; else stdout, if it is one file.")
-    ] = None,
-    nominal_accel: Annotated[
-        float | None, option("--nominal-accel", "COUNT/(G S)", "The driver's scale factor.")
-    ] = None,
-    nominal_gyro: Annotated[
-        float | None, option("--nominal-gyro", "COUNT/DEG", "The driver's scale factor.")
-    ] = None,
-    single: Annotated[
-        bool | None, option("--float/--double", "", "Number type of --to c; default double.")
-    ] = None,
+    out: Annotated[Path | None, option("DIR|FILE", "Where to write; else stdout, if it is one file.")] = None,
+    nominal_accel: Annotated[float | None, option("COUNT/(G S)", "The driver's scale factor.")] = None,
+    nominal_gyro: Annotated[float | None, option("COUNT/DEG", "The driver's scale factor.")] = None,
+    single: Annotated[bool | None, flag("--float/--double", "Number type of --to c; default double.")] = None,
     db: Database = None,
 ) -> None:
     """Write a calibration as a program, as ArduPilot or PX4 parameters, for Kalibr or for imu_calib of ROS.

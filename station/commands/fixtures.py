@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from station.commands import Database
-from station.commands._options import argument, day_option, option
+from station.commands._options import argument, day_option, flag, option, signing_libraries
 from station.commands.command_table import Command
 
 if TYPE_CHECKING:
@@ -75,13 +75,13 @@ def import_(
         Path, argument("IN", "A TOML file, a folder of CSV files, one such as slab.csv, or a certificate's XML.")
     ],
     trust: Annotated[
-        list[Path] | None, option("", "ROOT.pem", "Of a certificate: a root that is trusted; repeatable.")
+        list[Path] | None, option("ROOT.pem", "Of a certificate: a root that is trusted; repeatable.")
     ] = None,
-    crl: Annotated[list[Path] | None, option("", "FILE", "A list of what it revoked; repeatable.")] = None,
+    crl: Annotated[list[Path] | None, option("FILE", "A list of what it revoked; repeatable.")] = None,
     unsigned: Annotated[
-        bool, option("--unsigned", "", "Accept a certificate without signature; this is recorded.")
+        bool, flag("--unsigned", "Accept a certificate without signature; this is recorded.")
     ] = False,
-    due: Annotated[datetime | None, day_option("", "Last day of validity, if the XML does not state it.")] = None,
+    due: Annotated[datetime | None, day_option("Last day of validity, if the XML does not state it.")] = None,
     db: Database = None,
 ) -> None:
     """Import cubes, surface plates, sites, IMUs, certificates and levels of a fixtures/1, all or nothing.
@@ -123,7 +123,6 @@ def import_(
 def _certificate(
     file: Path, roots: Sequence[Path], lists: Sequence[Path], unsigned: bool, due: datetime | None, db: str | None
 ) -> None:
-    from station.commands._options import signing_libraries
 
     signing_libraries()
     from fixtures_db.database import open_db
@@ -172,8 +171,7 @@ def export(
 
 
 def due(
-    within: Annotated[int, option("--within", "DAYS", "How far ahead to look [days].", min=0)] = 60,
-    db: Database = None,
+    within: Annotated[int, option("DAYS", "How far ahead to look [days].", min=0)] = 60, db: Database = None
 ) -> None:
     """List what has expired or will expire within some days, the earliest first.
 
@@ -201,9 +199,9 @@ def due(
 def limits(
     model: Annotated[str | None, argument("[MODEL]", "The IMU model; else all are named.")] = None,
     import_file: Annotated[
-        Path | None, option("--import", "FILE.toml", "Replace the model's limits by these.")
+        Path | None, option("FILE.toml", "Replace the model's limits by these.", names="--import")
     ] = None,
-    example: Annotated[bool, option("--example", "", "Print a sample limits file to edit.")] = False,
+    example: Annotated[bool, flag("--example", "Print a sample limits file to edit.")] = False,
     db: Database = None,
 ) -> None:
     """Show the limits of an IMU model's parameters, or replace them with --import.
@@ -267,7 +265,7 @@ def _limits(database: "OpenDatabase", model: str | None) -> str:
 
 def example(
     seed: Annotated[int | None, argument("SEED", "As in `station simulate --example SEED`.")] = None,
-    truth: Annotated[Path | None, option("--truth", "TOML", "As in `station simulate --truth TOML`.")] = None,
+    truth: Annotated[Path | None, option("TOML", "As in `station simulate --truth TOML`.")] = None,
     db: Database = None,
 ) -> None:
     """Add cube, surface plate, site and limits of a simulated unit, so that it can end in PASS and be certified.

@@ -28,10 +28,10 @@ COMMANDS = (
 
 Name = Annotated[str, argument("NAME", "Its name, which must be new.")]
 Day = datetime | None
-Certified = Annotated[Day, day_option("--certified", "Day of its certificate.")]
-Due = Annotated[Day, day_option("--due", "Last day of validity.")]
-On = Annotated[datetime, day_option("--on", "Day on which it was measured.")]
-By = Annotated[str, option("--by", "TEXT", "Who measured it, with which instrument.")]
+Certified = Annotated[Day, day_option("Day of its certificate.")]
+Due = Annotated[Day, day_option("Last day of validity.")]
+On = Annotated[datetime, day_option("Day on which it was measured.")]
+By = Annotated[str, option("TEXT", "Who measured it, with which instrument.")]
 
 
 @contextmanager
@@ -82,9 +82,9 @@ def noon(moment: datetime) -> datetime:
 
 def cube(
     name: Name,
-    side_mm: Annotated[float, option("--side-mm", "MM", "Length of its edge [mm].")],
+    side_mm: Annotated[float, option("MM", "Length of its edge [mm].")],
     tolerance: Annotated[
-        list[str] | None, option("", "ITEM=MM", "An item of its drawing [mm]: t1 ... t10; give it for each item.")
+        list[str] | None, option("ITEM=MM", "An item of its drawing [mm]: t1 ... t10; give it for each item.")
     ] = None,
     certified: Certified = None,
     due: Due = None,
@@ -123,13 +123,12 @@ def certificate(
     cube: Annotated[str, argument("CUBE", "The cube's name.")],
     resting: Annotated[str, argument("FACE", "The face: x_up, x_down ... z_down.")],
     tilt_arcsec: Annotated[
-        tuple[float, float],
-        option("", "1 2", "The up vector's components along the two other cube axes [arcsec]."),
+        tuple[float, float], option("1 2", "The up vector's components along the two other cube axes [arcsec].")
     ],
-    sigma_arcsec: Annotated[tuple[float, float], option("", "1 2", "Their standard uncertainty [arcsec].")],
+    sigma_arcsec: Annotated[tuple[float, float], option("1 2", "Their standard uncertainty [arcsec].")],
     on: On,
     by: By,
-    correlation: Annotated[float, option("", "R", "Correlation of the two, -1 to 1.", min=-1, max=1)] = 0.0,
+    correlation: Annotated[float, option("R", "Correlation of the two, -1 to 1.", min=-1, max=1)] = 0.0,
     due: Due = None,
     db: Database = None,
 ) -> None:
@@ -174,9 +173,9 @@ def slab(name: Name, certified: Certified = None, due: Due = None, db: Database 
 def level(
     slab: Annotated[str, argument("SLAB", "The surface plate's name.")],
     tilt_arcsec: Annotated[
-        tuple[float, float], option("", "EAST NORTH", "The up vector's components in the plate's axes [arcsec].")
+        tuple[float, float], option("EAST NORTH", "The up vector's components in the plate's axes [arcsec].")
     ],
-    sigma_arcsec: Annotated[tuple[float, float], option("", "EAST NORTH", "Their standard uncertainty [arcsec].")],
+    sigma_arcsec: Annotated[tuple[float, float], option("EAST NORTH", "Their standard uncertainty [arcsec].")],
     on: On,
     by: By,
     due: Due = None,
@@ -210,13 +209,13 @@ def level(
 
 def site(
     name: Name,
-    latitude: Annotated[float, option("", "DEG", "Geodetic, north above 0 [deg].")],
-    longitude: Annotated[float | None, option("", "DEG", "East above 0 [deg].")] = None,
-    height: Annotated[float | None, option("", "M", "Above the ellipsoid [m].")] = None,
-    gravity: Annotated[float | None, option("", "M/S2", "As surveyed [m/s2].")] = None,
-    gravity_sigma: Annotated[float | None, option("", "M/S2", "Its standard uncertainty [m/s2].")] = None,
-    gravity_by: Annotated[str, option("", "TEXT", "Who surveyed it, with which instrument.")] = "",
-    gravity_on: Annotated[datetime | None, day_option("", "Day of the survey.")] = None,
+    latitude: Annotated[float, option("DEG", "Geodetic, north above 0 [deg].")],
+    longitude: Annotated[float | None, option("DEG", "East above 0 [deg].")] = None,
+    height: Annotated[float | None, option("M", "Above the ellipsoid [m].")] = None,
+    gravity: Annotated[float | None, option("M/S2", "As surveyed [m/s2].")] = None,
+    gravity_sigma: Annotated[float | None, option("M/S2", "Its standard uncertainty [m/s2].")] = None,
+    gravity_by: Annotated[str, option("TEXT", "Who surveyed it, with which instrument.")] = "",
+    gravity_on: Annotated[datetime | None, day_option("Day of the survey.")] = None,
     due: Due = None,
     db: Database = None,
 ) -> None:

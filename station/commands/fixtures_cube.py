@@ -8,7 +8,7 @@ import typer
 
 from procedures.units import RAD_PER_ARCSEC, UG_PER_G
 from station.commands import Database
-from station.commands._options import argument, day_option, option, write_result
+from station.commands._options import argument, day_option, flag, option, write_result
 
 if TYPE_CHECKING:
     from station.results.fixtures.measured_cube import CubeStudy
@@ -17,15 +17,13 @@ if TYPE_CHECKING:
 def measure(
     cube: Annotated[str, argument("CUBE", "The cube's name, the campaigns' fixture.id.")],
     campaigns: Annotated[list[Path], argument("CAMPAIGN", "Folders of campaign/1, any units.")],
-    store: Annotated[bool, option("--store", "", "Keep it as a measured certificate of the cube.")] = False,
-    due: Annotated[datetime | None, day_option("", "Last day of validity, with --store.")] = None,
-    on: Annotated[datetime | None, day_option("", "Day of it; else that of the campaigns, or today.")] = None,
+    store: Annotated[bool, flag("--store", "Keep it as a measured certificate of the cube.")] = False,
+    due: Annotated[datetime | None, day_option("Last day of validity, with --store.")] = None,
+    on: Annotated[datetime | None, day_option("Day of it; else that of the campaigns, or today.")] = None,
     quadratic_sigma: Annotated[
-        float, option("", "G", "Standard uncertainty of the units' K2 [g/g^2].", min=1e-9, max=1e-2)
+        float, option("G", "Standard uncertainty of the units' K2 [g/g^2].", min=1e-9, max=1e-2)
     ] = 5e-5,
-    json: Annotated[
-        Path | None, option("--json", "OUT", "Write measured-cube/1 here instead of a summary.")
-    ] = None,
+    json: Annotated[Path | None, option("OUT", "Write measured-cube/1 here instead of a summary.")] = None,
     db: Database = None,
 ) -> None:
     """Measure a cube with the IMUs that were calibrated in it: parallelism, skew, and how both changed.
@@ -83,25 +81,23 @@ def _refuse_again(found: "CubeStudy") -> None:
 
 def tolerance(
     cube: Annotated[str | None, argument("[CUBE]", "A cube of the database.")] = None,
-    items: Annotated[Path | None, option("--items", "FILE.toml", "The drawing from a file instead.")] = None,
-    want_ug: Annotated[float | None, option("--want-ug", "", "The bias wanted, worst case [ug].", min=0)] = None,
-    estimator: Annotated[Literal["twelve", "two", "joint"], option("", "", "Whose bias is wanted.")] = "joint",
-    unit: Annotated[
-        Path | None, option("--unit", "SOLUTION.json", "E and D of this unit, else of Yao 2018's.")
-    ] = None,
-    k2_ug: Annotated[float, option("--k2-ug", "", "K2 of every accelerometer [ug/g2].")] = 0.0,
+    items: Annotated[Path | None, option("FILE.toml", "The drawing from a file instead.")] = None,
+    want_ug: Annotated[float | None, option("", "The bias wanted, worst case [ug].", min=0)] = None,
+    estimator: Annotated[Literal["twelve", "two", "joint"], option("", "Whose bias is wanted.")] = "joint",
+    unit: Annotated[Path | None, option("SOLUTION.json", "E and D of this unit, else of Yao 2018's.")] = None,
+    k2_ug: Annotated[float, option("", "K2 of every accelerometer [ug/g2].")] = 0.0,
     distribution: Annotated[
         Literal["uniform", "normal"],
-        option("", "", "Distribution of an item; normal: tolerance = 2 standard deviations."),
+        option("", "Distribution of an item; normal: tolerance = 2 standard deviations."),
     ] = "uniform",
-    directions: Annotated[Literal["any", "p1"], option("", "", "In which directions faces tilt.")] = "any",
-    cubes: Annotated[int, option("", "", "Number of random cubes.", min=1000, max=10_000_000)] = 200_000,
+    directions: Annotated[Literal["any", "p1"], option("", "In which directions faces tilt.")] = "any",
+    cubes: Annotated[int, option("", "Number of random cubes.", min=1000, max=10_000_000)] = 200_000,
     certificate_arcsec: Annotated[
-        float, option("", "", "Uncertainty u of a face certificate to compare with [arcsec].", min=1e-3)
+        float, option("", "Uncertainty u of a face certificate to compare with [arcsec].", min=1e-3)
     ] = 1.0,
-    dwell_ug: Annotated[float, option("", "", "Standard deviation of a dwell's mean [ug].", min=1e-4)] = 0.14,
-    svg: Annotated[Path | None, option("--svg", "OUT.svg", "Draw the figure.")] = None,
-    out: Annotated[Path | None, option("--json", "OUT.json", "Write tolerance/1.")] = None,
+    dwell_ug: Annotated[float, option("", "Standard deviation of a dwell's mean [ug].", min=1e-4)] = 0.14,
+    svg: Annotated[Path | None, option("OUT.svg", "Draw the figure.")] = None,
+    out: Annotated[Path | None, option("OUT.json", "Write tolerance/1.", names="--json")] = None,
     db: Database = None,
 ) -> None:
     """Compute how a cube's machining tolerances affect bias [ug], scale factor [ppm], misalignment [arcsec].

@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 def history(
     serial: Annotated[str | None, argument("SERIAL", "The unit's serial number.")] = None,
     population: Annotated[
-        str | None, option("", "MODEL", "Compare all units of this model instead of one unit.")
+        str | None, option("MODEL", "Compare all units of this model instead of one unit.")
     ] = None,
-    at: Annotated[datetime | None, day_option("", "Predict for this date, not the due date.")] = None,
-    json: Annotated[Path | None, option("--json", "OUT", "Write history/1 or population/1 here.")] = None,
-    html: Annotated[Path | None, option("--html", "FILE", "Write a page with charts.")] = None,
+    at: Annotated[datetime | None, day_option("Predict for this date, not the due date.")] = None,
+    json: Annotated[Path | None, option("OUT", "Write history/1 or population/1 here.")] = None,
+    html: Annotated[Path | None, option("FILE", "Write a page with charts.")] = None,
     db: Database = None,
 ) -> None:
     """List every stored calibration of a unit with its drift, or find the units of a model that differ.

@@ -22,18 +22,18 @@ def locate(
     folder: Annotated[Path, argument("FOLDER", "A folder of fusion/1.")],
     source: Annotated[
         Source | None,
-        option("--source", "", "Default: inertial where [imu] is, else odometry; vision: camera tracks and IMU."),
+        option("", "Default: inertial where [imu] is, else odometry; vision: camera tracks and IMU."),
     ] = None,
     images: Annotated[
-        Path | None, option("--images", "DIR", "Follow features through these, or a camera, into [tracks].")
+        Path | None, option("DIR", "Follow features through these, or a camera, into [tracks].")
     ] = None,
-    seconds: Annotated[float, option("--seconds", "S", "How long to follow --images [s].", min=0)] = float("inf"),
+    seconds: Annotated[float, option("S", "How long to follow --images [s].", min=0)] = float("inf"),
     layers: Annotated[
-        int, option("--layers", "", "1: GNSS position in the IMU's own window; inertial only.", min=1, max=2)
+        int, option("", "1: GNSS position in the IMU's own window; inertial only.", min=1, max=2)
     ] = 2,
-    out: Annotated[Path | None, option("--out", "TRAJ.tum", "Write the online trajectory here.")] = None,
-    batch: Annotated[Path | None, option("--batch", "BATCH.tum", "Write the smoothed trajectory here.")] = None,
-    json: Annotated[Path | None, option("--json", "OUT", "Write location/1 here instead of a summary.")] = None,
+    out: Annotated[Path | None, option("TRAJ.tum", "Write the online trajectory here.")] = None,
+    batch: Annotated[Path | None, option("BATCH.tum", "Write the smoothed trajectory here.")] = None,
+    json: Annotated[Path | None, option("OUT", "Write location/1 here instead of a summary.")] = None,
     db: Database = None,
 ) -> None:
     """Compute a trajectory: position and attitude, East-North-Up, from IMU, odometry or camera and GNSS.

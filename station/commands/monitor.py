@@ -7,66 +7,67 @@ from typing import Annotated
 import typer
 
 from station.commands import Database
-from station.commands._options import Heading, Latitude, argument, lengths, option, refused_as
+from station.commands._options import (
+    Axes,
+    Gnss,
+    Heading,
+    Latitude,
+    Model,
+    Plain,
+    Quiet,
+    Seconds,
+    Serial,
+    Slow,
+    Speed,
+    argument,
+    flag,
+    lengths,
+    option,
+    refused_as,
+)
 
 AIDS = ("none", "gnss", "airspeed", "airspeed-filter")  # the last two are one
 
 
 def monitor(
     url: Annotated[str, argument("URL", "The IMU, as in serial:///dev/ttyUSB0; or replay:FILE.mcap.")],
-    gnss: Annotated[str, option("--gnss", "URL", "A GNSS receiver, as in mavlink:udpin:0.0.0.0:14550.")] = "",
-    aid: Annotated[
-        str, option("--aid", "AID", "none, gnss or airspeed; gnss with --gnss; in a replay as it was.")
-    ] = "",
+    gnss: Gnss = "",
+    aid: Annotated[str, option("AID", "none, gnss or airspeed; gnss with --gnss; in a replay as it was.")] = "",
     filter: Annotated[
         str,
-        option("--filter --law", "FILTERS", "joint, mixer, paper, paper-filter, paper-whole; two: joint,paper."),
+        option(
+            "FILTERS", "joint, mixer, paper, paper-filter, paper-whole; two: joint,paper.", names="--filter --law"
+        ),
     ] = "",
     tau: Annotated[
-        float | None,
-        option("--tau", "S", "Time constant of the complementary filters; else K1 0.08, K2 0.0125.", min=0.1),
+        float | None, option("S", "Time constant of the complementary filters; else K1 0.08, K2 0.0125.", min=0.1)
     ] = None,
-    locate: Annotated[bool, option("--locate", "", "Also position and heading.")] = False,
-    lever_arm: Annotated[str, option("--lever-arm", "X,Y,Z", "For --locate: IMU to antenna [m], IMU axes.")] = "",
-    camera: Annotated[
-        Path | None, option("--camera", "FILE", "For --locate: a camera/1 file; extra `camera`.")
-    ] = None,
-    wheel: Annotated[
-        Path | None, option("--wheel", "FILE", "For --locate: a wheel/1 file, a speed on CAN.")
-    ] = None,
+    locate: Annotated[bool, flag("--locate", "Also position and heading.")] = False,
+    lever_arm: Annotated[str, option("X,Y,Z", "For --locate: IMU to antenna [m], IMU axes.")] = "",
+    camera: Annotated[Path | None, option("FILE", "For --locate: a camera/1 file; extra `camera`.")] = None,
+    wheel: Annotated[Path | None, option("FILE", "For --locate: a wheel/1 file, a speed on CAN.")] = None,
     calibration: Annotated[
-        Path | None, option("--calibration", "FILE", "A calibration.json; else the unit's newest stored one.")
+        Path | None, option("FILE", "A calibration.json; else the unit's newest stored one.")
     ] = None,
-    axes: Annotated[str, option("--axes", "F,R,D", "Which IMU axes point forward, right, down.")] = "x,-y,-z",
+    axes: Axes = "x,-y,-z",
     latitude: Latitude = None,
     heading: Heading = None,
-    gravity: Annotated[
-        float | None, option("--gravity", "M/S2", "Surveyed; else normal.", min=9.7, max=9.9)
-    ] = None,
+    gravity: Annotated[float | None, option("M/S2", "Surveyed; else normal.", min=9.7, max=9.9)] = None,
     alarm: Annotated[
-        list[str] | None, option("--alarm", "NAME=LIMIT", "Alarm above: roll, pitch, rate, sigma, residual ...")
+        list[str] | None, option("NAME=LIMIT", "Alarm above: roll, pitch, rate, sigma, residual ...")
     ] = None,
-    folder: Annotated[Path | None, option("--folder", "FOLDER", "A new folder for the recording.")] = None,
-    record: Annotated[
-        bool, option("--record/--no-record", "", "Record from the start, or when r is pressed.")
-    ] = True,
-    plain: Annotated[bool, option("--plain", "", "Lines of text instead of a screen.")] = False,
-    json: Annotated[bool, option("--json", "", "A line of monitor/1 for each tenth of a second.")] = False,
-    mavlink_out: Annotated[
-        str, option("--mavlink-out", "LINK", "Sends ATTITUDE, as to udpout:127.0.0.1:14551.")
-    ] = "",
-    stream: Annotated[
-        list[str] | None,
-        option("--stream", "OUTPUT", "Also stream samples, as `station stream --to`."),
-    ] = None,
-    seconds: Annotated[float, option("--seconds", "S", "Device time after which it ends.", min=0.0)] = float(
-        "inf"
-    ),
-    speed: Annotated[float, option("--speed", "N", "Of a replay; 0: as fast as it can.", min=0.0)] = 1.0,
-    model: Annotated[str, option("--model", "", "For a device that does not send its own.")] = "",
-    serial: Annotated[str, option("--serial", "", "For a device that does not send its own.")] = "",
-    slow: Annotated[bool, option("--slow", "", "Update twice per second, for a slow console.")] = False,
-    quiet: Annotated[bool, option("--quiet", "", "No sounds.")] = False,
+    folder: Annotated[Path | None, option("FOLDER", "A new folder for the recording.")] = None,
+    record: Annotated[bool, flag("--record/--no-record", "Record from the start, or when r is pressed.")] = True,
+    plain: Plain = False,
+    json: Annotated[bool, flag("--json", "A line of monitor/1 for each tenth of a second.")] = False,
+    mavlink_out: Annotated[str, option("LINK", "Sends ATTITUDE, as to udpout:127.0.0.1:14551.")] = "",
+    stream: Annotated[list[str] | None, option("OUTPUT", "Also stream samples, as `station stream --to`.")] = None,
+    seconds: Seconds = float("inf"),
+    speed: Speed = 1.0,
+    model: Model = "",
+    serial: Serial = "",
+    slow: Slow = False,
+    quiet: Quiet = False,
     db: Database = None,
 ) -> None:
     """Show roll and pitch [deg] of a live IMU, and its errors at rest with and without the calibration.

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from station.commands import Database, _log_options
+from station.commands import Database
+from station.commands._log_options import COLUMNS, LogOptions, read_logs
 from station.commands._options import argument, option, write_result
 
 if TYPE_CHECKING:
@@ -15,18 +16,10 @@ if TYPE_CHECKING:
 
 def noise(
     recordings: Annotated[list[Path], argument("RECORDING", "Folders of campaign/1, or logs of one unit.")],
-    time: _log_options.Time = None,
-    gyro: _log_options.Gyro = None,
-    accel: _log_options.Accel = None,
-    unit_gyro: _log_options.UnitGyro = None,
-    unit_accel: _log_options.UnitAccel = None,
-    unit_time: _log_options.UnitTime = None,
-    rate: _log_options.Rate = None,
-    as_: _log_options.As = None,
-    serial: _log_options.Serial = None,
-    json: Annotated[Path | None, option("--json", "OUT", "Write noise/1 here instead of a summary.")] = None,
-    html: Annotated[Path | None, option("--html", "FILE", "Write a page with the plot here.")] = None,
-    png: Annotated[Path | None, option("--png", "FILE", "Write the plot here.")] = None,
+    log: Annotated[LogOptions, (*COLUMNS, "as_", "serial")],
+    json: Annotated[Path | None, option("OUT", "Write noise/1 here instead of a summary.")] = None,
+    html: Annotated[Path | None, option("FILE", "Write a page with the plot here.")] = None,
+    png: Annotated[Path | None, option("FILE", "Write the plot here.")] = None,
     db: Database = None,
 ) -> None:
     """Compute the noise of every channel in its longest recording at rest.
@@ -40,12 +33,7 @@ def noise(
 
     Example: station noise fog.csv --time t --gyro -,-,rate --unit-gyro deg/s --png allan.png
     """
-    options = _log_options.LogOptions({
-        "time": time, "gyro": gyro, "accel": accel, "unit_gyro": unit_gyro, "unit_accel": unit_accel,
-        "unit_time": unit_time, "rate": rate, "as": as_, "serial": serial,
-    })  # fmt: skip
-    loaded = _loaded(recordings, options)
-    document = _document(loaded)
+    document = _document(_loaded(recordings, log))
     from station.results.report.noise_document import noise_text
 
     write_result(document, noise_text(document), json, "noise/1")
@@ -61,13 +49,13 @@ def noise(
         typer.echo(f"{png}: Allan deviation and spectrum")
 
 
-def _loaded(recordings: Sequence[Path], options: _log_options.LogOptions) -> "list[LoadedCampaign]":
+def _loaded(recordings: Sequence[Path], log: LogOptions) -> "list[LoadedCampaign]":
     from station.files.campaign_folder.campaign_reading import read_campaign
     from station.files.campaign_folder.loaded_campaign import check_one_unit
 
-    if options.are_logs(recordings):
-        return [_log_options.read_logs(recordings, options, None)]
-    options.refuse_with_folders()
+    if log.are_logs(recordings):
+        return [read_logs(recordings, log, uses_latitude=False)]
+    log.refuse_with_folders()
     loaded = [read_campaign(folder) for folder in recordings]
     check_one_unit(loaded)
     return loaded

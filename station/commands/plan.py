@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from station.commands import Database
-from station.commands._options import option, refused_as, write_result
+from station.commands._options import Noise, flag, option, refuse_other_than_toml, refused_as, write_result
 
 if TYPE_CHECKING:
     from procedures.planning.design_sigmas import DesignSigmas, WantedSigmas
@@ -14,40 +14,26 @@ if TYPE_CHECKING:
 
 def plan(
     limits: Annotated[
-        str | None,
-        option("--limits", "MODEL|FILE", "Limits to be met: those stored of a model, or a limits.toml."),
+        str | None, option("MODEL|FILE", "Limits to be met: those stored of a model, or a limits.toml.")
     ] = None,
     sigma: Annotated[
-        list[str] | None, option("--sigma", "NAME=SIGMA", "A target for a standard uncertainty; repeatable.")
+        list[str] | None, option("NAME=SIGMA", "A target for a standard uncertainty; repeatable.")
     ] = None,
-    serial: Annotated[
-        str | None, option("--serial", "SERIAL", "The unit; its noise comes from its history.")
-    ] = None,
-    noise: Annotated[
-        list[Path] | None,
-        option("--noise", "CAMPAIGN", "A campaign of the unit that shows its noise; repeatable."),
-    ] = None,
-    cube: Annotated[str | None, option("--cube", "ID", "The cube, with its face certificates.")] = None,
+    serial: Annotated[str | None, option("SERIAL", "The unit; its noise comes from its history.")] = None,
+    noise: Noise = None,
+    cube: Annotated[str | None, option("ID", "The cube, with its face certificates.")] = None,
     latitude: Annotated[
         float | None,
-        option(
-            "--latitude",
-            "DEG",
-            "Of the surface plate; else of a named campaign, or of the last set-up.",
-            min=-90,
-            max=90,
-        ),
+        option("DEG", "Of the surface plate; else of a named campaign, or of the last set-up.", min=-90, max=90),
     ] = None,
     minutes: Annotated[
-        float | None, option("--minutes", "M", "The best result within so many minutes.", min=1, max=1e4)
+        float | None, option("M", "The best result within so many minutes.", min=1, max=1e4)
     ] = None,
-    no_turns: Annotated[bool, option("--no-turns", "", "Plan no manual rotations.")] = False,
-    json: Annotated[Path | None, option("--json", "OUT", "Write planned/1 here instead of a summary.")] = None,
-    out: Annotated[
-        Path | None, option("--out", "PLAN", "Write plan/1 here, for `station calibrate --plan`.")
-    ] = None,
+    no_turns: Annotated[bool, flag("--no-turns", "Plan no manual rotations.")] = False,
+    json: Annotated[Path | None, option("OUT", "Write planned/1 here instead of a summary.")] = None,
+    out: Annotated[Path | None, option("PLAN", "Write plan/1 here, for `station calibrate --plan`.")] = None,
     so_far: Annotated[
-        Path | None, option("--continue", "CAMPAIGN", "Name the next placement of an unfinished campaign.")
+        Path | None, option("CAMPAIGN", "Name the next placement of an unfinished campaign.", names="--continue")
     ] = None,
     db: Database = None,
 ) -> None:
@@ -89,6 +75,7 @@ def plan(
         asked = wanted_by_name(sigma or [])
     if so_far is not None:
         _refuse_with_continue(has_wanted=bool(limits or sigma), others=(minutes, json, out, no_turns or None))
+    refuse_other_than_toml(out, "--out")
     with open_db(db) as database:
         model, rows = limits_named(database, limits)
         known = known_noise(database, model, serial, noise or [])

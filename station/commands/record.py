@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from station.commands import Database
-from station.commands._options import argument, lengths, option, refused_as
+from station.commands._options import Gnss, Model, Serial, argument, lengths, option, refused_as
 from station.text import plural
 
 if TYPE_CHECKING:
@@ -21,24 +21,18 @@ if TYPE_CHECKING:
 
 def record(
     url: Annotated[str, argument("URL", "The IMU, as in serial:///dev/ttyUSB0?format=counts.")],
-    out: Annotated[Path | None, option("--out", "FOLDER", "A new folder for the recording.")] = None,
-    gnss: Annotated[str, option("--gnss", "URL", "A GNSS receiver, as in mavlink:udpin:0.0.0.0:14550.")] = "",
-    camera: Annotated[
-        Path | None, option("--camera", "FILE", "A camera, as its camera/1 file describes it.")
-    ] = None,
+    out: Annotated[Path | None, option("FOLDER", "A new folder for the recording.")] = None,
+    gnss: Gnss = "",
+    camera: Annotated[Path | None, option("FILE", "A camera, as its camera/1 file describes it.")] = None,
     wheel: Annotated[
-        Path | None, option("--wheel", "FILE", "A vehicle's speed on CAN, as its wheel/1 file describes it.")
+        Path | None, option("FILE", "A vehicle's speed on CAN, as its wheel/1 file describes it.")
     ] = None,
-    seconds: Annotated[float, option("--seconds", "S", "Device time to record.", min=0.0)] = float("inf"),
-    fusion: Annotated[
-        Path | None, option("--fusion", "FOLDER", "Also makes a fusion/1 folder, for `station locate`.")
-    ] = None,
-    calibration: Annotated[
-        Path | None, option("--calibration", "FILE", "For --fusion; else the unit's newest stored one.")
-    ] = None,
-    lever_arm: Annotated[str, option("--lever-arm", "X,Y,Z", "For --fusion: IMU to antenna [m], IMU axes.")] = "",
-    model: Annotated[str, option("--model", "", "For a device that does not send its own.")] = "",
-    serial: Annotated[str, option("--serial", "", "For a device that does not send its own.")] = "",
+    seconds: Annotated[float, option("S", "Device time to record.", min=0.0)] = float("inf"),
+    fusion: Annotated[Path | None, option("FOLDER", "Also makes a fusion/1 folder, for `station locate`.")] = None,
+    calibration: Annotated[Path | None, option("FILE", "For --fusion; else the unit's newest stored one.")] = None,
+    lever_arm: Annotated[str, option("X,Y,Z", "For --fusion: IMU to antenna [m], IMU axes.")] = "",
+    model: Model = "",
+    serial: Serial = "",
     db: Database = None,
 ) -> None:
     """Record the raw bytes and the counts of a device; Ctrl-C stops and keeps the recording.

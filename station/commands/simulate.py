@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from station.commands import Database
-from station.commands._options import option
+from station.commands._options import flag, option
 
 if TYPE_CHECKING:
     from drivers.simulated.companions.camera_server import SimulatedCamera
@@ -60,51 +60,38 @@ def read_text(path: Path, kind: str = "a TOML file") -> str:
 
 def simulate(
     context: typer.Context,
-    scenario: Annotated[Path | None, option("--scenario", "TOML", "A whole bench in a file; see below.")] = None,
-    truth: Annotated[Path | None, option("--truth", "TOML", "True values of the unit and its bench.")] = None,
-    example: Annotated[int | None, option("--example", "SEED", "A random unit instead.")] = None,
+    scenario: Annotated[Path | None, option("TOML", "A whole bench in a file; see below.")] = None,
+    truth: Annotated[Path | None, option("TOML", "True values of the unit and its bench.")] = None,
+    example: Annotated[int | None, option("SEED", "A random unit instead.")] = None,
     effect: Annotated[
-        list[Path] | None,
-        option("--effect", "FILE", "An error term (effect/1) with sizes in the truth; repeatable."),
+        list[Path] | None, option("FILE", "An error term (effect/1) with sizes in the truth; repeatable.")
     ] = None,
-    latitude: Annotated[float | None, option("--latitude", "DEG", "Its latitude.", min=-90, max=90)] = None,
-    height: Annotated[float | None, option("--height", "M", "Above the ellipsoid.", min=-1000, max=20000)] = None,
-    format: Annotated[str, option("--format", "", "Wire format.")] = "counts",
-    pty: Annotated[Path | None, option("--pty", "LINK", "Keep this path pointing at the pty.")] = None,
+    latitude: Annotated[float | None, option("DEG", "Its latitude.", min=-90, max=90)] = None,
+    height: Annotated[float | None, option("M", "Above the ellipsoid.", min=-1000, max=20000)] = None,
+    format: Annotated[str, option("", "Wire format.")] = "counts",
+    pty: Annotated[Path | None, option("LINK", "Keep this path pointing at the pty.")] = None,
     tcp: Annotated[
-        int | None, option("--tcp", "PORT", "Serve on this loopback port instead; 0: any.", min=0, max=65535)
+        int | None, option("PORT", "Serve on this loopback port instead; 0: any.", min=0, max=65535)
     ] = None,
     transport: Annotated[
-        str | None, option("--transport", "", "pty, tcp, or CAN: slcan (an adapter on a pty), udp_multicast.")
+        str | None, option("", "pty, tcp, or CAN: slcan (an adapter on a pty), udp_multicast.")
     ] = None,
-    dbc: Annotated[str, option("--dbc", "DBC", "Frames on CAN; the station's own else.")] = "",
-    mapping: Annotated[str, option("--map", "TOML", "What the DBC's signals are.")] = "",
-    control: Annotated[int, option("--control", "PORT", "Port of the hands; 0: any.", min=0, max=65535)] = 0,
-    speed: Annotated[float, option("--speed", "N", "Device seconds per second; 0: as fast as read.")] = 1.0,
-    seed: Annotated[int, option("--seed", "", "Seed of noise, hands and faults.")] = 1,
-    faults: Annotated[Path | None, option("--faults", "TOML", "[[fault]] tables: kind, at_s, every_s ...")] = None,
+    dbc: Annotated[str, option("DBC", "Frames on CAN; the station's own else.")] = "",
+    mapping: Annotated[str, option("TOML", "What the DBC's signals are.", names="--map")] = "",
+    control: Annotated[int, option("PORT", "Port of the hands; 0: any.", min=0, max=65535)] = 0,
+    speed: Annotated[float, option("N", "Device seconds per second; 0: as fast as read.")] = 1.0,
+    seed: Annotated[int, option("", "Seed of noise, hands and faults.")] = 1,
+    faults: Annotated[Path | None, option("TOML", "[[fault]] tables: kind, at_s, every_s ...")] = None,
     gnss: Annotated[
-        str | None,
-        option("--gnss", "LINK", "Also an autopilot: udp[:PORT], udpto:HOST:PORT, tcp[:PORT], pty[:PATH]."),
+        str | None, option("LINK", "Also an autopilot: udp[:PORT], udpto:HOST:PORT, tcp[:PORT], pty[:PATH].")
     ] = None,
-    track: Annotated[
-        Path | None, option("--track", "CSV", "Where both go: t_s,e_m,n_m,u_m. Else they stand.")
-    ] = None,
-    camera_file: Annotated[
-        Path | None, option("--camera-file", "FILE", "Describe a scenario's camera here, camera/1.")
-    ] = None,
-    wheel_file: Annotated[
-        Path | None, option("--wheel-file", "FILE", "Also a wheel on CAN, described here, wheel/1.")
-    ] = None,
+    track: Annotated[Path | None, option("CSV", "Where both go: t_s,e_m,n_m,u_m. Else they stand.")] = None,
+    camera_file: Annotated[Path | None, option("FILE", "Describe a scenario's camera here, camera/1.")] = None,
+    wheel_file: Annotated[Path | None, option("FILE", "Also a wheel on CAN, described here, wheel/1.")] = None,
     pps: Annotated[
-        bool,
-        option(
-            "--pps",
-            "",
-            "A pulse per second, reported in its frames: --format stim300 or a NovAtel log.",
-        ),
+        bool, flag("--pps", "A pulse per second, reported in its frames: --format stim300 or a NovAtel log.")
     ] = False,
-    hold: Annotated[bool, option("--hold", "", "Start when the hands send go.")] = False,
+    hold: Annotated[bool, flag("--hold", "Start when the hands send go.")] = False,
     db: Database = None,
 ) -> None:
     """Serve a simulated IMU in its cube until Ctrl-C; prints its URL and the control address of its hands.

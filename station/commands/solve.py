@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from station.commands import Database
-from station.commands._options import Effects, argument, option, write_result
+from station.commands._options import Effects, argument, flag, option, write_result
 
 if TYPE_CHECKING:
     from procedures.calibration.solution_values import Solution
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 def solve(
     campaigns: Annotated[list[Path], argument("CAMPAIGN", "Folders of campaign/1.")],
     effects: Effects = None,
-    no_moves: Annotated[bool, option("--no-moves", "", "Do not read the recordings of [[move]].")] = False,
-    json: Annotated[Path | None, option("--json", "OUT", "Write solution/1 here instead of a summary.")] = None,
+    no_moves: Annotated[bool, flag("--no-moves", "Do not read the recordings of [[move]].")] = False,
+    json: Annotated[Path | None, option("OUT", "Write solution/1 here instead of a summary.")] = None,
     db: Database = None,
 ) -> None:
     """Solve recorded campaigns for scale factor, misalignment and bias of both triads, each with uncertainty.
@@ -67,17 +67,15 @@ def _solved(
 
 def resolve(
     campaigns: Annotated[list[Path] | None, argument("[CAMPAIGN]...", "Folders of campaign/1.")] = None,
-    every: Annotated[bool, option("--all", "", "Every complete campaign of the database.")] = False,
+    every: Annotated[bool, flag("--all", "Every complete campaign of the database.")] = False,
     scheduler: Annotated[
-        str | None, option("", "ADDRESS", "A Dask scheduler, tcp://HOST:8786; else this machine.")
+        str | None, option("ADDRESS", "A Dask scheduler, tcp://HOST:8786; else this machine.")
     ] = None,
     workers: Annotated[
-        int | None, option("", "", "Processes here; else as many as there are cores.", min=1, max=1024)
+        int | None, option("", "Processes here; else as many as there are cores.", min=1, max=1024)
     ] = None,
-    out: Annotated[
-        Path | None, option("", "FOLDER", "Keep solutions here; else in the user's cache folder.")
-    ] = None,
-    json: Annotated[Path | None, option("--json", "OUT", "Write resolve/1 here instead of a summary.")] = None,
+    out: Annotated[Path | None, option("FOLDER", "Keep solutions here; else in the user's cache folder.")] = None,
+    json: Annotated[Path | None, option("OUT", "Write resolve/1 here instead of a summary.")] = None,
     db: Database = None,
 ) -> None:
     """Solve campaigns again with today's code and report what changed; stored results stay unchanged.
@@ -132,9 +130,7 @@ def resolve(
 
 def report(
     campaigns: Annotated[list[Path], argument("CAMPAIGN", "Folders of campaign/1.")],
-    out: Annotated[
-        Path | None, option("--out", "FILE.html", "Where to write; else report.html in the folder.")
-    ] = None,
+    out: Annotated[Path | None, option("FILE.html", "Where to write; else report.html in the folder.")] = None,
     db: Database = None,
 ) -> None:
     """Solve and diagnose recorded campaigns; write the calibration report, one self-contained HTML file for A4.
@@ -161,7 +157,6 @@ def report(
     target = campaigns[0] / "report.html" if out is None else out
     found, budgets = reported_diagnosis(refined, NO_LIMITS), refined.budgets()
     write_report(
-        target,
-        calibration_report(refined.solution, refined.fits.campaigns, document, budgets, diagnosis=found),
+        target, calibration_report(refined.solution, refined.fits.campaigns, document, budgets, diagnosis=found)
     )
     typer.echo(f"{target}: calibration report of {origin['model']} {origin['serial']}")

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from station.commands import Database
-from station.commands._options import argument, option, refused_as
+from station.commands._options import Axes, Model, Seconds, Serial, Speed, argument, flag, option, refused_as
 
 FRAMES = ("sensor", "frd")
 
@@ -18,29 +18,21 @@ def stream(
     ] = "",
     to: Annotated[
         list[str] | None,
-        option(
-            "--to", "OUTPUT", "foxglove[:HOST:PORT], udp:HOST:PORT, mavlink:udpout:HOST:PORT, stdout; repeatable."
-        ),
+        option("OUTPUT", "foxglove[:HOST:PORT], udp:HOST:PORT, mavlink:udpout:HOST:PORT, stdout; repeatable."),
     ] = None,
-    calibration: Annotated[
-        str, option("--calibration", "FILE|SERIAL", "A calibration.json, or a unit's newest stored one.")
-    ] = "",
-    nominal: Annotated[bool, option("--nominal", "", "The maker's scale factors, no calibration.")] = False,
-    gnss: Annotated[str, option("--gnss", "URL", "A receiver, for UTC: mavlink:udpin:0.0.0.0:14550.")] = "",
-    frame: Annotated[str, option("--frame", "FRAME", "sensor, or frd: forward-right-down.")] = "sensor",
-    axes: Annotated[str, option("--axes", "F,R,D", "Which IMU axes point forward, right, down.")] = "x,-y,-z",
-    seconds: Annotated[float, option("--seconds", "S", "Device time after which it ends.", min=0.0)] = float(
-        "inf"
-    ),
-    folder: Annotated[
-        Path | None, option("--folder", "FOLDER", "A new folder that keeps every byte, for a replay.")
-    ] = None,
-    speed: Annotated[float, option("--speed", "N", "Of a replay; 0: as fast as it can.", min=0.0)] = 1.0,
+    calibration: Annotated[str, option("FILE|SERIAL", "A calibration.json, or a unit's newest stored one.")] = "",
+    nominal: Annotated[bool, flag("--nominal", "The maker's scale factors, no calibration.")] = False,
+    gnss: Annotated[str, option("URL", "A receiver, for UTC: mavlink:udpin:0.0.0.0:14550.")] = "",
+    frame: Annotated[str, option("FRAME", "sensor, or frd: forward-right-down.")] = "sensor",
+    axes: Axes = "x,-y,-z",
+    seconds: Seconds = float("inf"),
+    folder: Annotated[Path | None, option("FOLDER", "A new folder that keeps every byte, for a replay.")] = None,
+    speed: Speed = 1.0,
     layout: Annotated[
-        Path | None, option("--layout", "FILE", "Write a layout for Foxglove there, and do nothing else.")
+        Path | None, option("FILE", "Write a layout for Foxglove there, and do nothing else.")
     ] = None,
-    model: Annotated[str, option("--model", "", "For a device that does not send its own.")] = "",
-    serial: Annotated[str, option("--serial", "", "For a device that does not send its own.")] = "",
+    model: Model = "",
+    serial: Serial = "",
     db: Database = None,
 ) -> None:
     """Stream calibrated samples live: specific force [m/s2], angular rate [rad/s], device time [s].

@@ -33,28 +33,26 @@ def verify(
         argument("[WHAT]", "A campaign's folder, calibration.json, certificate or export; else the database."),
     ] = None,
     trust: Annotated[
-        list[Path] | None,
-        option("", "ROOT.pem", "Of a signed file or a stamp: a root that is trusted; repeatable."),
+        list[Path] | None, option("ROOT.pem", "Of a signed file or a stamp: a root that is trusted; repeatable.")
     ] = None,
     crl: Annotated[
-        list[Path] | None, option("", "FILE", "A list of what a root or those below it revoked; repeatable.")
+        list[Path] | None, option("FILE", "A list of what a root or those below it revoked; repeatable.")
     ] = None,
     laboratory: Annotated[
-        Path | None, option("", "LAB.toml", "Trust also the roots of its [signature], and read its lists.")
+        Path | None, option("LAB.toml", "Trust also the roots of its [signature], and read its lists.")
     ] = None,
     anchor: Annotated[
         list[Path] | None,
-        option("", "FILE", "Compare with an anchor file, or a stamped certificate's XML or PDF; repeatable."),
+        option("FILE", "Compare with an anchor file, or a stamped certificate's XML or PDF; repeatable."),
     ] = None,
     head: Annotated[
-        str | None,
-        option("", "SHA256", "Expect a row with this hash (6 digits or more) or journal code, as printed."),
+        str | None, option("SHA256", "Expect a row with this hash (6 digits or more) or journal code, as printed.")
     ] = None,
     to: Annotated[
-        Path | None, option("--write-anchor", "FILE", "Write the chain heads to an anchor file.")
+        Path | None, option("FILE", "Write the chain heads to an anchor file.", names="--write-anchor")
     ] = None,
     stamp: Annotated[
-        str | None, option("", "URL", "With --write-anchor: a service of RFC 3161 that stamps the file.")
+        str | None, option("URL", "With --write-anchor: a service of RFC 3161 that stamps the file.")
     ] = None,
     db: Database = None,
 ) -> None:

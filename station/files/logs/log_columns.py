@@ -144,7 +144,7 @@ def choose_columns(
     _refuse_ambiguous_kinds(found, stated, free)
     if unused := [name for name in names if name not in used and name]:
         shown = ", ".join(unused[:MAX_NAMES_SHOWN]) + (", ..." if len(unused) > MAX_NAMES_SHOWN else "")
-        guesses.append(f"not used: {shown} ({_unused_hint(unused, found)})")
+        guesses.append(f"not used: {shown} ({_unused_hint(unused, found, stated)})")
     return found
 
 
@@ -154,9 +154,12 @@ def _or_a_table(free: Sequence[str], stated: ColumnOptions) -> str:
     return "" if called is None else f"; if this is a rate table, type --reference {quote(called)}"
 
 
-def _unused_hint(unused: Sequence[str], found: LogColumns) -> str:
+def _unused_hint(unused: Sequence[str], found: LogColumns, stated: ColumnOptions) -> str:
     """Return the options that name what a log's unused columns may hold."""
     options = ["--temperature names a temperature", "--aux other channels"]
+    for triad, what in (("gyro", "gyroscopes"), ("accel", "accelerometers")):
+        if len(unused) >= len(AXES) and getattr(stated, triad) is None and not any(getattr(found, triad)):
+            options.insert(0, f"--{triad} A,B,C the {what}")
     if found.reference is None and guessed_reference(unused):
         options.insert(0, "--reference the rate of a rate table")
     if found.time is None and _guessed_time(found.table, unused):

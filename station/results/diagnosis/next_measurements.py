@@ -266,10 +266,10 @@ def _of(name: str, is_certified: bool) -> tuple[Make, ...]:
     return REMOUNTED if is_certified and CERTIFICATE in wanted else wanted
 
 
-def write_plans(path: Path, wanted: Sequence[Measurement]) -> list[Path]:
-    """Write measurements as `plan/1`, the first to ``path``, others next to it; return the files.
+def write_plans(path: Path, wanted: Sequence[Measurement]) -> dict[Path, list[str]]:
+    """Write measurements as `plan/1`, the first to ``path``, others next to it; return the texts of each file.
 
-    What has no steps is a remark in the first.
+    What has no steps is a text of the first.
 
     Raises
     ------
@@ -277,13 +277,13 @@ def write_plans(path: Path, wanted: Sequence[Measurement]) -> list[Path]:
         If a file cannot be written.
     """
     with_steps = [one for one in wanted if one.steps] or list(wanted[:1])
-    further = [f"Also: {one.say}" for one in wanted if one not in with_steps]
     files = [path, *(path.with_name(f"{path.stem}_{i}{path.suffix}") for i in range(2, len(with_steps) + 1))]
+    texts = {file: [one.say] for file, one in zip(files, with_steps, strict=True)}
+    texts[path] += [f"Also: {one.say}" for one in wanted if one not in with_steps]
     for file, one in zip(files, with_steps, strict=True):
-        wording = [one.say, *(further if file == path else [])]
-        remarks = "".join(f"# {line}\n" for text in wording for line in wrap(text, WIDTH))
+        remarks = "".join(f"# {line}\n" for text in texts[file] for line in wrap(text, WIDTH))
         replace_file(file, (remarks + toml_text(_tables(one))).encode())
-    return files
+    return texts
 
 
 def _tables(one: Measurement) -> dict[str, Any]:

@@ -73,7 +73,7 @@ LINES: dict[str, list[Step]] = {
         "record replay:nothere.mcap --out r", "record /dev/ttyNONE --fusion f", "record /dev/ttyNONE --out .",
     ],
     "plan": [
-        "plan", "plan --limits FOG-9", "plan --noise nowhere", "plan --continue begun",
+        "plan", "plan --limits FOG-9", "plan --noise nowhere", "plan --out x.json", "plan --continue begun",
         "plan --sigma gyroscope.bias=1deg/h --continue begun --minutes 9",
         *(f"plan --sigma {each}" for each in (
             "gyroscope.bias", "gyroscope.bais=0.02deg/h", "gyroscope=2deg/h", "gyroscope.bias=0.02ppm",
@@ -92,7 +92,7 @@ LINES: dict[str, list[Step]] = {
         ("log.csv", "t,ax\n" + "".join(f"{0.02 * i:.2f},{i % 3}\n" for i in range(40))),
         *(f"diagnose log.csv {each}" for each in (
             "", "--unit-gyro furlong", "--unit-time fortnight", "--as nap", "--as soak --as soak", "--time clock",
-            "--as rate:z", "--as turn:+z --reference ax", "--accel wx,wy,wz",
+            "--as rate:z", "--as turn:+z --reference ax", "--accel wx,wy,wz", "--plan x.json",
         )),
         ("log.csv", "timestamp,ax\n" + "".join(f"{i},{i % 7}\n" for i in range(1000))), "diagnose log.csv",
         ("log.csv", "hello\nworld\n"), "diagnose log.csv",

@@ -99,3 +99,13 @@ def test_a_gyroscope_that_counts_backwards_is_a_warning(backwards: str, reported
     assert [text.startswith(reported) for text in found] == [True] * bool(reported)
     own = np.diag(document["solution"]["gyroscope"]["misalignment"]["value"])
     assert np.all(np.sign(own) == [-1 if axis in backwards else 1 for axis in "xyz"])
+
+
+def test_a_plan_of_a_log_is_on_the_screen_as_well(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    plan = tmp_path / "next.toml"
+    assert cli.run(["diagnose", written(tmp_path, at_rest(200)), *OPTIONS, "--plan", str(plan)]) == 0
+    remarks = " ".join(line[2:] for line in plan.read_text().splitlines() if line.startswith("# "))
+    where, _, text = capsys.readouterr().out.partition(f"{plan}: ")
+    assert where
+    assert remarks
+    assert remarks in " ".join(text.split())

@@ -1,9 +1,14 @@
 """Headers as loggers, phones and laboratories write them: which columns are which sensor, and in which unit."""
 
+from pathlib import Path
+
+import numpy as np
 import pytest
 
 from station.files.logs.header_guesses import guessed_triad, sensor_of_unit, split_unit
+from station.files.logs.log_columns import ColumnOptions, choose_columns
 from station.files.output_units import unit_named
+from station.files.tables.reader import read_table
 
 HEADERS = [  # names, gyroscopes, accelerometers
     ("Time (s);Gx (g);Gy (g);Gz (g)", "", "Gx (g);Gy (g);Gz (g)"),
@@ -82,3 +87,14 @@ def test_a_unit_as_people_write_it(unit: str, written: str) -> None:
 )  # fmt: skip
 def test_what_a_unit_decides(name: str, kind: str | None) -> None:
     assert sensor_of_unit(name) == kind
+
+
+@pytest.mark.parametrize(
+    ("header", "named"),
+    [("t,gx,gy,gz,A1,A2,A3", "--accel"), ("t,ax,ay,az,w1,w2,w3", "--gyro"), ("t,gx,gy,gz,fan", "")],
+)
+def test_columns_that_may_be_the_missing_triad_name_its_option(header: str, named: str, tmp_path: Path) -> None:
+    rows = np.column_stack((np.arange(40) / 20, np.random.default_rng(1).standard_normal((40, header.count(",")))))
+    np.savetxt(file := tmp_path / "log.csv", rows, delimiter=",", header=header, comments="")
+    (hint,) = [guess for guess in choose_columns(read_table(file), ColumnOptions()).guesses if "not used" in guess]
+    assert [option for option in ("--gyro", "--accel") if option in hint] == [named] * bool(named)
