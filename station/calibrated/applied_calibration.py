@@ -25,10 +25,11 @@ from station.calibrated.applied_effects import (
 )
 from station.calibrated.correction_inputs import (
     NOTHING_KNOWN,
+    RATE,
+    WARMTH,
     Signal,
     Surroundings,
     TemperatureFollower,
-    TemperatureSignals,
     Triad,
 )
 from station.calibrated.settling_kernels import settle
@@ -87,18 +88,13 @@ class CalibrationModel:
         return cls(triads, tuple(effects), left, tuple(dict.fromkeys(name for name, _ in found)))
 
     @cached_property
-    def taus(self) -> tuple[float, ...]:
-        """The time constants [s] by which its effects follow the temperature."""
-        return tuple(tau for one in self.effects for tau in one.lags)
-
-    @cached_property
-    def backlashes(self) -> tuple[float, ...]:
-        """The half widths [K] with which its effects follow the temperature with a play."""
-        return tuple(width for one in self.effects for width in one.backlashes)
+    def signals(self) -> tuple[Signal, ...]:
+        """The lags and backlashes by which its effects follow the temperature."""
+        return tuple(signal for one in self.effects for signal in one.signals)
 
     def follower(self) -> TemperatureFollower:
         """Return what follows the temperature as its effects do."""
-        return TemperatureFollower(self.taus, self.backlashes)
+        return TemperatureFollower(self.signals)
 
     @property
     def taken_off(self) -> tuple[str, ...]:
@@ -208,15 +204,14 @@ def _with_signals(around: Surroundings, follower: TemperatureFollower, n: int) -
         signals = follower.take(t, around.temperature)
         if around.t is None:
             unknown = np.full(n, np.nan)
-            lagged, branch = (dict.fromkeys(each, unknown) for each in (signals.lagged, signals.branch))
-            signals = TemperatureSignals(signals.warmth, unknown, unknown, lagged, branch)
+            signals = {**dict.fromkeys(signals, unknown), WARMTH: signals[WARMTH]}
     if around.temperature_rate is not None:
-        signals = replace(signals, rate=around.temperature_rate)
+        signals = {**signals, RATE: around.temperature_rate}
     return replace(around, signals=signals)
 
 
 def _rows(names: tuple[Signal, ...], around: Surroundings, n: int) -> FloatArray:
-    rows: FloatArray = np.stack([around.followed.of(name) for name in names]) if names else np.zeros((0, n))
+    rows: FloatArray = np.stack([around.followed[name] for name in names]) if names else np.zeros((0, n))
     return np.ascontiguousarray(rows)
 
 

@@ -108,24 +108,20 @@ class AppliedEffect:
         return frozenset(each.name for term in self.terms for each in names(term))
 
     @property
-    def lags(self) -> tuple[float, ...]:
-        """The time constants [s] by which it follows the temperature."""
-        return self._numbers("lag")
+    def signals(self) -> tuple[Signal, ...]:
+        """The lags and backlashes by which it follows the temperature."""
+        found = (_signal(each) for term in self.terms for each in calls(term))
+        return tuple(dict.fromkeys(signal for signal in found if signal is not None))
 
     @property
-    def backlashes(self) -> tuple[float, ...]:
-        """The half widths [K] with which it follows the temperature with a play."""
-        return self._numbers("backlash")
-
-    def _numbers(self, call: str) -> tuple[float, ...]:
-        found = (each.arguments[1] for term in self.terms for each in calls(term) if each.name == call)
-        return tuple(dict.fromkeys(one.value for one in found if isinstance(one, Number)))
+    def lags(self) -> tuple[float, ...]:
+        """The time constants [s] of its lags."""
+        return tuple(tau for tau in self.signals if isinstance(tau, float))
 
     def needs(self, around: Surroundings, triads: set[str]) -> str:
         """Return what it lacks in the surroundings of output of some triads, empty if it lacks nothing."""
-        followed: tuple[Signal, ...] = (*self.lags, *map(Backlash, self.backlashes))
         is_known = all(_is_known(name, around, triads) for name in self.inputs) and all(
-            np.isfinite(around.followed.of(signal)).any() for signal in followed
+            np.isfinite(around.followed[signal]).any() for signal in self.signals
         )
         return "" if is_known or self.triad not in triads else "the quantity that it depends on was not recorded"
 
@@ -139,7 +135,7 @@ def _is_known(name: str, around: Surroundings, triads: set[str]) -> bool:
     if word == "B":
         return around.magnetic is not None and bool(np.isfinite(around.magnetic).any())
     if name in SIGNALS:
-        return bool(np.isfinite(around.followed.of(SIGNALS[name])).any())
+        return bool(np.isfinite(around.followed[SIGNALS[name]]).any())
     of_triad = {vector: triad for triad, vector in VECTORS.items()}
     return of_triad.get(word, next(iter(triads))) in triads
 
@@ -167,7 +163,8 @@ def applied_effect(entry: Mapping[str, Any]) -> AppliedEffect | str:
     one = AppliedEffect(effect.name, law.triad, per * table, abs(per) * std, terms, entry, slots)
     if not all(tau > 0 for tau in one.lags):
         return "a time constant that is not above zero"
-    return one if all(width > 0 for width in one.backlashes) else "a backlash that is not above zero"
+    is_wide = all(each.half_width_k > 0 for each in one.signals if isinstance(each, Backlash))
+    return one if is_wide else "a backlash that is not above zero"
 
 
 def effect_of_entry(entry: Mapping[str, Any]) -> Effect | None:
@@ -265,10 +262,9 @@ class SampleInputs:
         """Return those at inputs ``u`` (n, 3) [g], [deg/s]; what is not known is nan."""
         signals, nothing = around.followed, np.full((n, 3), np.nan)
         known = {VECTORS[triad]: u.get(triad, nothing) for triad in VECTORS}
-        known |= {name: signals.of(signal)[:, None] for name, signal in SIGNALS.items()}
+        known |= {name: signals[signal][:, None] for name, signal in SIGNALS.items()}
         known |= {AUXILIARY + name: value[:, None] for name, value in around.auxiliary.items()}
-        followed: dict[Signal, FloatArray] = {tau: value[:, None] for tau, value in signals.lagged.items()}
-        followed |= {Backlash(width): value[:, None] for width, value in signals.branch.items()}
+        followed = {signal: value[:, None] for signal, value in signals.items()}
         field = nothing if around.magnetic is None else around.magnetic
         out = {name: u[name] @ triads[name].E.T + triads[name].D for name in u}
         return cls({**known, "B": field}, out, followed)

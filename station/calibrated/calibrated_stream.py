@@ -12,7 +12,7 @@ from procedures.effects.term.inputs import AUXILIARY
 from procedures.frames import TRIADS
 from procedures.units import RAD_PER_DEG, STANDARD_GRAVITY
 from station.calibrated.applied_calibration import CalibratedInputs, CalibrationModel
-from station.calibrated.correction_inputs import Surroundings
+from station.calibrated.correction_inputs import WARMTH, Surroundings
 from station.calibrated.physics_check import PhysicsCheck
 from station.calibrated.remaining_uncertainty import Spans, SpanSigmas, size_of
 from station.errors import DataRefused
@@ -169,7 +169,7 @@ class CalibratedStream:
         magnetic: FloatArray | None,
     ) -> Surroundings:  # fmt: skip
         signals = self._follower.take(t, temperature)
-        warm = signals.warmth[np.isfinite(signals.warmth)] + 25.0
+        warm = signals[WARMTH][np.isfinite(signals[WARMTH])] + 25.0
         self._without_temperature += len(t) - len(warm)
         if len(warm):
             low, high = self._document.get("temperature_range_c") or (-np.inf, np.inf)

@@ -4,7 +4,7 @@ Between samples temperature goes straight; one that a sample lacks is that of th
 slope of a straight line through the last minute. A unit is in equilibrium when its first sample is taken.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from math import exp, expm1, isfinite, isnan, nan
 from typing import Any, NamedTuple
@@ -33,48 +33,24 @@ class Backlash(NamedTuple):
 
 
 Signal = str | float | Backlash  # a lag is named by its time constant
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class TemperatureSignals:
-    """At n samples: ``warmth`` [K] above 25 degC, ``rate`` [K/min]; ``lagged`` as warmth, by time constant [s].
-
-    ``direction`` is 1 from where it is seen to grow warmer, -1 where it cools, 0 before. ``branch`` is from -1
-    to 1, by half width [K] of a play: T less what follows it with that play, in half widths. nan before any is
-    known.
-    """
-
-    warmth: FloatArray
-    rate: FloatArray
-    direction: FloatArray
-    lagged: Mapping[float, FloatArray]
-    branch: Mapping[float, FloatArray] = field(default_factory=dict)
-
-    def of(self, signal: Signal) -> FloatArray:
-        """Return one of them (n,), in its unit."""
-        if isinstance(signal, Backlash):
-            return self.branch[signal.half_width_k]
-        if isinstance(signal, float):
-            return self.lagged[signal]
-        return {WARMTH: self.warmth, RATE: self.rate, DIRECTION: self.direction}[signal]
+# At n samples: WARMTH [K] above 25 degC, RATE [K/min], DIRECTION 1 once it is seen to warm, -1 once it cools,
+# 0 before; lags as warmth; a backlash from -1 to 1, T less what follows it in half widths. nan: not known.
+Signals = Mapping[Signal, FloatArray]
 
 
 class TemperatureFollower:
-    """Follows the temperature from block to block: lags of ``taus`` [s], ``backlashes`` by half width [K]."""
+    """Follows the temperature from block to block, by lags and backlashes among ``signals`` too."""
 
-    def __init__(self, taus: tuple[float, ...] = (), backlashes: tuple[float, ...] = ()) -> None:
-        self._taus = np.array(sorted({tau for tau in taus if tau > 0}))
+    def __init__(self, signals: Iterable[Signal] = ()) -> None:
+        followed = set(signals)
+        self._taus = np.array(sorted(tau for tau in followed if isinstance(tau, float)))
+        self._plays = np.array(sorted(one.half_width_k for one in followed if isinstance(one, Backlash)))
         self._state = np.zeros(_STATES)
-        self._plays = np.array(sorted({width for width in backlashes if width > 0}))
         self._sensor, self._kept = np.zeros(len(self._taus)), np.zeros((KEPT, 2))
         self._pushed = np.zeros(len(self._plays))
-        self._begin()
+        self._state[[_LAST_T, _LAST, _LOW, _HIGH]] = nan
 
-    def _begin(self) -> None:
-        self._state[:] = nan
-        self._state[[_WAY, _RATE, _FIRST, _COUNT]] = 0.0
-
-    def take(self, t: FloatArray, temperature: FloatArray | None) -> TemperatureSignals:
+    def take(self, t: FloatArray, temperature: FloatArray | None) -> Signals:
         """Return the signals at times ``t`` (n,) [s] of ``temperature`` (n,) [degC], None where not known."""
         n = len(t)
         known = np.full(n, nan) if temperature is None else np.asarray(temperature, dtype=np.float64)
@@ -83,10 +59,8 @@ class TemperatureFollower:
             np.asarray(t, np.float64), known, self._taus, self._plays, self._state, self._sensor, self._pushed,
             self._kept, found, lagged, branch,
         )  # fmt: skip
-        return TemperatureSignals(
-            found[0], found[1], found[2], {float(tau): lagged[i] for i, tau in enumerate(self._taus)},
-            {float(width): branch[i] for i, width in enumerate(self._plays)},
-        )  # fmt: skip
+        names: list[Signal] = [WARMTH, RATE, DIRECTION, *self._taus.tolist(), *map(Backlash, self._plays.tolist())]
+        return dict(zip(names, (*found, *lagged, *branch), strict=True))
 
 
 @kernel
@@ -179,10 +153,10 @@ class Surroundings:
     magnetic: FloatArray | None = None
     auxiliary: Mapping[str, FloatArray] = field(default_factory=dict)
     t: FloatArray | None = None
-    signals: TemperatureSignals | None = None
+    signals: Signals | None = None
 
     @property
-    def followed(self) -> TemperatureSignals:
+    def followed(self) -> Signals:
         """Its signals, which are there by now."""
         assert self.signals is not None
         return self.signals

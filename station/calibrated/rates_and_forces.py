@@ -15,7 +15,7 @@ from procedures.counts.sample_records import CountBlock, SampleBlock
 from procedures.effects.excitation import REFERENCE_C
 from procedures.units import STANDARD_GRAVITY
 from station.calibrated.applied_calibration import CalibrationModel
-from station.calibrated.correction_inputs import Surroundings, TemperatureFollower
+from station.calibrated.correction_inputs import WARMTH, Surroundings, TemperatureFollower
 
 NOMINAL_SCALE_DIGITS = 3  # of a nominal scale factor nobody gave
 
@@ -97,7 +97,7 @@ class Sensors:
     def calibrated(self, block: SampleBlock) -> CalibratedBlock:
         """Return what a block says; without a calibration by the maker's scale factors. Instead of `take`."""
         signals = self._follower.take(block.device_time, block.temperature)
-        temperature = float(signals.warmth[-1]) + REFERENCE_C
+        temperature = float(signals[WARMTH][-1]) + REFERENCE_C
         if self._model is None:
             return CalibratedBlock(self._nominal(block), temperature, np.zeros(len(block), dtype=np.bool_), ())
         gyro, accel = (self._rates(block, name) for name in ("gyro", "accel"))

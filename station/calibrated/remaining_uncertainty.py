@@ -18,7 +18,7 @@ from procedures.effects.excitation import REFERENCE_C
 from procedures.units import DEG_H_PER_DEG_S, RAD_PER_DEG, STANDARD_GRAVITY, UG_PER_G
 from station.calibrated.applied_calibration import UNITS, CalibratedInputs, CalibrationModel
 from station.calibrated.applied_effects import SampleInputs
-from station.calibrated.correction_inputs import Surroundings, TemperatureSignals
+from station.calibrated.correction_inputs import DIRECTION, RATE, WARMTH, Backlash, Signals, Surroundings
 
 SPAN_S = 60.0
 PICKED_S = 1.0  # between the samples of which the sigma is taken
@@ -135,16 +135,11 @@ class _Parts:
 
 
 def _picked(around: Surroundings, at: "np.ndarray[Any, Any]") -> Surroundings:
-    signals = around.followed
     assert around.t is not None
     return Surroundings(
         magnetic=None if around.magnetic is None else around.magnetic[at],
         auxiliary={name: value[at] for name, value in around.auxiliary.items()}, t=around.t[at],
-        signals=TemperatureSignals(
-            signals.warmth[at], signals.rate[at], signals.direction[at],
-            {tau: value[at] for tau, value in signals.lagged.items()},
-            {width: value[at] for width, value in signals.branch.items()},
-        ),
+        signals={signal: value[at] for signal, value in around.followed.items()},
     )  # fmt: skip
 
 
@@ -166,8 +161,10 @@ def size_of(model: CalibrationModel, document: Mapping[str, Any], name: str) -> 
     low, high = document.get("temperature_range_c") or (REFERENCE_C - ANY_RANGE_K, REFERENCE_C + ANY_RANGE_K)
     warmth = np.array([low, high, low, high], dtype=np.float64) - REFERENCE_C
     sign = np.array([1.0, 1.0, -1.0, -1.0])
-    lagged, branch = dict.fromkeys(model.taus, warmth), dict.fromkeys(model.backlashes, sign)
-    signals = TemperatureSignals(warmth, sign * WARMING_K_MIN, sign, lagged, branch)
+    signals: Signals = {
+        WARMTH: warmth, RATE: sign * WARMING_K_MIN, DIRECTION: sign,
+        **{one: sign if isinstance(one, Backlash) else warmth for one in model.signals},
+    }  # fmt: skip
     field = np.full((4, 3), EARTH_FIELD_UT) * sign[:, None]
     input_of = {"accelerometer": np.ones((4, 3)), "gyroscope": np.full((4, 3), RATE_DEG_S)}
     u: dict[str, FloatArray] = {each: input_of[each] * sign[:, None] for each in model.triads}

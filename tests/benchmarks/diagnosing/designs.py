@@ -2,6 +2,8 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -24,13 +26,14 @@ LONG_S = 1000.0
 CERTIFICATE = 5e-6  # rad
 JITTER = 1e-3  # s, 1 sigma of a row's reference time
 Made = tuple[Campaign, ...]
+Make = Callable[[Truth, int], Made]
 
 
 @dataclass(frozen=True, slots=True)
 class Design:
     """How a campaign is made of a truth and a seed, and what of the truth it needs."""
 
-    make: Callable[[Truth, int, Planted], Made]
+    make: Make
     truth: Mapping[str, float]
 
 
@@ -46,24 +49,18 @@ def unit(seed: int, **fields: object) -> Truth:
     )  # fmt: skip
 
 
-def plain(truth: Truth, seed: int, also: Planted = ()) -> Made:
-    """Twelve positions and six turns."""
-    return (simulate_campaign(truth, seed, draw_stated=False, also=also),)
+def plain(truth: Truth, seed: int, also: Planted = (), **more: Any) -> Made:
+    """Twelve positions and six turns; ``more`` is the simulator's."""
+    return (simulate_campaign(truth, seed, draw_stated=False, also=also, **more),)
 
 
-def repeated(truth: Truth, seed: int, also: Planted = ()) -> Made:
-    """The usual plan: the first position once more at the end."""
-    return (simulate_campaign(truth, seed, draw_stated=False, repeats=1, also=also),)
+repeated: Make = partial(plain, repeats=1)  # the usual plan: the first position once more at the end
+certified: Make = partial(plain, certificate_sigma=CERTIFICATE)
 
 
-def certified(truth: Truth, seed: int, also: Planted = ()) -> Made:
-    """The same on a cube with a certificate."""
-    return (simulate_campaign(truth, seed, certificate_sigma=CERTIFICATE, draw_stated=False, also=also),)
-
-
-def stated(truth: Truth, seed: int, also: Planted = ()) -> Made:
+def stated(truth: Truth, seed: int) -> Made:
     """Certified as a laboratory would: each face is off its certificate by a draw of the certificate's sigma."""
-    return tuple(_drawn(campaign, seed) for campaign in certified(truth, seed, also))
+    return tuple(_drawn(campaign, seed) for campaign in certified(truth, seed))
 
 
 def _drawn(campaign: Campaign, seed: int) -> Campaign:
@@ -75,18 +72,14 @@ def _drawn(campaign: Campaign, seed: int) -> Campaign:
     return replace(campaign, fixture=replace(campaign.fixture, faces=faces))
 
 
-def with_free(truth: Truth, seed: int, also: Planted = ()) -> Made:
+def with_free(truth: Truth, seed: int) -> Made:
     """In addition to the twelve, sixteen rests near 45 deg between the faces."""
-    free = _between_faces(seed)[:16]
-    return (simulate_campaign(truth, seed, draw_stated=False, free=free, also=also),)
+    return plain(truth, seed, free=_between_faces(seed)[:16])
 
 
-def certified_free(truth: Truth, seed: int, also: Planted = ()) -> Made:
+def certified_free(truth: Truth, seed: int) -> Made:
     """Twenty such rests on a cube with a certificate: what separates most."""
-    made = simulate_campaign(
-        truth, seed, certificate_sigma=CERTIFICATE, draw_stated=False, free=_between_faces(seed), also=also
-    )
-    return (_drawn(made, seed),)
+    return tuple(_drawn(each, seed) for each in certified(truth, seed, free=_between_faces(seed)))
 
 
 def _between_faces(seed: int) -> list[np.ndarray]:
@@ -105,43 +98,28 @@ def _with_up(up: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     return np.stack((east, np.cross(up, east), up), axis=1)
 
 
-def two_speeds(truth: Truth, seed: int, also: Planted = ()) -> Made:
+def two_speeds(truth: Truth, seed: int) -> Made:
     """Every turn slowly and fast."""
     turns = [Turn(a, d, 3, TURN_START[a], 5.0, speed) for a in "xyz" for speed in (SLOW, FAST) for d in "+-"]
-    return (simulate_campaign(truth, seed, draw_stated=False, turns=turns, also=also),)
+    return plain(truth, seed, turns=turns)
 
 
-def turned_thrice(truth: Truth, seed: int, also: Planted = ()) -> Made:
+def turned_thrice(truth: Truth, seed: int) -> Made:
     """The usual plan, its turns three times over: fifteen numbers in addition to three scale factors."""
-    turns = [replace(each, speed_deg_s=SPEED) for each in 3 * turn_steps()]
-    return (simulate_campaign(truth, seed, draw_stated=False, repeats=1, turns=turns, also=also),)
+    return repeated(truth, seed, turns=[replace(each, speed_deg_s=SPEED) for each in 3 * turn_steps()])
 
 
-def long_dwells(truth: Truth, seed: int, also: Planted = ()) -> Made:
-    """The usual plan with dwells of 1000 s: a heading is seen by what it turns of the Earth's rate."""
-    return (simulate_campaign(truth, seed, dwell_s=LONG_S, draw_stated=False, repeats=1, also=also),)
-
-
-def moved(truth: Truth, seed: int, also: Planted = ()) -> Made:
+def moved(truth: Truth, seed: int, turns: Sequence[Turn] = ()) -> Made:
     """Twelve positions and the moves between them, at 50 Hz: a hand's moves are too brisk for less."""
-    return _moved(truth, seed, also, ())
-
-
-def moved_and_turned(truth: Truth, seed: int, also: Planted = ()) -> Made:
-    """The same with six turns, as a guided campaign records them."""
-    return _moved(truth, seed, also, turn_steps())
-
-
-def _moved(truth: Truth, seed: int, also: Planted, turns: Sequence[Turn]) -> Made:
     noise = truth.accel_noise_g * np.sqrt(truth.sample_period_s / MOVED_PERIOD)
     truth = replace(truth, sample_period_s=MOVED_PERIOD, accel_noise_g=float(noise))
-    return (simulate_campaign(truth, seed, draw_stated=False, turns=turns, also=also, moves=True),)
+    return plain(truth, seed, turns=turns, moves=True)
 
 
-def timed(truth: Truth, seed: int, also: Planted = ()) -> Made:
+def timed(truth: Truth, seed: int) -> Made:
     """With reference time in addition to the counts, true to `JITTER`."""
     ppm = truth.effects.get("clock.rate", {}).get("value", 0.0)
-    return tuple(with_reference_time(campaign, ppm, seed, JITTER) for campaign in plain(truth, seed, also))
+    return tuple(with_reference_time(campaign, ppm, seed, JITTER) for campaign in plain(truth, seed))
 
 
 def clock_sigma(campaign: Campaign) -> float:
@@ -150,9 +128,9 @@ def clock_sigma(campaign: Campaign) -> float:
     return float(1e6 * JITTER / np.sqrt(np.sum((t - t.mean()) ** 2)))
 
 
-def with_auxiliary(truth: Truth, seed: int, also: Planted = ()) -> Made:
+def with_auxiliary(truth: Truth, seed: int) -> Made:
     """With an auxiliary channel in addition to the counts."""
-    return tuple(_auxiliary(campaign) for campaign in plain(truth, seed, also))
+    return tuple(_auxiliary(campaign) for campaign in plain(truth, seed))
 
 
 def _auxiliary(campaign: Campaign) -> Campaign:
@@ -160,51 +138,35 @@ def _auxiliary(campaign: Campaign) -> Campaign:
         series = record.series
         return replace(record, series=replace(series, extra={"aux_pump": auxiliary(series.t)}))
 
-    return replace(
-        campaign, dwells=tuple(add(d) for d in campaign.dwells), turns=tuple(add(t) for t in campaign.turns)
-    )
+    return replace(campaign, dwells=tuple(map(add, campaign.dwells)), turns=tuple(map(add, campaign.turns)))
 
 
-def two_sites(truth: Truth, seed: int, also: Planted = ()) -> Made:
+def two_sites(truth: Truth, seed: int) -> Made:
     """The same unit at two sites; what is planted of the site is at the second."""
     home = replace(truth, effects={k: v for k, v in truth.effects.items() if k != "site.gravity"})
-    first = simulate_campaign(home, seed, draw_stated=False, also=also)
-    away = replace(truth, latitude_deg=48.0, gravity_m_s2=9.8081)
-    second = simulate_campaign(away, seed + 1_000_000, draw_stated=False, also=also)
-    same = [replace(c, fixture=replace(c.fixture, id="CUBE")) for c in (first, second)]
-    return tuple(same)
+    return _twice(home, replace(truth, latitude_deg=48.0, gravity_m_s2=9.8081), seed)
 
 
-def two_temperatures(truth: Truth, seed: int, also: Planted = ()) -> Made:
+def two_temperatures(truth: Truth, seed: int) -> Made:
     """The same unit twice, the second time 20 K warmer."""
-    first = simulate_campaign(truth, seed, draw_stated=False, also=also)
-    warm = replace(truth, temperature_start_c=truth.temperature_start_c + 20.0)
-    second = simulate_campaign(warm, seed + 1_000_000, draw_stated=False, also=also)
-    return tuple(replace(c, fixture=replace(c.fixture, id="CUBE")) for c in (first, second))
+    return _twice(truth, replace(truth, temperature_start_c=truth.temperature_start_c + 20.0), seed)
+
+
+def _twice(first: Truth, second: Truth, seed: int) -> Made:
+    both = (*plain(first, seed), *plain(second, seed + 1_000_000))
+    return tuple(replace(c, fixture=replace(c.fixture, id="CUBE")) for c in both)
 
 
 WARM = {
-    "temperature_rise_k": 6.0,
-    "temperature_tau_s": 900.0,
-    "temperature_swing_k": 2.0,
-    "temperature_swing_period_s": 1300.0,
-}
-DESIGNS: dict[str, Design] = {
-    "plain": Design(plain, {}),
-    "repeated": Design(repeated, {}),
-    "turned thrice": Design(turned_thrice, {}),
-    "long dwells": Design(long_dwells, {}),
-    "certified": Design(stated, {}),
-    "free": Design(with_free, {}),
-    "certified free": Design(certified_free, {}),
-    "warm": Design(plain, WARM),
-    "certified warm": Design(stated, WARM),
-    "two speeds": Design(two_speeds, {}),
-    "timed": Design(timed, {}),
-    "auxiliary": Design(with_auxiliary, {}),
-    "two sites": Design(two_sites, {}),
-    "two temperatures": Design(two_temperatures, {}),
-    "moved": Design(moved, {}),
-    "moved and turned": Design(moved_and_turned, {}),
-    "moved while warm": Design(moved, WARM),
-}
+    "temperature_rise_k": 6.0, "temperature_tau_s": 900.0,
+    "temperature_swing_k": 2.0, "temperature_swing_period_s": 1300.0,
+}  # fmt: skip
+LONG: Make = partial(repeated, dwell_s=LONG_S)  # a heading is seen by what it turns of the Earth's rate
+MAKES: dict[str, Make] = {
+    "plain": plain, "repeated": repeated, "turned thrice": turned_thrice, "long dwells": LONG, "certified": stated,
+    "free": with_free, "certified free": certified_free, "two speeds": two_speeds, "timed": timed,
+    "auxiliary": with_auxiliary, "two sites": two_sites, "two temperatures": two_temperatures, "moved": moved,
+    "moved and turned": partial(moved, turns=turn_steps()),  # as a guided campaign records them
+    "warm": plain, "certified warm": stated, "moved while warm": moved,
+}  # fmt: skip
+DESIGNS = {name: Design(make, WARM if "warm" in name else {}) for name, make in MAKES.items()}

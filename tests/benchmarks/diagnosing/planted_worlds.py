@@ -11,7 +11,7 @@ from drivers.simulated.truth import Truth
 from procedures.campaign.campaign import Campaign
 from procedures.effects import EFFECTS
 from procedures.evidence.residual_rows import Evidence
-from tests.benchmarks.diagnosing.designs import DESIGNS, unit
+from tests.benchmarks.diagnosing.designs import DESIGNS, WARM, plain, unit
 from tests.benchmarks.diagnosing.outside import outside
 from tests.benchmarks.diagnosing.plants import PLANTS, drawn_sizes
 from tests.benchmarks.diagnosing.sigmas import Sigmas, sigmas_of
@@ -79,8 +79,8 @@ def _planted(name: str, seed: int) -> World:
     truth = unit(seed, **made.truth, effects={plant.effect: sizes})
     bare = unit(seed, **made.truth)
     group = "null" if plant.effect in HELD_BY_THE_MODEL else "catalogue"
-    campaigns = made.make(truth, seed, ())
-    does = _differs(campaigns, lambda: made.make(bare, seed, ()))
+    campaigns = made.make(truth, seed)
+    does = _differs(campaigns, lambda: made.make(bare, seed))
     return World(group, campaigns, truth, frozenset({plant.effect}), does, sizes)
 
 
@@ -107,10 +107,9 @@ def _law(law: Any, seed: int) -> World:
 
 def _outside(name: str, seed: int) -> World:
     size = float(np.random.default_rng([seed, 9]).uniform(1.5e-6, 4e-6)) * (1.0 if "heading" in name else 0.3)
-    made = DESIGNS["warm" if "temperature" in name else "plain"]
-    truth = unit(seed, **made.truth)
-    campaigns = made.make(truth, seed, outside(name, size))
-    return World("outside", campaigns, truth, does=_differs(campaigns, lambda: made.make(truth, seed, ())))
+    truth = unit(seed, **(WARM if "temperature" in name else {}))
+    campaigns = plain(truth, seed, outside(name, size))
+    return World("outside", campaigns, truth, does=_differs(campaigns, lambda: plain(truth, seed)))
 
 
 def _of_literature(kind: Kind, seed: int) -> World:
@@ -127,4 +126,4 @@ def _innocent(name: str, seed: int) -> World:
 
 def _quiet(name: str, seed: int) -> World:
     truth = unit(seed, **DESIGNS[name].truth)
-    return World("null", DESIGNS[name].make(truth, seed, ()), truth)
+    return World("null", DESIGNS[name].make(truth, seed), truth)

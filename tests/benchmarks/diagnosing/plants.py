@@ -12,10 +12,7 @@ from tests.benchmarks.diagnosing.sigmas import Sigmas
 LEAST, MOST = 6.0, 12.0  # sigmas
 JUMPS_S = (400.0, 1200.0)  # of device time, while the twelve positions are recorded
 COUNT_RATE = 5000.0  # count/(g s), of every unit here, roughly
-SWING = (
-    1.5,
-    4.0,
-)  # counts, by which a disturbance swings the running count: it is no column and has no such sigma
+SWING = (1.5, 4.0)  # counts, by which a disturbance swings the running count: it has no column and no such sigma
 CLOSURE_DEG, HEADING_DEG = (0.028, 0.059), (0.14, 0.30)  # next to 0.01 and 0.05 stated: 3 to 6 times that in all
 XYZ = ("x", "y", "z")
 MATRIX = tuple(a + b for a in XYZ for b in XYZ)
@@ -31,59 +28,61 @@ class Plant:
     keys: tuple[str, ...]
     sigma: float = 0.0  # given where the campaign shows none of its own
     between: tuple[float, float] | None = None  # sizes, where they are no multiples of a sigma
+    label: str = ""
+
+    @property
+    def name(self) -> str:
+        """Return the effect, and what is particular about it."""
+        return f"{self.effect}, {self.label}" if self.label else self.effect
 
 
-PLANTS: dict[str, Plant] = {
-    "accelerometer.quadratic": Plant("accelerometer.quadratic", "certified", XYZ),
-    "accelerometer.quadratic, free": Plant("accelerometer.quadratic", "free", XYZ),
-    "accelerometer.cubic": Plant("accelerometer.cubic", "free", XYZ),
-    "accelerometer.scale_asymmetry": Plant("accelerometer.scale_asymmetry", "free", XYZ),
-    "accelerometer.cross_product": Plant(
-        "accelerometer.cross_product", "free", ("xy", "xz", "yx", "yz", "zx", "zy")
-    ),
-    "accelerometer.bias_temperature": Plant("accelerometer.bias_temperature", "warm", XYZ),
-    "accelerometer.scale_temperature": Plant("accelerometer.scale_temperature", "two temperatures", XYZ),
-    "accelerometer.bias_drift": Plant("accelerometer.bias_drift", "warm", XYZ),
-    "accelerometer.relaxation": Plant("accelerometer.relaxation", "plain", XYZ),
-    "gyroscope.g_sensitivity": Plant("gyroscope.g_sensitivity", "plain", MATRIX),
-    "gyroscope.bias_temperature": Plant("gyroscope.bias_temperature", "warm", XYZ),
-    "gyroscope.scale_temperature": Plant("gyroscope.scale_temperature", "two temperatures", XYZ),
-    "gyroscope.temperature_rate": Plant("gyroscope.temperature_rate", "warm", XYZ),
-    "gyroscope.bias_drift": Plant("gyroscope.bias_drift", "warm", XYZ),
-    "gyroscope.magnetic": Plant("gyroscope.magnetic", "plain", MATRIX),
-    "gyroscope.scale_asymmetry": Plant("gyroscope.scale_asymmetry", "two speeds", XYZ),
-    "gyroscope.scale_nonlinearity": Plant("gyroscope.scale_nonlinearity", "two speeds", XYZ),
-    "gyroscope.sagnac_sine": Plant("gyroscope.sagnac_sine", "two speeds", XYZ),
-    "slab.tilt": Plant("slab.tilt", "plain", ("east", "north")),
+PLANTS = {plant.name: plant for plant in (
+    Plant("accelerometer.quadratic", "certified", XYZ),
+    Plant("accelerometer.quadratic", "free", XYZ, label="free"),
+    Plant("accelerometer.cubic", "free", XYZ),
+    Plant("accelerometer.scale_asymmetry", "free", XYZ),
+    Plant("accelerometer.cross_product", "free", ("xy", "xz", "yx", "yz", "zx", "zy")),
+    Plant("accelerometer.bias_temperature", "warm", XYZ),
+    Plant("accelerometer.scale_temperature", "two temperatures", XYZ),
+    Plant("accelerometer.bias_drift", "warm", XYZ),
+    Plant("accelerometer.relaxation", "plain", XYZ),
+    Plant("gyroscope.g_sensitivity", "plain", MATRIX),
+    Plant("gyroscope.bias_temperature", "warm", XYZ),
+    Plant("gyroscope.scale_temperature", "two temperatures", XYZ),
+    Plant("gyroscope.temperature_rate", "warm", XYZ),
+    Plant("gyroscope.bias_drift", "warm", XYZ),
+    Plant("gyroscope.magnetic", "plain", MATRIX),
+    Plant("gyroscope.scale_asymmetry", "two speeds", XYZ),
+    Plant("gyroscope.scale_nonlinearity", "two speeds", XYZ),
+    Plant("gyroscope.sagnac_sine", "two speeds", XYZ),
+    Plant("slab.tilt", "plain", ("east", "north")),
     # one face alone is not seen, only its pair against the certificate
-    "fixture.face_tilt": Plant("fixture.face_tilt", "certified", ("x_up.y", "y_down.z", "z_up.x"), sigma=1e-5),
-    "fixture.parallelism": Plant("fixture.parallelism", "plain", ("x.y", "y.z", "z.x")),
-    "placement.dwell": Plant("placement.dwell", "plain", XYZ),
-    "placement.label": Plant("placement.label", "plain", ("actual",)),
-    "site.azimuth": Plant("site.azimuth", "plain", ("value",)),
-    "site.latitude": Plant("site.latitude", "plain", ("value",)),
-    "accelerometer.jump": Plant("accelerometer.jump", "plain", XYZ, sigma=1e-6),
-    "gyroscope.jump": Plant("gyroscope.jump", "plain", XYZ, sigma=0.025),
+    Plant("fixture.face_tilt", "certified", ("x_up.y", "y_down.z", "z_up.x"), sigma=1e-5),
+    Plant("fixture.parallelism", "plain", ("x.y", "y.z", "z.x")),
+    Plant("placement.dwell", "plain", XYZ),
+    Plant("placement.label", "plain", ("actual",)),
+    Plant("site.azimuth", "plain", ("value",)),
+    Plant("site.latitude", "plain", ("value",)),
+    Plant("accelerometer.jump", "plain", XYZ, sigma=1e-6),
+    Plant("gyroscope.jump", "plain", XYZ, sigma=0.025),
     # likelier at a bench than an effect of the instrument, and named before it
-    "site.latitude, 0.3 to 0.5 deg": Plant("site.latitude", "repeated", ("value",), between=(0.0052, 0.0087)),
-    "procedure.closure, 3 to 6 times": Plant("procedure.closure", "repeated", ("value",), between=CLOSURE_DEG),
-    "procedure.heading, 3 to 6 times": Plant("procedure.heading", "repeated", ("value",), between=HEADING_DEG),
-    "placement.scatter, 2 to 10 arcsec": Plant("placement.scatter", "repeated", ("value",), between=(1e-5, 5e-5)),
+    Plant("site.latitude", "repeated", ("value",), between=(0.0052, 0.0087), label="0.3 to 0.5 deg"),
+    Plant("procedure.closure", "repeated", ("value",), between=CLOSURE_DEG, label="3 to 6 times"),
+    Plant("procedure.heading", "repeated", ("value",), between=HEADING_DEG, label="3 to 6 times"),
+    Plant("placement.scatter", "repeated", ("value",), between=(1e-5, 5e-5), label="2 to 10 arcsec"),
     # where a campaign shows enough of them: turns three times over, dwells ten times as long
-    "procedure.closure, turned thrice": Plant(
-        "procedure.closure", "turned thrice", ("value",), between=CLOSURE_DEG
-    ),
-    "procedure.heading, long dwells": Plant("procedure.heading", "long dwells", ("value",), between=HEADING_DEG),
-    "placement.scatter": Plant("placement.scatter", "plain", ("value",), between=(1e-5, 5e-5)),
-    "site.gravity": Plant("site.gravity", "two sites", ("value",)),
-    "clock.rate": Plant("clock.rate", "timed", ("value",)),
-    "disturbance.dwell": Plant("disturbance.dwell", "plain", XYZ),
-    "auxiliary.channel": Plant("auxiliary.channel", "auxiliary", ("ax", "ay", "az", "gx", "gy", "gz")),
-    "gyroscope.g_sensitivity, moved": Plant("gyroscope.g_sensitivity", "moved", MATRIX),
-    "gyroscope.scale_asymmetry, moved": Plant("gyroscope.scale_asymmetry", "moved", XYZ),
-    "gyroscope.scale_asymmetry, moved and turned": Plant("gyroscope.scale_asymmetry", "moved and turned", XYZ),
-    "gyroscope.bias_temperature, moved": Plant("gyroscope.bias_temperature", "moved while warm", XYZ),
-}
+    Plant("procedure.closure", "turned thrice", ("value",), between=CLOSURE_DEG, label="turned thrice"),
+    Plant("procedure.heading", "long dwells", ("value",), between=HEADING_DEG, label="long dwells"),
+    Plant("placement.scatter", "plain", ("value",), between=(1e-5, 5e-5)),
+    Plant("site.gravity", "two sites", ("value",)),
+    Plant("clock.rate", "timed", ("value",)),
+    Plant("disturbance.dwell", "plain", XYZ),
+    Plant("auxiliary.channel", "auxiliary", ("ax", "ay", "az", "gx", "gy", "gz")),
+    Plant("gyroscope.g_sensitivity", "moved", MATRIX, label="moved"),
+    Plant("gyroscope.scale_asymmetry", "moved", XYZ, label="moved"),
+    Plant("gyroscope.scale_asymmetry", "moved and turned", XYZ, label="moved and turned"),
+    Plant("gyroscope.bias_temperature", "moved while warm", XYZ, label="moved"),
+)}  # fmt: skip
 
 
 def drawn_sizes(name: str, sigmas: Sigmas, rng: np.random.Generator) -> dict[str, float]:
@@ -98,9 +97,7 @@ def drawn_sizes(name: str, sigmas: Sigmas, rng: np.random.Generator) -> dict[str
     keys, position = list(plant.keys), 0
     several = rng.random() < 0.5
     chosen = rng.choice(keys, rng.integers(1, len(keys) + 1), replace=False) if several else [rng.choice(keys)]
-    if (
-        plant.effect == "placement.dwell"
-    ):  # along the vertical it is the heading, of which accelerometers see nothing
+    if plant.effect == "placement.dwell":  # accelerometers see nothing of the heading, along the vertical
         position = int(rng.integers(1, 13))
         chosen = ["xyz"[i] for i in cross_axes(face_of(position))]
     tau = float(np.exp(rng.uniform(np.log(5), np.log(45))))

@@ -45,9 +45,9 @@ def sigmas_of(effect: str, design: str, seed: int = 1) -> Sigmas:
     """Return the sigmas of an effect in its design."""
     made = DESIGNS[design]
     if effect == "clock.rate":  # known by the scatter of delays, which differs by a factor of 3 between campaigns
-        several = [made.make(unit(i, **made.truth), i, ())[0] for i in range(seed, seed + CLOCKS)]
+        several = [made.make(unit(i, **made.truth), i)[0] for i in range(seed, seed + CLOCKS)]
         return Sigmas({}, float(np.median([clock_sigma(each) for each in several])))
-    campaigns = made.make(unit(seed, **made.truth), seed, ())
+    campaigns = made.make(unit(seed, **made.truth), seed)
     fits = fit(campaigns)
     evidence = evidence_of(fits)
     found: dict[tuple[int, float, str], float] = {}

@@ -20,7 +20,7 @@ from tests.benchmarks.diagnosing.designs import DESIGNS, unit
 def seen_by(design: str, seed: int = 1) -> tuple[CampaignFits, Evidence, Candidates]:
     """Return the fits of a unit with nothing planted, their evidence, and what it can speak of."""
     made = DESIGNS[design]
-    fits = fit(made.make(unit(seed, **made.truth), seed, ()))
+    fits = fit(made.make(unit(seed, **made.truth), seed))
     evidence = evidence_of(fits)
     return fits, evidence, Candidates(evidence, fits, EFFECTS)
 

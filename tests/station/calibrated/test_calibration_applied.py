@@ -7,7 +7,7 @@ import pytest
 
 from procedures.arrays import FloatArray
 from station.calibrated.applied_calibration import calibrated_inputs
-from station.calibrated.correction_inputs import Surroundings, TemperatureFollower
+from station.calibrated.correction_inputs import Backlash, Surroundings, TemperatureFollower
 
 K_A, K_G = np.array([1010.0, 990.0, 1005.0]), np.array([36000.0, 35500.0, 36300.0])
 E_A = np.array([[1.0, 1e-3, -2e-3], [5e-4, 1.0, 1e-3], [-1e-3, 2e-3, 1.0]])
@@ -150,7 +150,7 @@ def test_a_hysteresis_with_backlash_is_corrected_piece_by_piece() -> None:
     whole = calibrated_inputs(known, *rates, Surroundings(temperature=temperature, t=HOURS[:n]))
     assert whole.not_applied == ()
     assert whole.f == pytest.approx(F[:n], abs=1e-12)
-    follower, parts = TemperatureFollower(backlashes=(1.2,)), []
+    follower, parts = TemperatureFollower((Backlash(1.2),)), []
     for i in range(0, n, 5):
         part = slice(i, min(i + 5, n))
         around = Surroundings(t=HOURS[part], signals=follower.take(HOURS[part], temperature[part]))

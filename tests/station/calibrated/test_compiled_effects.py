@@ -9,7 +9,14 @@ from procedures.arrays import FloatArray
 from procedures.effects import CATALOGUE, EFFECTS
 from procedures.effects.excitation import PLAY, TAU
 from station.calibrated.applied_calibration import CalibrationModel
-from station.calibrated.correction_inputs import Surroundings, TemperatureFollower
+from station.calibrated.correction_inputs import (
+    DIRECTION,
+    RATE,
+    WARMTH,
+    Backlash,
+    Surroundings,
+    TemperatureFollower,
+)
 from tests.procedures.effects.laws_by_hand import BY_HAND, ORDER, Felt
 from tests.station.calibrated.test_calibration_applied import calibration, effect
 
@@ -61,7 +68,7 @@ def added_by_hand(entry: dict[str, Any], felt: Felt) -> FloatArray:
 def around() -> tuple[Surroundings, FloatArray, FloatArray]:
     t = np.cumsum(DRAW.uniform(0.5, 1.5, N))
     T = 25 + np.cumsum(DRAW.normal(0, 0.3, N))
-    signals = TemperatureFollower((TAU_S,), (PLAY_K,)).take(t, T)
+    signals = TemperatureFollower((TAU_S, Backlash(PLAY_K))).take(t, T)
     f, omega = DRAW.uniform(-3, 3, (N, 3)), DRAW.uniform(-150, 150, (N, 3))
     return Surroundings(magnetic=DRAW.normal(0, 40, (N, 3)), t=t, signals=signals), f, omega
 
@@ -77,8 +84,8 @@ def test_a_kernel_corrects_what_an_effect_adds(name: str, shape: str) -> None:
     output = {each: u[each] @ of.E.T + of.D for each, of in model.triads.items()}
     assert here.magnetic is not None
     felt = Felt(
-        u[triad], output[triad], f, here.magnetic, signals.warmth, signals.rate, signals.lagged[TAU_S],
-        signals.direction, signals.branch[PLAY_K],
+        u[triad], output[triad], f, here.magnetic, signals[WARMTH], signals[RATE], signals[TAU_S],
+        signals[DIRECTION], signals[Backlash(PLAY_K)],
     )  # fmt: skip
     added = added_by_hand(entry, felt)
     assert np.abs(added).max() > 1e-6  # else nothing was planted
