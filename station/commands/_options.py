@@ -7,9 +7,12 @@ from dataclasses import is_dataclass
 from functools import wraps
 from math import isfinite
 from pathlib import Path
-from typing import Annotated, Any, get_args, get_origin
+from typing import TYPE_CHECKING, Annotated, Any, get_args, get_origin
 
 import typer
+
+if TYPE_CHECKING:
+    from sqlalchemy.orm import Session
 
 
 def option(metavar: str, text: str, names: str = "", **more: Any) -> Any:
@@ -112,6 +115,33 @@ def refuse_other_than_toml(plan: Path | None, name: str) -> None:
     if plan is not None and plan.suffix.lower() != ".toml":
         found = f"found {plan.name!r}, expected a name that ends in .toml: a plan is a TOML file"
         raise typer.BadParameter(found, param_hint=name)
+
+
+@contextmanager
+def reading(db: str | None) -> Iterator["Session"]:
+    """Yield a session that reads a database."""
+    from fixtures_db.database import open_db
+
+    with open_db(db) as database, database.read() as session:
+        yield session
+
+
+@contextmanager
+def writing(db: str | None, file: Path | None = None) -> Iterator["Session"]:
+    """Yield a session that is committed at its end; an impossible value is refused: of a ``file`` or of usage."""
+    from fixtures_db.database import open_db
+    from fixtures_db.errors import DatabaseError
+    from station.errors import DataRefused
+
+    try:
+        with open_db(db) as database, database.write() as session:
+            yield session
+    except ValueError as error:
+        if isinstance(error, DatabaseError | DataRefused):
+            raise
+        if file is None:
+            raise typer.BadParameter(str(error)) from error
+        raise DataRefused(file, None, str(error), "possible values") from error
 
 
 def write_result(document: Mapping[str, Any], text: str, file: Path | None, what: str) -> None:

@@ -76,11 +76,19 @@ def _known(finding: "Finding") -> "Finding":
     return replace(finding, holds=None) if finding == UNSIGNED else finding
 
 
+def existing(db: str | None) -> str | None:
+    """Return which database is meant, None where its file is not there: a check makes none."""
+    from fixtures_db.database import default_path
+
+    where = str(default_path()) if db is None else db
+    return where if "://" in where or Path(where).exists() else None
+
+
 def refuse_missing(db: str | None) -> None:
-    """Raise `DataRefused` if the database named is a file that is not there: a check makes none."""
+    """Raise `DataRefused` if the database named is a file that is not there."""
     from station.errors import DataRefused
 
-    if db is not None and "://" not in db and not Path(db).exists():
+    if db is not None and existing(db) is None:
         raise DataRefused(
             db,
             None,
@@ -92,11 +100,10 @@ def refuse_missing(db: str | None) -> None:
 
 
 def _by_database(db: str | None, content: bytes, found: "Verified") -> list["Finding"]:
-    from fixtures_db.database import default_path, open_db
+    from fixtures_db.database import open_db
     from station.results.certificate.signing.verification import database_findings
 
-    where = str(default_path()) if db is None else db
-    if "://" not in where and not Path(where).exists():  # a check makes no database
+    if (where := existing(db)) is None:
         return []
     with open_db(where) as database, database.read() as session:
         return database_findings(session, database.url, content, found)

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from station.commands import Database
-from station.commands._options import OfModel, OfSerial, argument, flag, option
+from station.commands._options import OfModel, OfSerial, argument, flag, option, reading
 from station.commands.command_table import Command
 
 COMMANDS = (
@@ -28,18 +28,16 @@ def list_(
 
     Example: station effects list --catalogue
     """
-    from fixtures_db.database import open_db
     from fixtures_db.imu_models import all_in_force, owner
     from procedures.effects import EFFECTS
     from station.files.effect_file import check_stored
     from station.text import table_lines
 
-    with open_db(db) as database, database.read() as session:
+    with reading(db) as session:
         rows = [(one.name, owner(one.model, one.serial), one.effect_sha256[:12]) for one in all_in_force(session)]
-    rows += [(effect.name, "catalogue", "") for effect in EFFECTS] if catalogue else []
-    lines = table_lines(rows, "<<<", ("effect", "of", "sha256"))
-    typer.echo("\n".join(lines) if rows else "no user-defined error term is in force")
-    with open_db(db) as database, database.read() as session:
+        rows += [(effect.name, "catalogue", "") for effect in EFFECTS] if catalogue else []
+        lines = table_lines(rows, "<<<", ("effect", "of", "sha256"))
+        typer.echo("\n".join(lines) if rows else "no user-defined error term is in force")
         check_stored(session)
 
 
@@ -58,7 +56,6 @@ def show(
 
     Example: station effects show dead_zone.toml
     """
-    from fixtures_db.database import open_db
     from fixtures_db.imu_models import all_in_force, owner
     from procedures.effects import EFFECTS
     from station.files.effect_file import check_stored, read_effect, stored_effect
@@ -70,7 +67,7 @@ def show(
     file = read_effect(Path(name)) if Path(name).exists() else None
     if file is not None:
         typer.echo(effect_text(name))
-    with open_db(db) as database, database.read() as session:
+    with reading(db) as session:
         check_stored(session)
         rows = all_in_force(session)
     if file is not None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from station.commands import Database
-from station.commands._options import argument, day_option, flag, option, signing_libraries
+from station.commands._options import argument, day_option, flag, option, reading, signing_libraries, writing
 from station.commands.command_table import Command
 
 if TYPE_CHECKING:
@@ -39,10 +39,9 @@ def list_(
 
     Example: station fixtures list slab
     """
-    from fixtures_db.database import open_db
     from station.results.fixtures.fixture_listing import KINDS
 
-    with open_db(db) as database, database.read() as session:
+    with reading(db) as session:
         for name in KINDS if kind is None else (kind,):
             for line in KINDS[name].lines(session):
                 typer.echo(f"{name} {line}" if kind is None else line)
@@ -63,10 +62,9 @@ def show(
 
     Example: station fixtures show cube P1
     """
-    from fixtures_db.database import open_db
     from station.results.fixtures.fixture_listing import KINDS
 
-    with open_db(db) as database, database.read() as session:
+    with reading(db) as session:
         typer.echo(KINDS[kind].description(session, name))
 
 
@@ -103,20 +101,12 @@ def import_(
         return
     if trust or crl or unsigned or due:
         raise typer.BadParameter("--trust, --crl, --unsigned and --due are of a certificate's .xml; expected one")
-    from fixtures_db.database import open_db
-    from fixtures_db.errors import DatabaseError
     from fixtures_db.fixture_measurements import restore
-    from station.errors import DataRefused
     from station.files.database_files import read_csv, read_toml_file
 
     tables = read_toml_file(file) if file.suffix == ".toml" else read_csv(file)
-    try:
-        with open_db(db) as database, database.write() as session:
-            added = restore(session, tables.rows)
-    except ValueError as error:
-        if isinstance(error, DatabaseError):
-            raise
-        raise DataRefused(file, None, str(error), "possible values") from error
+    with writing(db, file) as session:
+        added = restore(session, tables.rows)
     typer.echo(f"{file}: added {', '.join(f'{n} {name}' for name, n in added.items() if n) or 'nothing'}")
 
 
@@ -125,9 +115,6 @@ def _certificate(
 ) -> None:
 
     signing_libraries()
-    from fixtures_db.database import open_db
-    from fixtures_db.errors import DatabaseError
-    from station.errors import DataRefused
     from station.files.xml_document import read_document
     from station.results.certificate.signing.key_certificate import read_trust
     from station.results.certificate.signing.verification import verify_xml
@@ -136,13 +123,8 @@ def _certificate(
     found = verify_xml(read_document(file), file, read_trust(roots, lists))
     proven = refuse_unproven(found, file, unsigned)
     read = read_fixture(found.document, file)
-    try:
-        with open_db(db) as database, database.write() as session:
-            text = take_in(session, read, proven, None if due is None else due.date(), file)
-    except ValueError as error:
-        if isinstance(error, DatabaseError | DataRefused):
-            raise
-        raise DataRefused(file, None, str(error), "possible values") from error
+    with writing(db, file) as session:
+        text = take_in(session, read, proven, None if due is None else due.date(), file)
     typer.echo(f"{file}: added {text}")
 
 
@@ -156,12 +138,11 @@ def export(
 
     Example: station fixtures export fixtures.toml
     """
-    from fixtures_db.database import open_db
     from fixtures_db.fixture_measurements import dump
     from station.files.atomic_file import replace_file
     from station.files.database_files import to_toml, write_csv
 
-    with open_db(db) as database, database.read() as session:
+    with reading(db) as session:
         rows = dump(session)
     if to.suffix == ".toml":
         replace_file(to, to_toml(rows).encode())
@@ -182,11 +163,10 @@ def due(
     """
     from datetime import date, timedelta
 
-    from fixtures_db.database import open_db
     from fixtures_db.fixtures import due as due_until
 
     today = date.today()
-    with open_db(db) as database, database.read() as session:
+    with reading(db) as session:
         found = due_until(session, today + timedelta(days=within))
     for one in found:
         left = (one.date - today).days

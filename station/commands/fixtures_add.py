@@ -1,20 +1,14 @@
 """``station fixtures add``: cubes, certificates, surface plates, levels, sites and IMUs put into the database."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from datetime import UTC, date, datetime
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from procedures.units import RAD_PER_ARCSEC
 from station.commands import Database
-from station.commands._options import argument, day_option, option
+from station.commands._options import argument, day_option, option, writing
 from station.commands.command_table import Command
-
-if TYPE_CHECKING:
-    from sqlalchemy.orm import Session
-
 
 COMMANDS = (
     Command("cube", "A cube with the items of its drawing.", __name__),
@@ -32,21 +26,6 @@ Certified = Annotated[Day, day_option("Day of its certificate.")]
 Due = Annotated[Day, day_option("Last day of validity.")]
 On = Annotated[datetime, day_option("Day on which it was measured.")]
 By = Annotated[str, option("TEXT", "Who measured it, with which instrument.")]
-
-
-@contextmanager
-def adding(db: str | None) -> Iterator["Session"]:
-    """Yield a session that is committed at its end; `typer.BadParameter` for a value out of range."""
-    from fixtures_db.database import open_db
-    from fixtures_db.errors import DatabaseError
-
-    try:
-        with open_db(db) as database, database.write() as session:
-            yield session
-    except ValueError as error:
-        if isinstance(error, DatabaseError):
-            raise
-        raise typer.BadParameter(str(error)) from error
 
 
 def day(moment: Day) -> date | None:
@@ -101,7 +80,7 @@ def cube(
     Example: station fixtures add cube CUBE-7 --side-mm 400 --tolerance t1=0.04 --tolerance t8=0.02
     """
     items = dict(_item(text) for text in tolerance or ())
-    with adding(db) as session:
+    with writing(db) as session:
         from fixtures_db.fixture_measurements import drawing
         from fixtures_db.fixtures import add_fixture
         from fixtures_db.schema import CubeRow
@@ -142,7 +121,7 @@ def certificate(
     past(on)
     due_after(on, due)
     above_zero(sigma_arcsec)
-    with adding(db) as session:
+    with writing(db) as session:
         import numpy as np
 
         from fixtures_db.fixture_measurements import certify_faces
@@ -162,7 +141,7 @@ def slab(name: Name, certified: Certified = None, due: Due = None, db: Database 
 
     Example: station fixtures add slab SLAB-2 --certified 2026-03-04 --due 2027-03-04
     """
-    with adding(db) as session:
+    with writing(db) as session:
         from fixtures_db.fixtures import add_fixture
         from fixtures_db.schema import SlabRow
 
@@ -193,7 +172,7 @@ def level(
     past(on)
     due_after(on, due)
     above_zero(sigma_arcsec)
-    with adding(db) as session:
+    with writing(db) as session:
         from fixtures_db.fixture_measurements import add_level
         from fixtures_db.schema import SlabLevelRow
 
@@ -226,7 +205,7 @@ def site(
     Example: station fixtures add site LAB-1 --latitude 48.1374 --longitude 11.5755 --height 519 --gravity
     9.8072914 --gravity-sigma 2e-7 --gravity-by "gravimeter, survey 12" --due 2030-05-01
     """
-    with adding(db) as session:
+    with writing(db) as session:
         from fixtures_db.fixtures import add_fixture
         from fixtures_db.schema import SiteRow
 
@@ -251,7 +230,7 @@ def imu(
 
     Example: station fixtures add imu FOG-3 0117
     """
-    with adding(db) as session:
+    with writing(db) as session:
         from fixtures_db.campaigns import add_imu
 
         add_imu(session, model, serial)

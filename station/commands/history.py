@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from station.commands import Database
-from station.commands._options import argument, day_option, option
+from station.commands._options import argument, day_option, option, reading
 
 if TYPE_CHECKING:
     from sqlalchemy.orm import Session
@@ -45,11 +45,10 @@ def history(
         raise typer.BadParameter("expected a serial number or --population MODEL, one of the two")
     if population is not None and at is not None:
         raise typer.BadParameter("--at belongs to a serial number, a population is not predicted")
-    from fixtures_db.database import open_db
     from station.files.atomic_file import replace_file, write_json
     from station.results.result_formats import document_of
 
-    with open_db(db) as database, database.read() as session:
+    with reading(db) as session:
         found = _of_unit(session, serial, at) if serial is not None else _of_model(session, str(population))
     if json is not None:
         write_json(json, document_of(found))

@@ -6,32 +6,15 @@ from typing import Annotated
 
 import typer
 
-from station.commands import Database
-from station.commands._options import (
-    Axes,
-    Gnss,
-    Heading,
-    Latitude,
-    Model,
-    Plain,
-    Quiet,
-    Seconds,
-    Serial,
-    Slow,
-    Speed,
-    argument,
-    flag,
-    lengths,
-    option,
-    refused_as,
-)
+from station.commands import Database, _options
+from station.commands._options import argument, flag, lengths, option, refused_as
 
 AIDS = ("none", "gnss", "airspeed", "airspeed-filter")  # the last two are one
 
 
 def monitor(
     url: Annotated[str, argument("URL", "The IMU, as in serial:///dev/ttyUSB0; or replay:FILE.mcap.")],
-    gnss: Gnss = "",
+    gnss: _options.Gnss = "",
     aid: Annotated[str, option("AID", "none, gnss or airspeed; gnss with --gnss; in a replay as it was.")] = "",
     filter: Annotated[
         str,
@@ -49,25 +32,25 @@ def monitor(
     calibration: Annotated[
         Path | None, option("FILE", "A calibration.json; else the unit's newest stored one.")
     ] = None,
-    axes: Axes = "x,-y,-z",
-    latitude: Latitude = None,
-    heading: Heading = None,
+    axes: _options.Axes = "x,-y,-z",
+    latitude: _options.Latitude = None,
+    heading: _options.Heading = None,
     gravity: Annotated[float | None, option("M/S2", "Surveyed; else normal.", min=9.7, max=9.9)] = None,
     alarm: Annotated[
         list[str] | None, option("NAME=LIMIT", "Alarm above: roll, pitch, rate, sigma, residual ...")
     ] = None,
     folder: Annotated[Path | None, option("FOLDER", "A new folder for the recording.")] = None,
     record: Annotated[bool, flag("--record/--no-record", "Record from the start, or when r is pressed.")] = True,
-    plain: Plain = False,
+    plain: _options.Plain = False,
     json: Annotated[bool, flag("--json", "A line of monitor/1 for each tenth of a second.")] = False,
     mavlink_out: Annotated[str, option("LINK", "Sends ATTITUDE, as to udpout:127.0.0.1:14551.")] = "",
     stream: Annotated[list[str] | None, option("OUTPUT", "Also stream samples, as `station stream --to`.")] = None,
-    seconds: Seconds = float("inf"),
-    speed: Speed = 1.0,
-    model: Model = "",
-    serial: Serial = "",
-    slow: Slow = False,
-    quiet: Quiet = False,
+    seconds: _options.Seconds = float("inf"),
+    speed: _options.Speed = 1.0,
+    model: _options.Model = "",
+    serial: _options.Serial = "",
+    slow: _options.Slow = False,
+    quiet: _options.Quiet = False,
     db: Database = None,
 ) -> None:
     """Show roll and pitch [deg] of a live IMU, and its errors at rest with and without the calibration.

@@ -11,6 +11,7 @@ from station.commands._options import argument, option, signing_libraries
 from station.commands._tamper_evidence import (
     anchor_faults,
     check_time_service,
+    existing,
     keep,
     read_kept,
     refuse_missing,
@@ -137,13 +138,12 @@ def _stored(session: "Session", kind: str, sha256: str) -> str:
 
 
 def _folder(folder: Path, db: str | None) -> None:
-    from fixtures_db.database import default_path, open_db
+    from fixtures_db.database import open_db
     from station.files.database_files import verify_csv
 
     names = verify_csv(folder)
     typer.echo(f"{folder}: {plural(len(names), 'file')} as recorded")
-    where = str(default_path()) if db is None else db
-    if "://" in where or Path(where).exists():  # a check makes no database
+    if (where := existing(db)) is not None:
         with open_db(where) as database:
             typer.echo(_rows(database, folder))
 
