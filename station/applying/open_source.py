@@ -5,7 +5,6 @@ from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from procedures.errors import ErrorCode
 from procedures.frames import TRIADS
 from station.applying.log_source import LogSource, step_source
 from station.applying.recording_source import RawSource, RecordingSource
@@ -15,7 +14,7 @@ from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML, read_ca
 from station.files.logs.log_columns import ColumnOptions
 from station.files.mcap_files.reader import sample_messages, topic_messages
 from station.files.mcap_files.schemas import RAW_TOPIC
-from station.files.opening import open_inside
+from station.files.opening import open_inside, unreadable
 
 STEP_KINDS = ("dwell", "turn", "move", "sequence", "soak", "monitor")  # all but a rate table, which has no samples
 
@@ -122,6 +121,4 @@ def _is_of_bytes(file: Path) -> bool:
         with closing(sample_messages(file)) as samples, closing(topic_messages(file, {RAW_TOPIC: bytes})) as raw:
             return next(samples, None) is None and next(raw, None) is not None
     except OSError as error:
-        raise DataRefused(
-            file, None, (error.strerror or str(error)).lower(), "a readable file", code=ErrorCode.FILE_MISSING
-        ) from None
+        raise unreadable(file, error) from None

@@ -13,12 +13,12 @@ from drivers.addresses import DeviceAddress
 from drivers.errors import ReplayEnded
 from procedures.arrays import FloatArray
 from procedures.counts.sample_records import SampleBlock
-from procedures.errors import ErrorCode
 from procedures.frames import TRIADS
 from station.applying.source import Samples, Stated, Times, channels_by_column
 from station.errors import DataRefused
 from station.files.mcap_files.reader import sample_messages, topic_messages
 from station.files.mcap_files.schemas import COUNTS, MESSAGES, RAW, RAW_TOPIC
+from station.files.opening import unreadable
 from station.stream.live.live_feed import LiveFeed, open_feed
 from station.stream.reader import Chunk
 from station.stream.reader.messages import StreamGap
@@ -46,9 +46,7 @@ class RecordingSource:
         try:
             found = _looked_through(file)
         except OSError as error:
-            raise DataRefused(
-                file, None, (error.strerror or str(error)).lower(), "a readable file", code=ErrorCode.FILE_MISSING
-            ) from None
+            raise unreadable(file, error) from None
         if stated.output is not None and (stated.output == "rate") != (found.output == "rate"):
             raise DataRefused(file, None, f"{found.output} messages", f"{stated.output}, as imu.output says")
         triads = tuple(name for name in TRIADS if name in found.triads)
@@ -197,9 +195,7 @@ def _identified(file: Path, stated: Stated, *cut: Callable[[str], None]) -> Live
     try:
         feed = open_feed(_FileChunks(file, *cut))
     except OSError as error:
-        raise DataRefused(
-            file, None, (error.strerror or str(error)).lower(), "a readable file", code=ErrorCode.FILE_MISSING
-        ) from None
+        raise unreadable(file, error) from None
     feed.identify_or_unknown(stated.model, stated.serial)
     return feed
 

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Generator, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Protocol
 
 from procedures.arrays import FloatArray
@@ -54,7 +54,7 @@ class Stated:
     triads: tuple[str, ...] = TRIADS
     accelerometers: tuple[bool, ...] = (True, True, True)
     units: tuple[tuple[str, str], ...] = ()
-    notes: tuple[str, ...] = field(default=())
+    notes: tuple[str, ...] = ()
     damage: str = ""
 
 

@@ -46,7 +46,7 @@ def find_calibration(file: Path | None, database: str | None, unit: Unit, wire: 
         document = _with_both(read_calibration(file), str(file))
         if unit.model not in {UNKNOWN, document.get("model")}:  # a sister unit's is used, with a note
             raise another_units(document, str(file), unit)
-        return _applied(document, file.name, unit, datetime.now(UTC))
+        return _applied(document, file.name, unit)
     with open_db(database) as opened, opened.read() as session:
         row = last_calibration(session, unit.model, unit.serial)
         if row is not None:
@@ -61,7 +61,7 @@ def stored_calibration(row: CalibrationRow, unit: Unit) -> AppliedCalibration:
     """Return a calibration of the database as it is applied to a unit; raises as `find_calibration`."""
     name = row.sha256[:12]
     document = _with_both(parsed_calibration(row.document, name), name)
-    return _applied(document, name, unit, datetime.now(UTC))
+    return _applied(document, name, unit)
 
 
 def nominal_scales(unit: Unit, wire: WireFormat) -> AppliedCalibration | None:
@@ -82,13 +82,15 @@ def _nothing_of(unit: Unit) -> DataRefused:
     )  # fmt: skip
 
 
-def _applied(document: Mapping[str, Any], name: str, unit: Unit, now: datetime) -> AppliedCalibration:
+def _applied(document: Mapping[str, Any], name: str, unit: Unit) -> AppliedCalibration:
     if missing := [each for each in ("accepted_utc", "status") if each not in document]:
         raise DataRefused(name, None, f"no {missing[0]}", f"a {FORMAT} as it was stored", "name such a file")
-    accepted = datetime.fromisoformat(document["accepted_utc"])
+    accepted, now = datetime.fromisoformat(document["accepted_utc"]), datetime.now(UTC)
     age = (now - accepted).total_seconds() / DAY_S
     text = f"{name} of {accepted:%Y-%m-%d}, {document['status']}, {age:.0f} days old"
-    return AppliedCalibration(document, None, InUse(text, _note(document, unit, now)))
+    other = f"it is of {document['model']} {document['serial']}, connected is {unit.model} {unit.serial}"
+    notes = [other if document["serial"] != unit.serial else "", *doubts(document, now)]
+    return AppliedCalibration(document, None, InUse(text, "; ".join(filter(None, notes))))
 
 
 def another_units(document: Mapping[str, Any], name: str, unit: Unit) -> DataRefused:
@@ -97,13 +99,6 @@ def another_units(document: Mapping[str, Any], name: str, unit: Unit) -> DataRef
         name, None, f"a calibration of {document.get('model')} {document.get('serial')}",
         f"one of {unit.model} {unit.serial}, which is connected", "name that unit's", ErrorCode.CALIBRATION,
     )  # fmt: skip
-
-
-def _note(document: Mapping[str, Any], unit: Unit, now: datetime) -> str:
-    texts = list[str]()
-    if document["serial"] != unit.serial:
-        texts.append(f"it is of {document['model']} {document['serial']}, connected is {unit.model} {unit.serial}")
-    return "; ".join(filter(None, [*texts, *doubts(document, now)]))
 
 
 def _with_both(document: Mapping[str, Any], where: str) -> Mapping[str, Any]:
@@ -125,11 +120,17 @@ def chosen_calibration(
         If there is none, or it is of another unit.
     """
     if nominal:
-        return _nominal(unit, wire)
-    if not asked:
-        found = _newest(unit, database)
-    elif Path(asked).exists():
+        if (found := nominal_scales(unit, wire)) is None:
+            raise DataRefused(
+                "--nominal", None, f"no nominal scale factors of {unit.model} in format {wire.name}",
+                f"a model that has them ({', '.join(wire.scales) or 'none'})",
+                "calibrate it, or give --calibration FILE", ErrorCode.CALIBRATION,
+            )  # fmt: skip
+        return found
+    if asked and Path(asked).exists():
         found = find_calibration(Path(asked), database, unit, wire)
+    elif not asked and UNKNOWN in {unit.model, unit.serial}:
+        raise _none_of("a device that does not say who it is")
     else:
         found = _stored(asked, database, unit)
     refuse_unfit(found, asked, unit, wire)
@@ -143,57 +144,29 @@ def refuse_unfit(applied: AppliedCalibration, name: str, unit: Unit, wire: WireF
     """
     if applied.document is None:
         raise _none_of(f"no stored calibration of {unit.model} {unit.serial}")
-    _refuse_another_units(applied, name, unit)
-    _refuse_another_output(applied, wire)
-
-
-def _refuse_another_units(applied: AppliedCalibration, name: str, unit: Unit) -> None:
-    """Raise `DataRefused` for a calibration, named as ``name``, of another unit than the one connected."""
-    document = applied.document or {"model": unit.model, "serial": unit.serial}
     of = {"model": unit.model, "serial": unit.serial}
-    if any(value not in {UNKNOWN, document.get(key)} for key, value in of.items()):
-        raise another_units(document, name, unit)
-
-
-def _refuse_another_output(applied: AppliedCalibration, wire: WireFormat) -> None:
-    """Refuse a calibration of counts for a device that sends rates, and the reverse."""
-    of_counts, counts = is_of_counts(applied.document or {}), wire.output == "increments"
-    if of_counts != counts:
-        found, sent = ("counts", "rates") if of_counts else ("rates", "counts")
+    if any(value not in {UNKNOWN, applied.document.get(key)} for key, value in of.items()):
+        raise another_units(applied.document, name, unit)
+    of_counts = is_of_counts(applied.document)
+    if of_counts != (wire.output == "increments"):
+        wrong, sent = ("counts", "rates") if of_counts else ("rates", "counts")
         raise DataRefused(
-            "--calibration", None, f"one of {found}", f"one of {sent}, which {wire.name} sends",
+            "--calibration", None, f"one of {wrong}", f"one of {sent}, which {wire.name} sends",
             "name one that was made of this output", ErrorCode.CALIBRATION,
         )  # fmt: skip
 
 
-def _newest(unit: Unit, database: str | None) -> AppliedCalibration:
-    if UNKNOWN in {unit.model, unit.serial}:
-        raise _none_of("a device that does not say who it is")
+def _stored(serial: str, database: str | None, unit: Unit) -> AppliedCalibration:
+    """Return the newest calibration that is stored of a serial number, where it is empty of the unit."""
     with open_db(database) as opened, opened.read() as session:
-        row = last_calibration(session, unit.model, unit.serial)
+        row = last_calibration(session, unit.model, serial or unit.serial)
+        if row is None and serial:
+            row = next(reversed(history(session, serial)), None)
+        if row is None and serial:
+            raise _none_of(f"no such file, and no calibration of a unit {serial} in the database")
         if row is None:
             raise _none_of(f"no stored calibration of {unit.model} {unit.serial}")
         return stored_calibration(row, unit)
-
-
-def _stored(serial: str, database: str | None, unit: Unit) -> AppliedCalibration:
-    with open_db(database) as opened, opened.read() as session:
-        row = last_calibration(session, unit.model, serial) or next(reversed(history(session, serial)), None)
-        if row is None:
-            raise _none_of(f"no such file, and no calibration of a unit {serial} in the database")
-        return stored_calibration(row, unit)
-
-
-def _nominal(unit: Unit, wire: WireFormat) -> AppliedCalibration:
-    found = nominal_scales(unit, wire)
-    if found is None:
-        known = ", ".join(wire.scales) or "none"
-        raise DataRefused(
-            "--nominal", None, f"no nominal scale factors of {unit.model} in format {wire.name}",
-            f"a model that has them ({known})", "calibrate it, or give --calibration FILE",
-            ErrorCode.CALIBRATION,
-        )  # fmt: skip
-    return found
 
 
 def _none_of(found: str) -> DataRefused:

@@ -6,6 +6,7 @@ import stat
 from io import BufferedReader
 from pathlib import Path
 
+from procedures.errors import ErrorCode
 from station.errors import DataRefused
 
 MAX_FILE = 4 * 2**30  # bytes
@@ -47,6 +48,12 @@ def open_inside(folder: Path, name: str, named_in: str | Path, line: int | None)
         stream.close()
         raise
     return stream
+
+
+def unreadable(file: Path, error: OSError) -> DataRefused:
+    """Return the refusal of a file that cannot be read."""
+    found = (error.strerror or str(error)).lower()
+    return DataRefused(file, None, found, "a readable file", "name another", ErrorCode.FILE_MISSING)
 
 
 def sha256_inside(folder: Path, name: str, named_in: str | Path, line: int | None) -> str:

@@ -13,7 +13,7 @@ import numpy as np
 
 from drivers.errors import LinkLost, PortNotFound
 from procedures.fusion.feature_tracks import FeatureTracks
-from procedures.fusion.vision.feature_tracker import FeatureTracker, FeatureTrackerSettings, Image, LensModel
+from procedures.fusion.vision.feature_tracker import FeatureTracker, Image, LensModel
 from procedures.optional_libraries import opencv
 from station.errors import DataRefused
 from station.files.atomic_file import refuse_own
@@ -94,11 +94,9 @@ def images_of(images: Path) -> list[Path]:
     return [images / LIST, *(images / name for _, _, name in _lines(images))]
 
 
-def follow_all(
-    pairs: Iterable[tuple[float, Image]], lens: LensModel, settings: FeatureTrackerSettings | None = None
-) -> FeatureTracks:
+def follow_all(pairs: Iterable[tuple[float, Image]], lens: LensModel) -> FeatureTracks:
     """Return the tracks of features through images in the order of time, without the lens's distortion."""
-    follower = FeatureTracker(lens, settings)
+    follower = FeatureTracker(lens)
     t, features, points = list[float](), [np.zeros(0, np.int64)], [np.zeros((0, 2))]
     for now, image in pairs:
         feature, uv = follower.follow(image)

@@ -155,6 +155,14 @@ def kind_of(text: str) -> OutputKind:
     raise BadAddress(text, f"no output of that name ({scheme!r})", f"one of {FORMS}")
 
 
+def host_and_port(scheme: str, where: str, expected: str, least: int = 1) -> tuple[str, int]:
+    """Return host and port of HOST:PORT; raise `BadAddress` where it is none, or the port is below ``least``."""
+    host, _, port = where.rpartition(":")
+    if not host or not (port.isascii() and port.isdigit()) or not least <= int(port[:6]) < 65536:
+        raise BadAddress(f"{scheme}:{where}", "no usable host and port", expected)
+    return host.strip("[]"), int(port)
+
+
 def open_outputs(addresses: Sequence[str], about: About) -> tuple[Output, ...]:
     """Return the outputs of all addresses; nothing stays open if one is refused."""
     opened = list[Output]()

@@ -32,22 +32,19 @@ if TYPE_CHECKING:
     from station.stream.gnss_feed import GnssFeed  # pymavlink: only where a receiver is read
 
 
+Say = Callable[[str], None]
 STATUS_S = 10.0  # between two lines of status
 
 
 class Sender:
     """Call `take` after each `advance` of the feed, in a ``with``, which ends in closing the outputs.
 
-    ``say`` takes lines for people: the status every ``status_s`` [s], effects not corrected, a summary at the end.
+    ``say`` takes lines for people: the status every `STATUS_S`, effects not corrected, a summary at the end.
     """
 
-    def __init__(
-        self, samples: LiveSamples, outputs: Sequence[Output], say: Callable[[str], None],
-        status_s: float = STATUS_S, clock: Callable[[], float] = time.monotonic,
-    ) -> None:  # fmt: skip
-        self._samples, self._outputs, self._say, self._clock = samples, outputs, say, clock
-        self._status_s = status_s
-        self._since = clock(), 0  # the last status, and what had been sent by then
+    def __init__(self, samples: LiveSamples, outputs: Sequence[Output], say: Say) -> None:
+        self._samples, self._outputs, self._say = samples, outputs, say
+        self._since = time.monotonic(), 0  # the last status, and what had been sent by then
         self._not_corrected: tuple[str, ...] = ()
 
     def __enter__(self) -> Self:
@@ -71,7 +68,7 @@ class Sender:
 
     def take(self) -> None:
         """Stream what has come."""
-        now = self._clock()
+        now = time.monotonic()
         found = self._samples.take(now)
         if found is not None:
             for output in self._outputs:
@@ -79,7 +76,7 @@ class Sender:
             if self._samples.not_applied != self._not_corrected:
                 self._not_corrected = self._samples.not_applied
                 self._say(f"not corrected: {'; '.join(self._not_corrected) or 'nothing'}")
-        if now - self._since[0] >= self._status_s:
+        if now - self._since[0] >= STATUS_S:
             self._say(self._status(now))
             self._since = now, self._samples.sent
 
@@ -96,14 +93,13 @@ class Sender:
 
 
 def opened_sender(
-    feed: LiveFeed, applied: AppliedCalibration, to: Sequence[str], C: FloatArray, say: Callable[[str], None], *,
+    feed: LiveFeed, applied: AppliedCalibration, to: Sequence[str], C: FloatArray, say: Say, *,
     frd: bool = False, utc: Utc | None = None, clock_off: Callable[[], str] = lambda: "",
-    status_s: float = STATUS_S,
 ) -> Sender:  # fmt: skip
     """Return what streams the samples of a feed that is identified, its outputs open; use it in a ``with``.
 
     ``C`` (3, 3) takes IMU axes to forward-right-down, in which all is streamed with ``frd``. ``utc`` gives UTC
-    [s] of a moment [ns], ``clock_off`` says what is wrong with the device's clock; ``status_s`` as of `Sender`.
+    [s] of a moment [ns], ``clock_off`` says what is wrong with the device's clock.
 
     Raises
     ------
@@ -120,10 +116,9 @@ def opened_sender(
     if applied.in_use.note:
         say(applied.in_use.note)
     say(f"to {', '.join(output.name for output in outputs)}; axes: {axes}")
-    return Sender(samples, outputs, say, status_s)
+    return Sender(samples, outputs, say)
 
 
-Say = Callable[[str], None]
 FIT_S = 30.0  # between two fits of the device's clock, which hold a sample up for milliseconds
 
 

@@ -17,7 +17,7 @@ from drivers.errors import PortBusy, PortNotFound
 from procedures.optional_libraries import ExtraMissing
 from station.files.atomic_file import replace_file
 from station.files.mcap_files.schemas import COLUMNS, FIELDS, SAMPLE, TOPIC, built, sample_message
-from station.sending.outputs import About, BadAddress, CalibratedSamples, Quality
+from station.sending.outputs import About, CalibratedSamples, Quality, host_and_port
 from station.text import plural
 
 FLAGS = tuple((flag, str(flag.name).lower()) for flag in Quality)
@@ -152,10 +152,8 @@ def open_output(where: str, about: About) -> FoxgloveServer:
         import foxglove
     except ImportError:
         raise ExtraMissing("foxglove", "foxglove") from None
-    host, _, port = where.rpartition(":") if where else (HOST, ":", str(PORT))
-    if not host or not (port.isascii() and port.isdigit()) or int(port[:6]) > 65535:
-        raise BadAddress(f"foxglove:{where}", "no usable host and port", EXPECTED)
-    return FoxgloveServer(foxglove, host.strip("[]"), int(port), about)
+    host, port = host_and_port("foxglove", where, EXPECTED, least=0) if where else (HOST, PORT)
+    return FoxgloveServer(foxglove, host, port, about)
 
 
 def _refusal(host: str, port: int, text: str) -> PortBusy | PortNotFound:

@@ -7,7 +7,7 @@ Each field stands at a multiple of its own size, so that a C compiler lays a str
 import secrets
 import socket
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from drivers.errors import PortNotFound, reason_of
 from drivers.network_ports import UdpPort, open_udp
-from station.sending.outputs import About, BadAddress, CalibratedSamples
+from station.sending.outputs import About, CalibratedSamples, host_and_port
 from station.text import plural
 
 MAGIC = b"FOG1"  # the layout's name; another layout has another
@@ -57,8 +57,8 @@ class UdpDatagrams:
 
     is_over = False
 
-    def __init__(self, port: UdpPort, sleep: Callable[[float], None] = time.sleep) -> None:
-        self._port, self._sleep, self.name = port, sleep, f"udp:{port.name}"
+    def __init__(self, port: UdpPort) -> None:
+        self._port, self.name = port, f"udp:{port.name}"
         self._run = secrets.randbits(32)
 
     @property
@@ -75,7 +75,7 @@ class UdpDatagrams:
         }  # fmt: skip
         for i, datagram in enumerate(datagrams(fields, self._run)):
             if i and i % BURST == 0:
-                self._sleep(PAUSE_S)
+                time.sleep(PAUSE_S)
             self._port.write(datagram)
 
     def status(self) -> str:
@@ -95,11 +95,9 @@ def open_output(where: str, about: About) -> UdpDatagrams:
     BadAddress, PortNotFound
         If that is no address, or no way leads there.
     """
-    host, _, port = where.rpartition(":")
-    if not host or not (port.isascii() and port.isdigit()) or not 0 < int(port[:6]) < 65536:
-        raise BadAddress(f"udp:{where}", "no usable host and port", EXPECTED)
-    refuse_unreachable(host := host.strip("[]"), int(port))
-    return UdpDatagrams(open_udp(host, int(port), 0.0, listens=False))
+    host, port = host_and_port("udp", where, EXPECTED)
+    refuse_unreachable(host, port)
+    return UdpDatagrams(open_udp(host, port, 0.0, listens=False))
 
 
 def refuse_unreachable(host: str, port: int) -> None:

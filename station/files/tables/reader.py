@@ -10,8 +10,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TypeVar
 
-from procedures.errors import ErrorCode
-from station.errors import DataRefused
+from station.files.opening import unreadable
 from station.files.tables.binary_tables import open_feather, open_mat, open_npz, open_parquet
 from station.files.tables.table import Table, TableReader
 from station.files.tables.text_table import open_text
@@ -53,7 +52,4 @@ def _accessed(file: Path, read: Callable[[Path], T]) -> T:
     try:
         return read(file)
     except OSError as error:
-        found = error.strerror or str(error)
-        raise DataRefused(
-            file, None, found.lower(), "a readable file", "name another", code=ErrorCode.FILE_MISSING
-        ) from None
+        raise unreadable(file, error) from None
