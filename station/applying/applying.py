@@ -266,10 +266,7 @@ def _document_path(out: Path) -> Path:
 def newest_of(serial: str, database: str | None, model: str | None) -> Calibration:
     """Return it; ``model`` separates units of one serial number.
 
-    Raises
-    ------
-    DataRefused
-        If there is none, or there are several models of this serial number.
+    Raise `DataRefused` if there is none, or there are several models of this serial number.
     """
     with open_db(database) as opened, opened.read() as session:
         documents = [(json.loads(row.document), row.sha256) for row in history(session, serial)]

@@ -29,10 +29,7 @@ class Survey:
 def survey(source: Source) -> Survey:
     """Look at all times of a source.
 
-    Raises
-    ------
-    DataRefused
-        If time goes back, never moves, or is more than 1 % off the pace that the source states.
+    Raise `DataRefused` if time goes back, never moves, or is more than 1 % off the pace that the source states.
     """
     rows, first, last = 0, np.nan, -np.inf
     head, pace, total, steps = list[FloatArray](), 0.0, 0.0, 0
@@ -103,10 +100,7 @@ class CheckedSamples:
     def __iter__(self) -> Iterator[Samples]:
         """Yield what is left of each block.
 
-        Raises
-        ------
-        DataRefused
-            If rows share a time but not what was measured, or counts are no whole numbers.
+        Raise `DataRefused` if rows share a time but not what was measured, or counts are no whole numbers.
         """
         for block in self.source.blocks():
             kept = self._usable(block)

@@ -81,11 +81,8 @@ class LogSource:
     def open(cls, file: Path, stated: ColumnOptions) -> "LogSource":
         """Open a log.
 
-        Raises
-        ------
-        DataRefused
-            If the file or a column that was stated is not there, there are no outputs or no time, or two channels
-            would be one column.
+        Raise `DataRefused` if the file or a column that was stated is not there, there are no outputs or no time,
+        or two channels would be one column.
         """
         table = open_table(file)
         names = [name for name in table.head.columns if name.startswith(AUXILIARY)]

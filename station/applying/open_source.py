@@ -86,11 +86,7 @@ def open_source(path: Path, columns: ColumnOptions, serial: str | None) -> Sourc
     """Open a campaign's folder, one of `station record` or `station stream`, an MCAP file or a log.
 
     ``columns`` is what was stated of a log, ``serial`` the unit's serial number where the recording has none.
-
-    Raises
-    ------
-    DataRefused
-        If it is none of them.
+    Raise `DataRefused` if it is none of them.
     """
     if path.is_dir():
         if (path / CAMPAIGN_TOML).is_file():

@@ -38,10 +38,7 @@ class RecordingSource:
     def open(cls, file: Path, stated: Stated) -> "RecordingSource":
         """Open an MCAP file; ``stated`` is what its campaign says.
 
-        Raises
-        ------
-        DataRefused
-            If it cannot be read, or holds no sample.
+        Raise `DataRefused` if it cannot be read, or holds no sample.
         """
         try:
             found = _looked_through(file)
@@ -138,10 +135,7 @@ class RawSource:
     def open(cls, file: Path, stated: Stated) -> "RawSource":
         """Open an MCAP file of bytes.
 
-        Raises
-        ------
-        DataRefused, DriverError
-            If it cannot be read, or its bytes are of no known format.
+        Raise `DataRefused` or `DriverError` if it cannot be read, or its bytes are of no known format.
         """
         feed = _identified(file, stated)
         assert feed.unit is not None

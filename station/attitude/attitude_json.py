@@ -71,10 +71,7 @@ def rms_deg(log: AttitudeLog, down: FloatArray) -> dict[str, float] | None:
 def write_track(path: Path, log: AttitudeLog, track: AttitudeEstimate) -> None:
     """Write a row per input row: ``t_s,roll_rad,pitch_rad,down_x,down_y,down_z``.
 
-    Raises
-    ------
-    CannotWrite
-        If the place cannot be written.
+    Raise `CannotWrite` if the place cannot be written.
     """
     roll, pitch = roll_pitch_of(track.down)
     rows = zip(log.t.tolist(), roll.tolist(), pitch.tolist(), *track.down.T.tolist(), strict=True)

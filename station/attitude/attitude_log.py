@@ -188,11 +188,9 @@ LOG_COLUMNS = NamedColumns(NEEDED, ("airspeed_m_s", *VELOCITY, "heading_rad", *T
 def read_log(path: Path, notes: list[str] | None = None) -> AttitudeLog:
     """Read a log; what is odd about it, but may be right, is added to ``notes`` as text.
 
-    Raises
-    ------
-    DataRefused
-        If a column is missing or unknown, a cell is no number, time does not go forward, a rate is beyond any
-        gyro, gravity is not in the specific force, or gyros and accelerometers disagree on how it turns.
+    Raise `DataRefused` if a column is missing or unknown, a cell is no number, time does not go forward, a rate
+    is beyond any gyro, gravity is not in the specific force, or gyros and accelerometers disagree on how it
+    turns.
     """
     if not path.exists():
         raise DataRefused(

@@ -49,12 +49,8 @@ def read_any_log(
 
     ``axes`` (3, 3) takes the sensor's axes to forward-right-down, None is `DEFAULT_AXES`, of attitude-log/1 its
     own. ``convention`` is what accelerometers read at rest: "force" upwards, "gravity" downwards; None is force,
-    and a log that then is upside down all along, or at its start where nobody stated ``axes``, is refused.
-
-    Raises
-    ------
-    DataRefused
-        If it cannot be read, a unit is neither stated nor to be found, or its motion contradicts it.
+    and a log that then is upside down all along, or at its start where nobody stated ``axes``, is refused. Raise
+    `DataRefused` if it cannot be read, a unit is neither stated nor to be found, or its motion contradicts it.
     """
     is_guessed = False
     if stated is None and is_attitude_log(path):

@@ -181,10 +181,7 @@ def law_of_entry(entry: Mapping[str, Any]) -> Law | None:
 def own_effect(entry: Mapping[str, Any]) -> EffectFile:
     """Return the `effect/1` of an entry that has one.
 
-    Raises
-    ------
-    DataRefused
-        If it is not what was stored, or a parameter of its term has no value.
+    Raise `DataRefused` if it is not what was stored, or a parameter of its term has no value.
     """
     name = str(entry["name"])
     found = stored_effect(str(entry["definition"]), str(entry.get("sha256", "")), name)

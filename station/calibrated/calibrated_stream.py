@@ -68,11 +68,8 @@ class CalibratedStream:
     ) -> tuple[FloatArray, FloatArray, Spans, tuple[str, ...]]:  # fmt: skip
         """Return specific force (n, 3) [m/s2], rate (n, 3) [rad/s], the spans that ended, and warnings so far.
 
-        Raises
-        ------
-        DataRefused
-            If arrays do not go together, time goes back, or at the end if too many samples do not settle or what
-            they are is physically impossible (without ``force``).
+        Raise `DataRefused` if arrays do not go together, time goes back, or at the end if too many samples do not
+        settle or what they are is physically impossible (without ``force``).
         """
         values, at = numbers(counts, "counts"), numbers(t, "t")
         n = self._checked(values, at)

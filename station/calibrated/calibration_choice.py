@@ -36,11 +36,8 @@ class AppliedCalibration:
 def find_calibration(file: Path | None, database: str | None, unit: Unit, wire: WireFormat) -> AppliedCalibration:
     """Return what to apply to a unit's counts.
 
-    Raises
-    ------
-    DataRefused
-        If the file is no calibration/1 with both triads or is of another model, or there is neither a
-        calibration nor a nominal scale.
+    Raise `DataRefused` if the file is no calibration/1 with both triads or is of another model, or there is
+    neither a calibration nor a nominal scale.
     """
     if file is not None:
         document = _with_both(read_calibration(file), str(file))
@@ -112,12 +109,8 @@ def chosen_calibration(
 ) -> AppliedCalibration:
     """Return the calibration of a file or a serial number; where nothing is ``asked`` the unit's newest one.
 
-    With ``nominal`` it is the maker's scale factors, and nothing else ever is.
-
-    Raises
-    ------
-    DataRefused
-        If there is none, or it is of another unit.
+    With ``nominal`` it is the maker's scale factors, and nothing else ever is. Raise `DataRefused` if there is
+    none, or it is of another unit.
     """
     if nominal:
         if (found := nominal_scales(unit, wire)) is None:

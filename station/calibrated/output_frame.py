@@ -14,10 +14,7 @@ _AXES = "xyz"
 def body_axes(text: str) -> FloatArray:
     """Return the rotation C (3, 3) that takes IMU axes to forward-right-down, of text such as ``x,-y,-z``.
 
-    Raises
-    ------
-    ValueError
-        If the axes are not three different ones, or left-handed.
+    Raise `ValueError` if the axes are not three different ones, or left-handed.
     """
     words = [word.strip().lower() for word in text.split(",")]
     if len(words) != 3 or any(word.lstrip("+-") not in _AXES or not word.lstrip("+-") for word in words):
@@ -39,10 +36,7 @@ FRAMES: tuple[Frame, ...] = get_args(Frame)
 def frame_named(text: str) -> Frame:
     """Return a frame by its name, in capitals or not.
 
-    Raises
-    ------
-    ValueError
-        If there is none; says what is expected.
+    Raise `ValueError` if there is none; says what is expected.
     """
     found = next((frame for frame in FRAMES if frame == text.lower()), None)
     if found is None:
@@ -54,12 +48,7 @@ def rotation_to(frame: str, axes: str | None) -> FloatArray:
     """Return the rotation C (3, 3) [1] that takes IMU axes to a frame.
 
     ``axes`` are, of "frd", the IMU axes that point forward, right, down; of "cube" the cube axes along which the
-    IMU's point.
-
-    Raises
-    ------
-    DataRefused
-        If there is no such frame, or these are no axes.
+    IMU's point. Raise `DataRefused` if there is no such frame, or these are no axes.
     """
     if frame not in FRAMES:
         raise DataRefused("frame", None, repr(frame), f"one of {', '.join(FRAMES)}", "name one of them")

@@ -102,10 +102,7 @@ class LogOptions:
 def means_of_logs(files: Sequence[Path], options: LogOptions) -> "MeansTable | None":
     """Return a single log as a table of means where it is specified as one or looks like one; None of any other.
 
-    Raises
-    ------
-    DataRefused
-        If it is specified as one and is none.
+    Raise `DataRefused` if it is specified as one and is none.
     """
     from station.files.logs.means_table import KIND, is_means_table, means_of
     from station.files.tables.reader import read_table
@@ -134,10 +131,7 @@ def read_logs(
 ) -> "LoadedCampaign":
     """Read logs as a campaign, say what was guessed, and keep it where that is asked.
 
-    Raises
-    ------
-    DataRefused
-        If a log cannot be read, or turns without a rest and it is not specified what it is.
+    Raise `DataRefused` if a log cannot be read, or turns without a rest and it is not specified what it is.
     """
     found = options.read(files, uses_latitude)
     print_inferred(found.guesses, found.notes)

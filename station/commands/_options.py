@@ -87,10 +87,7 @@ Noise = Annotated[
 def lengths(text: str) -> tuple[float, ...]:
     """Return three lengths [m], none of an empty text.
 
-    Raises
-    ------
-    ValueError
-        If the text is neither.
+    Raise `ValueError` if the text is neither.
     """
     try:
         found = tuple(float(part) for part in text.split(",")) if text else ()

@@ -145,10 +145,7 @@ def locate_folder(
 ) -> str:
     """Locate, write what was asked for, and return a summary, empty where a JSON was asked for.
 
-    Raises
-    ------
-    NotObservable
-        If it never could be initialised; the JSON is written and says why.
+    Raise `NotObservable` if it never could be initialised; the JSON is written and says why.
     """
     source = source or default_source(log)
     located = locate(log, source, layers)

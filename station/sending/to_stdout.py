@@ -134,10 +134,7 @@ class StdoutLines:
 def open_output(where: str, about: About) -> StdoutLines:
     """Return the output on stdout.
 
-    Raises
-    ------
-    BadAddress
-        If more than ``stdout`` was reported.
+    Raise `BadAddress` if more than ``stdout`` was reported.
     """
     if where:
         raise BadAddress(f"stdout:{where}", repr(where), "stdout alone")

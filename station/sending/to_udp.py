@@ -90,10 +90,7 @@ class UdpDatagrams:
 def open_output(where: str, about: About) -> UdpDatagrams:
     """Return the output to HOST:PORT.
 
-    Raises
-    ------
-    BadAddress, PortNotFound
-        If that is no address, or no way leads there.
+    Raise `BadAddress` or `PortNotFound` if that is no address, or no way leads there.
     """
     host, port = host_and_port("udp", where, EXPECTED)
     refuse_unreachable(host, port)
