@@ -141,7 +141,6 @@ def _refuse_addresses(options: "EngineOptions") -> None:
 
 def _serve(socket: Path, screen: GuideOptions) -> CalibrationView:
     """Serve the engine to browsers until its campaign has ended, or the server was stated to."""
-    from station.guide.client import EngineConnection
     from station.tui.web import serve
 
     with EngineConnection(socket) as connection:
@@ -177,8 +176,6 @@ def _report(view: CalibrationView) -> Path | None:
 
 
 def _look(socket: Path, screen: GuideOptions, options: "EngineOptions") -> CalibrationView:
-    from station.guide.client import EngineConnection
-
     changed = threading.Event()
     with EngineConnection(socket, changed.set) as connection:
         if screen.plain:
@@ -194,12 +191,9 @@ def _code(view: CalibrationView) -> int:
     if view.stage == "failed":
         typer.echo(f"{view.error}; {view.hint}" if view.hint else view.error, err=True)
         return view.code or CANNOT_GO_ON
-    if view.code:
+    if view.code or view.stage == "cancelled":
         typer.echo(view.line, err=True)
-        return view.code
-    if view.stage == "cancelled":
-        typer.echo(view.line, err=True)
-        return CANCELLED
+        return view.code or CANCELLED
     return FAIL if view.verdict is not None and view.verdict.word == "FAIL" else 0
 
 

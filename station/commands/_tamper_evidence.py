@@ -17,7 +17,6 @@ from station.text import plural
 if TYPE_CHECKING:
     from sqlalchemy.orm import Session
 
-    from fixtures_db.database import Database
     from fixtures_db.hash_chain import ChainFault
     from fixtures_db.verification import Anchor
     from station.results.certificate.signing.key_certificate import Trust
@@ -30,20 +29,14 @@ def verify_signed(
 ) -> None:
     """Say what holds of a certificate's XML or PDF; a ``laboratory``'s file names more roots and lists.
 
-    Raises
-    ------
-    NotVerified
-        If something does not.
-    DataRefused
-        If it is no certificate that is read.
-    ExtraMissing
-        If the libraries for signatures are not installed.
+    Raise `NotVerified` if something does not, `DataRefused` if it is no certificate, `ExtraMissing` without the
+    libraries for signatures.
     """
     signing_libraries()
     from station.errors import NotVerified
     from station.files.xml_document import read_document
     from station.results.certificate.signing.key_certificate import read_trust
-    from station.results.certificate.signing.verification import verify_pdf, verify_xml
+    from station.results.certificate.signing.verification import UNSIGNED, verify_pdf, verify_xml
 
     if laboratory is not None:
         from station.results.certificate.laboratory import read_laboratory
@@ -54,9 +47,10 @@ def verify_signed(
     look = verify_pdf if file.suffix.lower() == ".pdf" else verify_xml
     content = read_document(file)
     found = look(content, file, read_trust(roots, lists))
-    found = replace(found, findings=[*found.findings, *_by_database(db, content, found)])
-    if any(one.name == "database" and one.holds for one in found.findings):  # each byte is known, signed or not
-        found = replace(found, findings=[_known(one) for one in found.findings])
+    findings = [*found.findings, *_by_database(db, content, found)]
+    if any(one.name == "database" and one.holds for one in findings):  # each byte is known, signed or not
+        findings = [replace(one, holds=None) if one == UNSIGNED else one for one in findings]
+    found = replace(found, findings=findings)
     width = max(len(one.name) for one in found.findings)
     for one in found.findings:
         typer.echo(f"{one.name:<{width}}  {one.words}")
@@ -68,12 +62,6 @@ def _remedy(faults: "dict[str, str]", is_trusting: bool) -> dict[str, str]:
     """Return what to do where all that fails is that nobody stated whom to trust; else nothing of its own."""
     of_trust = all(name.rpartition(": ")[2] in {"key", "time stamp"} for name in faults)
     return {"remedy": "give --trust ROOT.pem, a root that you trust"} if of_trust and not is_trusting else {}
-
-
-def _known(finding: "Finding") -> "Finding":
-    from station.results.certificate.signing.verification import UNSIGNED
-
-    return replace(finding, holds=None) if finding == UNSIGNED else finding
 
 
 def existing(db: str | None) -> str | None:
@@ -114,12 +102,7 @@ def signing_key(
 ) -> "SigningKey | None":
     """Return the laboratory's key, its password or PIN asked for; None where none is named.
 
-    Raises
-    ------
-    DataRefused
-        If it cannot sign.
-    ExtraMissing
-        If the libraries for signatures, or for tokens, are not installed.
+    Raise `DataRefused` if it cannot sign, `ExtraMissing` without the libraries for signatures or tokens.
     """
     if key is not None and token is not None:
         raise typer.BadParameter("--sign KEY.p12 and --token URI: found two keys, expected one")
@@ -159,47 +142,32 @@ def refuse_signed(paths: Iterable[Path]) -> None:
 
 
 def signer(db: str | None, number: str, key: "SigningKey", time_service: str | None) -> Sign:
-    """Return what signs and records a file of a certificate."""
+    """Return what signs the XML or PDF of a certificate for a path, whose ending says which it is, and records it.
 
-    def sign(path: Path, content: bytes) -> bytes:
-        from fixtures_db.database import open_db
-
-        with open_db(db) as database:
-            return _signed_copy(database, number, path, content, key, time_service)
-
-    return sign
-
-
-def _signed_copy(
-    database: "Database", number: str, path: Path, content: bytes, key: "SigningKey", time_service: str | None
-) -> bytes:
-    """Return the XML or PDF of a certificate signed, for ``path``, whose ending says which it is.
-
-    Raises
-    ------
-    DataRefused
-        If it cannot be signed, or is signed already.
-    NoTimeStamp
-        If the service gives none.
+    It raises `DataRefused` for what cannot be signed, or is signed, and `NoTimeStamp` if the service gives none.
     """
     from cryptography.hazmat.primitives import hashes
 
+    from fixtures_db.database import open_db
     from fixtures_db.issued_certificates import record_signed
     from station.files.xml_document import parse_xml
     from station.results.certificate.signing.pdf_signature import open_pdf, sign_pdf, verified_pdf
     from station.results.certificate.signing.xml_signature import sign_xml, verified_xml
 
-    kind = path.suffix.removeprefix(".")
-    if kind == "pdf":
-        signed = sign_pdf(content, key, time_service)
-        verified_pdf(signed, open_pdf(signed))
-    else:
-        signed = sign_xml(content, key, time_service)
-        verified_xml(parse_xml(signed, path))
-    sha256 = hashlib.sha256(signed).hexdigest()
-    with database.write() as session:
-        record_signed(session, number, kind, sha256, key.certificate.fingerprint(hashes.SHA256()).hex())
-    return signed
+    def sign(path: Path, content: bytes) -> bytes:
+        with open_db(db) as database:
+            if path.suffix == ".pdf":
+                signed = sign_pdf(content, key, time_service)
+                verified_pdf(signed, open_pdf(signed))
+            else:
+                signed = sign_xml(content, key, time_service)
+                verified_xml(parse_xml(signed, path))
+            sha256, fingerprint = hashlib.sha256(signed), key.certificate.fingerprint(hashes.SHA256())
+            with database.write() as session:
+                record_signed(session, number, path.suffix[1:], sha256.hexdigest(), fingerprint.hex())
+        return signed
+
+    return sign
 
 
 def write_copies(copies: Iterable[Copy], sign: Sign | None) -> None:
@@ -317,12 +285,7 @@ def anchor_faults(session: "Session", kept: Sequence[Kept]) -> "list[ChainFault]
 def keep(to: Path, anchor: "Anchor", service: str | None) -> None:
     """Write an anchor and, of a ``service`` by URL, a time stamp over its bytes next to it.
 
-    Raises
-    ------
-    CannotWrite
-        If the place cannot be written.
-    NoTimeStamp
-        If the service gives none; the anchor is written.
+    Raise `CannotWrite` if the place cannot be written, `NoTimeStamp` if the service gives none; then it is written.
     """
     from station.files.atomic_file import replace_file
     from station.files.database_files import write_anchor

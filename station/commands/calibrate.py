@@ -1,5 +1,6 @@
 """``station calibrate`` and ``resume``: a live device to a calibration, guided step by step."""
 
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated
 
@@ -10,32 +11,46 @@ from station.commands._guided import GuideOptions, guide, set_up
 from station.commands._options import Gnss, Noise, argument, flag, option, refused_as
 
 
-def calibrate(
-    device: Annotated[str, option("URL", "The IMU, as in serial:///dev/ttyUSB0.")] = "",
-    out: Annotated[Path | None, option("FOLDER", "A new folder for the campaign.")] = None,
-    gnss: Gnss = "",
-    latitude: Annotated[float | None, option("DEG", "Geodetic latitude of the surface plate.")] = None,
-    longitude: Annotated[float | None, option("DEG", "")] = None,
-    height: Annotated[float | None, option("M", "Above the ellipsoid.")] = None,
-    gravity: Annotated[float | None, option("M/S2", "Surveyed gravity; else the normal one.")] = None,
-    gravity_std: Annotated[float | None, option("M/S2", "Its standard uncertainty.")] = None,
-    cube: Annotated[str | None, option("ID", "The cube, see `fixtures`.")] = None,
-    slab: Annotated[str | None, option("ID", "The surface plate, see `fixtures`.")] = None,
-    operator: Annotated[str | None, option("", "Who calibrates.")] = None,
-    dwell_s: Annotated[
-        float | None, option("S", "Accepted seconds per position; 0: from --bias-ug.", min=0.0)
-    ] = None,
-    bias_ug: Annotated[float | None, option("UG", "Target for the uncertainty of accelerometer biases.")] = None,
-    turns: Annotated[int | None, option("N", "Revolutions per manual rotation.", min=1)] = None,
+@dataclass(frozen=True, slots=True)
+class SetupOptions:
+    """The options of a set-up, by the names of its fields."""
+
+    url: Annotated[str, option("URL", "The IMU, as in serial:///dev/ttyUSB0.", "--device")] = ""
+    folder: Annotated[str, option("FOLDER", "A new folder for the campaign.", "--out")] = ""
+    gnss: Gnss = ""
+    latitude_deg: Annotated[
+        float | None, option("DEG", "Geodetic latitude of the surface plate.", "--latitude")
+    ] = None
+    longitude_deg: Annotated[float | None, option("DEG", "", "--longitude")] = None
+    height_m: Annotated[float | None, option("M", "Above the ellipsoid.", "--height")] = None
+    gravity_m_s2: Annotated[
+        float | None, option("M/S2", "Surveyed gravity; else the normal one.", "--gravity")
+    ] = None
+    gravity_std_m_s2: Annotated[float | None, option("M/S2", "Its standard uncertainty.", "--gravity-std")] = None
+    cube: Annotated[str | None, option("ID", "The cube, see `fixtures`.")] = None
+    slab: Annotated[str | None, option("ID", "The surface plate, see `fixtures`.")] = None
+    operator: Annotated[str | None, option("", "Who calibrates.")] = None
+    dwell_s: Annotated[float | None, option("S", "Accepted seconds per position; 0: from --bias-ug.", min=0.0)] = (
+        None
+    )
+    bias_ug: Annotated[float | None, option("UG", "Target for the uncertainty of accelerometer biases.")] = None
+    revolutions: Annotated[int | None, option("N", "Revolutions per manual rotation.", "--turns", min=1)] = None
     repeats: Annotated[
         int | None, option("N", "How often the first position is repeated at the end; else 1.", min=0, max=9)
-    ] = None,
-    heading_std: Annotated[float | None, option("DEG", "Standard uncertainty of headings.")] = None,
-    closure_std: Annotated[
-        float | None, option("DEG", "Standard uncertainty of the closure error of rotations.")
-    ] = None,
-    model: Annotated[str | None, option("", "For a device that does not send its own.")] = None,
-    serial: Annotated[str | None, option("", "For a device that does not send its own.")] = None,
+    ] = None
+    heading_std_deg: Annotated[
+        float | None, option("DEG", "Standard uncertainty of headings.", "--heading-std")
+    ] = None
+    closure_std_deg: Annotated[
+        float | None, option("DEG", "Standard uncertainty of the closure error of rotations.", "--closure-std")
+    ] = None
+    model: Annotated[str | None, option("", "For a device that does not send its own.")] = None
+    serial: Annotated[str | None, option("", "For a device that does not send its own.")] = None
+
+
+def calibrate(
+    *,
+    given: SetupOptions,
     plan: Annotated[Path | None, option("FILE", "Steps of a plan/1 instead of the usual ones.")] = None,
     until_limits: Annotated[
         bool, flag("--until-limits", "Ask for the most useful positions until a verdict is possible.")
@@ -45,7 +60,6 @@ def calibrate(
         option("NAME=SIGMA", "The same until an uncertainty is reached, as in `plan`; repeatable."),
     ] = None,
     noise: Noise = None,
-    *,
     screen: GuideOptions,
     db: Database = None,
 ) -> None:
@@ -74,23 +88,15 @@ def calibrate(
     from station.guide.options import TargetUncertainties, load_setup
     from station.guide.view import OperatorCommand
 
-    given = {
-        "url": device, "gnss": gnss, "folder": str(out) if out else "",
-        "latitude_deg": latitude, "longitude_deg": longitude, "height_m": height,
-        "gravity_m_s2": gravity, "gravity_std_m_s2": gravity_std, "cube": cube, "slab": slab,
-        "operator": operator, "dwell_s": dwell_s, "bias_ug": bias_ug, "revolutions": turns, "repeats": repeats,
-        "heading_std_deg": heading_std, "closure_std_deg": closure_std, "model": model, "serial": serial,
-    }  # fmt: skip
-    begins = bool(device) and (latitude is not None or bool(gnss))
+    begins = bool(given.url) and (given.latitude_deg is not None or bool(given.gnss))
     if (screen.headless or screen.plain) and not begins:
         raise typer.BadParameter("without a screen, give at least --device and --latitude or --gnss")
     if screen.store and not screen.headless:
         raise typer.BadParameter("--store is for --headless; on a screen the operator stores with s")
-    _refuse_contradicting(
-        until_limits, sigma or [], noise, {"--plan": plan, "--dwell-s": dwell_s, "--bias-ug": bias_ug,
-                                           "--turns": turns, "--repeats": repeats},
-    )  # fmt: skip
-    setup = set_up(Setup() if begins else load_setup(), given)
+    fixed: dict[str, object] = {"--plan": plan, "--dwell-s": given.dwell_s, "--bias-ug": given.bias_ug,
+                                "--turns": given.revolutions, "--repeats": given.repeats}  # fmt: skip
+    _refuse_contradicting(until_limits, sigma or [], noise, fixed)
+    setup = set_up(Setup() if begins else load_setup(), asdict(given))
     files = tuple(each.resolve() for each in noise or ())
     targets = TargetUncertainties(limits=until_limits, sigma=tuple(sigma or ()), noise=files)
     options = screen.engine(

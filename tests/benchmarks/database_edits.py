@@ -23,7 +23,7 @@ from tests.benchmarks.edited_databases.declaration_edits import edit_declaration
 from tests.benchmarks.edited_databases.file_edits import try_file_edits
 from tests.benchmarks.edited_databases.honest_databases import false_alarms
 from tests.benchmarks.edited_databases.rewriting import cut, rewrite
-from tests.benchmarks.edited_databases.row_edits import EDITS, edits
+from tests.benchmarks.edited_databases.row_edits import edits, make_edit
 from tests.fixtures_db.edited import free_to_write, put_back
 from tests.fixtures_db.filled_database import fill
 from tests.proof.evidence import Figure, zero
@@ -92,7 +92,7 @@ def _edited(
     elif kind == REWRITTEN:
         edit = rewrite(connection, table, column, chance)
     else:
-        edit = EDITS[kind](connection, table, column, chance)
+        edit = make_edit(kind, connection, table, column, chance)
     put_back(connection)
     return edit
 

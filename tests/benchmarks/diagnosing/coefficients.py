@@ -47,8 +47,7 @@ def errors_of(finding: Cause, sizes: Sizes, truth: Truth) -> np.ndarray:
     if about_other or in_proportion:
         return np.full(len(finding.coefficients), np.inf)
     expected = np.array([_expected(finding, sizes, truth, key) for key in finding.coefficients])
-    found: np.ndarray = (finding.value - expected) / np.maximum(finding.std, NOTHING)
-    return found
+    return (finding.value - expected) / np.maximum(finding.std, NOTHING)
 
 
 def _expected(finding: Cause, sizes: Sizes, truth: Truth, key: str) -> float:

@@ -13,32 +13,25 @@ def heading(stimulus: Stimulus) -> np.ndarray:
     north /= np.linalg.norm(north, axis=1, keepdims=True)
     axis = np.eye(3)[np.argsort(np.abs(up), axis=1, kind="stable")[:, 0]]
     level = axis - np.sum(axis * up, axis=1, keepdims=True) * up
-    angle: np.ndarray = np.arctan2(np.sum(np.cross(north, level) * up, axis=1), np.sum(north * level, axis=1))[
-        :, None
-    ]
-    return angle
+    return np.arctan2(np.sum(np.cross(north, level) * up, axis=1), np.sum(north * level, axis=1))[:, None]
 
 
 def _accel_heading(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> np.ndarray:
-    found: np.ndarray = sizes["accel"] * np.sin(heading(stimulus) + np.array([0.3, 1.7, 4.0]))
-    return found
+    return sizes["accel"] * np.sin(heading(stimulus) + np.array([0.3, 1.7, 4.0]))
 
 
 def _gyro_heading(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> np.ndarray:
-    found: np.ndarray = sizes["gyro"] / 3600 * np.sin(heading(stimulus) + np.array([2.3, 0.7, 5.0]))
-    return found
+    return sizes["gyro"] / 3600 * np.sin(heading(stimulus) + np.array([2.3, 0.7, 5.0]))
 
 
 def _dead_zone(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> np.ndarray:
     width = sizes["gyro"] / 3600
     total = triad.raw + triad.bias
-    found: np.ndarray = -np.clip(total, -width, width)
-    return found
+    return -np.clip(total, -width, width)
 
 
 def _rate_temperature(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> np.ndarray:
-    found: np.ndarray = sizes["gyro"] / 3600 * stimulus.temperature_rate * (stimulus.temperature - 25)
-    return found
+    return sizes["gyro"] / 3600 * stimulus.temperature_rate * (stimulus.temperature - 25)
 
 
 def outside(name: str, size: float) -> Planted:

@@ -91,8 +91,7 @@ def _differs(campaigns: Sequence[Campaign], bare: Callable[[], Sequence[Campaign
         with_it, without = bare_evidence(tuple(campaigns)), bare_evidence(tuple(bare()))
         if not len(with_it.residual) == len(without.residual) == len(evidence.residual):
             return np.zeros(len(evidence.residual))
-        found: np.ndarray = (with_it.residual - without.residual) / evidence.sigma
-        return found
+        return (with_it.residual - without.residual) / evidence.sigma
 
     return does
 

@@ -24,7 +24,7 @@ def rewrite(connection: Connection, table: Table, column: Column[Any], chance: r
     """Change a value, then every hash that follows from it: of its own chain and of the journal."""
     if table is JOURNAL or column.key in BY_HASH or column.primary_key:
         return None
-    if (edit := row_edits.change(connection, table, column, chance)) is None:
+    if (edit := row_edits.make_edit("change", connection, table, column, chance)) is None:
         return None
     fit_chains(connection)
     fit_journal(connection)

@@ -1,19 +1,20 @@
 """Edits of rows, for each table and column that the schema declares; each says what it did, None if it cannot."""
 
-import random
 from collections.abc import Callable
 from datetime import date, datetime, timedelta
+from random import Random
 from typing import Any
 
 from sqlalchemy import Column, Connection, Table, select
 
 from fixtures_db.schema import Base
 
-Edit = Callable[[Connection, Table, Column[Any], random.Random], str | None]
+Rows = list[dict[str, Any]]
+Edit = Callable[[Connection, Table, Column, Rows, Random], str | None]
 BY_COLUMN = ("change", "null", "swap")  # of a column; the others of a table, whichever column is named
 
 
-def edits() -> list[tuple[str, Table, Column[Any]]]:
+def edits() -> list[tuple[str, Table, Column]]:
     """Return every kind of edit of every column of every table."""
     tables = Base.metadata.sorted_tables
     found = [(kind, table, column) for table in tables for column in table.columns for kind in BY_COLUMN]
@@ -21,12 +22,12 @@ def edits() -> list[tuple[str, Table, Column[Any]]]:
     return found + [(kind, table, _key(table)) for table in tables for kind in rows]
 
 
-def rows_of(connection: Connection, table: Table) -> list[dict[str, Any]]:
+def rows_of(connection: Connection, table: Table) -> Rows:
     """Return the rows of a table by the order of their keys."""
     return [dict(row) for row in connection.execute(select(table).order_by(_key(table))).mappings()]
 
 
-def another(value: Any, column: Column[Any], others: list[Any], chance: random.Random) -> Any:
+def another(value: Any, column: Column, others: list[Any], chance: Random) -> Any:
     """Return another legal value of a column: one that another row has, or one near it."""
     if (there := [other for other in others if other != value]) and chance.random() < 0.5:
         return chance.choice(there)
@@ -48,27 +49,24 @@ def another(value: Any, column: Column[Any], others: list[Any], chance: random.R
     return kind(2026, 1, 1) if kind is date else kind("1") if kind in {str, int, float} else None
 
 
-def change(connection: Connection, table: Table, column: Column[Any], chance: random.Random) -> str | None:
+def change(connection: Connection, table: Table, column: Column, rows: Rows, chance: Random) -> str | None:
     """Give a column of a row another value."""
-    if not (rows := rows_of(connection, table)):
-        return None
     row = chance.choice(rows)
     new = another(row[column.key], column, [each[column.key] for each in rows], chance)
     return _set(connection, table, row, {column.key: new}) if new != row[column.key] else None
 
 
-def null(connection: Connection, table: Table, column: Column[Any], chance: random.Random) -> str | None:
+def null(connection: Connection, table: Table, column: Column, rows: Rows, chance: Random) -> str | None:
     """Take a value away."""
-    rows = [row for row in rows_of(connection, table) if row[column.key] is not None]
+    rows = [row for row in rows if row[column.key] is not None]
     return _set(connection, table, chance.choice(rows), {column.key: None}) if rows else None
 
 
-def swap(connection: Connection, table: Table, column: Column[Any], chance: random.Random) -> str | None:
+def swap(connection: Connection, table: Table, column: Column, rows: Rows, chance: Random) -> str | None:
     """Exchange a value between two rows."""
-    rows = rows_of(connection, table)
-    one = chance.choice(rows) if rows else None
-    others = [row for row in rows if one is not None and row[column.key] != one[column.key]]
-    if one is None or not others or column.primary_key:
+    one = chance.choice(rows)
+    others = [row for row in rows if row[column.key] != one[column.key]]
+    if not others or column.primary_key:
         return None
     other = chance.choice(others)
     if column.unique:  # a third value between, as whoever does it by hand
@@ -77,28 +75,22 @@ def swap(connection: Connection, table: Table, column: Column[Any], chance: rand
     return _set(connection, table, one, {column.key: other[column.key]})
 
 
-def delete(connection: Connection, table: Table, column: Column[Any], chance: random.Random) -> str | None:
+def delete(connection: Connection, table: Table, column: Column, rows: Rows, chance: Random) -> str | None:
     """Delete a row."""
-    if not (rows := rows_of(connection, table)):
-        return None
     row = chance.choice(rows)
     connection.execute(table.delete().where(column == row[column.key]))
     return f"{table.name} {row[column.key]} deleted"
 
 
-def delete_last(connection: Connection, table: Table, column: Column[Any], chance: random.Random) -> str | None:
+def delete_last(connection: Connection, table: Table, column: Column, rows: Rows, chance: Random) -> str | None:
     """Delete some rows from the newest end."""
-    if not (rows := rows_of(connection, table)):
-        return None
     for row in rows[-chance.randint(1, len(rows)) :]:
         connection.execute(table.delete().where(column == row[column.key]))
     return f"{table.name}: the newest deleted"
 
 
-def duplicate(connection: Connection, table: Table, column: Column[Any], chance: random.Random) -> str | None:
+def duplicate(connection: Connection, table: Table, column: Column, rows: Rows, chance: Random) -> str | None:
     """Add a row once more under another key, with other values where one may stand once only."""
-    if not (rows := rows_of(connection, table)):
-        return None
     row = chance.choice(rows)
     alone = {each.key for each in table.columns if each.unique or each.primary_key}
     alone |= {each.key for one in table.constraints if hasattr(one, "columns") and len(one.columns) > 1
@@ -109,10 +101,8 @@ def duplicate(connection: Connection, table: Table, column: Column[Any], chance:
     return f"{table.name} {row[column.key]} duplicated"
 
 
-def append(connection: Connection, table: Table, column: Column[Any], chance: random.Random) -> str | None:
+def append(connection: Connection, table: Table, column: Column, rows: Rows, chance: Random) -> str | None:
     """Add a row of plausible values."""
-    if not (rows := rows_of(connection, table)):
-        return None
     row = chance.choice(rows)
     made = {each.key: _new(row[each.key], rows, each.key) if each.unique or each.primary_key
             else row[each.key] if each.foreign_keys
@@ -121,17 +111,15 @@ def append(connection: Connection, table: Table, column: Column[Any], chance: ra
     return f"{table.name}: a row appended"
 
 
-def renumber(connection: Connection, table: Table, column: Column[Any], chance: random.Random) -> str | None:
+def renumber(connection: Connection, table: Table, column: Column, rows: Rows, chance: Random) -> str | None:
     """Give a row a key that none has."""
-    if not (rows := rows_of(connection, table)):
-        return None
     row = chance.choice(rows)
     return _set(connection, table, row, {column.key: _new(row[column.key], rows, column.key)})
 
 
-def exchange(connection: Connection, table: Table, column: Column[Any], chance: random.Random) -> str | None:
+def exchange(connection: Connection, table: Table, column: Column, rows: Rows, chance: Random) -> str | None:
     """Exchange the keys of two rows."""
-    if len(rows := rows_of(connection, table)) < 2:
+    if len(rows) < 2:
         return None
     one, other = chance.sample(rows, 2)
     between = _new(one[column.key], rows, column.key)
@@ -147,11 +135,17 @@ EDITS: dict[str, Edit] = {
 }  # fmt: skip
 
 
-def _key(table: Table) -> Column[Any]:
+def edit(kind: str, connection: Connection, table: Table, column: Column, chance: Random) -> str | None:
+    """Make an edit of `EDITS`, of a table that has rows."""
+    rows = rows_of(connection, table)
+    return EDITS[kind](connection, table, column, rows, chance) if rows else None
+
+
+def _key(table: Table) -> Column:
     return next(iter(table.primary_key))
 
 
-def _new(value: Any, rows: list[dict[str, Any]], key: str) -> Any:
+def _new(value: Any, rows: Rows, key: str) -> Any:
     """Return a value that no row has."""
     there = {row[key] for row in rows}
     if isinstance(value, int):

@@ -1,13 +1,13 @@
 """A workload recorded, its crash states drawn, each put on a disk in memory and checked."""
 
-import hashlib
 import re
 import shutil
 import sqlite3
 import sys
 import traceback
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import closing
 from functools import partial
 from pathlib import Path
 
@@ -19,7 +19,7 @@ from tests.paths import disk_in_memory
 from tests.proof.evidence import Figure, zero
 
 DATA, MEMORY_MAPPED = "data/", "-shm"
-MOST_ROUNDS, MOST_DIGESTS = 1000, 100
+MOST_ROUNDS = 1000
 GOES_ON_EVERY = 20  # states until a campaign is gone on with, and read whole
 
 
@@ -62,24 +62,6 @@ def place(files: Mapping[str, bytes | None], home: Path) -> None:
             path.write_bytes(content)
 
 
-def state_key(state: CrashState, digests: dict[int, tuple[bytes, bytes]]) -> bytes:
-    """Return a state's hash; ``digests`` keeps those of contents by their identity."""
-    whole = hashlib.blake2b(str(len(state.reported)).encode(), digest_size=16)
-    for name in sorted(state.files):
-        content = state.files[name]
-        whole.update(name.encode() + b"\0")
-        if content is None:
-            whole.update(b"/")
-        elif len(content) < 1000:
-            whole.update(content)
-        else:
-            kept = digests.get(id(content))
-            if kept is None or kept[0] is not content:
-                kept = digests[id(content)] = content, hashlib.blake2b(content, digest_size=16).digest()
-            whole.update(kept[1])
-    return whole.digest()
-
-
 class Meaning:
     """Finds what states mean to whoever reads them: two states of one meaning need one check.
 
@@ -89,52 +71,39 @@ class Meaning:
 
     def __init__(self, home: Path) -> None:
         self._folder = home.parent / "recovered"
-        self._rows: dict[bytes, bytes] = {}
+        self._rows: dict[int, int] = {}
 
-    def of(self, state: CrashState) -> bytes:
+    def of(self, state: CrashState) -> int:
         """Return a hash of a state's meaning."""
-        whole = hashlib.blake2b(f"{len(state.reported)}".encode(), digest_size=16)
-        database = {
-            name: content for name, content in state.files.items() if name.startswith(DATA) and content is not None
-        }
-        for name in sorted(set(state.files) - set(database)):
-            content = state.files[name]
-            whole.update(name.encode() + (b"/" if content is None else b"\0"))
-            if content is not None and not name.rpartition("/")[2].startswith("."):
-                whole.update(hashlib.blake2b(content, digest_size=16).digest())
-        key = hashlib.blake2b(digest_size=16)
-        for name in sorted(database):
-            if not name.endswith(MEMORY_MAPPED):  # truncated by whoever opens first
-                key.update(name.encode() + b"\0" + database[name])
-        if key.digest() not in self._rows:
-            self._rows[key.digest()] = self._recovered({name[len(DATA) :]: one for name, one in database.items()})
-        whole.update(self._rows[key.digest()])
-        return whole.digest()
+        database = {name: one for name, one in state.files.items() if name.startswith(DATA) and one is not None}
+        key = hash(frozenset(each for each in database.items() if not each[0].endswith(MEMORY_MAPPED)))
+        if key not in self._rows:
+            files = {name.removeprefix(DATA): one for name, one in database.items()}
+            self._rows[key] = hash(tuple(self._recovered(files)))
+        others = frozenset(
+            (name, one is None, None if name.rpartition("/")[2].startswith(".") else one)
+            for name, one in state.files.items() if name not in database
+        )  # fmt: skip
+        return hash((len(state.reported), others, self._rows[key]))
 
-    def _recovered(self, files: dict[str, bytes]) -> bytes:
-        """Return a hash of all rows of a database, and of what its own check says."""
-        if not files:
-            return b"none"
+    def _recovered(self, files: dict[str, bytes]) -> Iterator[str]:
+        """Yield all rows of a database, and what its own check says."""
+        if "station.db" not in files:
+            yield "no database" if files else "none"
+            return
         shutil.rmtree(self._folder, ignore_errors=True)
         self._folder.mkdir()
         for name, content in files.items():
             (self._folder / name).write_bytes(content)
-        path, found = self._folder / "station.db", hashlib.blake2b(digest_size=16)
-        if not path.exists():
-            return b"no database"
-        connection = sqlite3.connect(path)
-        try:
-            found.update(repr(connection.execute("PRAGMA integrity_check").fetchall()).encode())
-            schema = connection.execute("SELECT name, sql FROM sqlite_master ORDER BY name").fetchall()
-            found.update(repr(schema).encode())
-            tables = connection.execute("SELECT name FROM sqlite_master WHERE type = 'table'").fetchall()
-            for (name,) in sorted(tables):
-                found.update(repr(connection.execute(f"SELECT * FROM {name}").fetchall()).encode())
-        except sqlite3.DatabaseError as error:
-            found.update(repr(error).encode())
-        finally:
-            connection.close()
-        return found.digest()
+        with closing(sqlite3.connect(self._folder / "station.db")) as connection:
+            try:
+                yield repr(connection.execute("PRAGMA integrity_check").fetchall())
+                yield repr(connection.execute("SELECT name, sql FROM sqlite_master ORDER BY name").fetchall())
+                tables = connection.execute("SELECT name FROM sqlite_master WHERE type = 'table'").fetchall()
+                for (name,) in sorted(tables):
+                    yield repr(connection.execute(f"SELECT * FROM {name}").fetchall())
+            except sqlite3.DatabaseError as error:
+                yield repr(error)
 
 
 def tried(workload: str, states: int, seed: int) -> "Trial":
@@ -161,14 +130,12 @@ class Trial:
         self.wrong, self.first = Counter[str](), dict[str, str]()
         self._check, self._home, self._meaning = CHECKS[workload], home, Meaning(home)
         self._in_the_end = read_reports(one.text for one in log.operations if isinstance(one, Say))
-        self._seen, self._checked = set[bytes](), set[bytes]()
-        self._digests: dict[int, tuple[bytes, bytes]] = {}
+        self._seen, self._checked = set[int](), set[int]()
 
     def look(self, state: CrashState) -> None:
         """Take a state: count it, recover its database, check what it means."""
-        if len(self._digests) > MOST_DIGESTS:
-            self._digests.clear()
-        if (key := state_key(state, self._digests)) in self._seen:
+        key = hash((len(state.reported), frozenset(state.files.items())))  # bytes keep their hash
+        if key in self._seen:
             return
         self._seen.add(key)
         self.states += 1
