@@ -159,12 +159,8 @@ def apply_to(
 
     ``known`` is the file that the calibration was read from, if it was.
 
-    Raises
-    ------
-    DataRefused
-        If source and calibration do not go together, an effect's input is not there, or the data break a rule.
-    CannotWrite
-        If ``out`` cannot be written.
+    Raise `DataRefused` if source and calibration do not go together, an effect's input is not there, or the data
+    break a rule, and `CannotWrite` if ``out`` cannot be written.
     """
     _refuse_unlike(source, calibration)
     writer = writer_for(out)

@@ -285,7 +285,7 @@ def anchor_faults(session: "Session", kept: Sequence[Kept]) -> "list[ChainFault]
 def keep(to: Path, anchor: "Anchor", service: str | None) -> None:
     """Write an anchor and, of a ``service`` by URL, a time stamp over its bytes next to it.
 
-    Raise `CannotWrite` if the place cannot be written, `NoTimeStamp` if the service gives none; then it is written.
+    Raise `CannotWrite` if the place cannot be written, `NoTimeStamp` if the service gives none.
     """
     from station.files.atomic_file import replace_file
     from station.files.database_files import write_anchor

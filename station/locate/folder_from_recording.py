@@ -47,13 +47,8 @@ class FusionOptions:
 def fusion_from_recording(url: str, folder: Path, asked: FusionOptions) -> list[str]:
     """Write the fusion folder of a recorded MCAP file (``replay:FILE``), and return what was made of it, in lines.
 
-    Raises
-    ------
-    DataRefused
-        If the device does not measure six channels, there is no receiver's file next to it, no fix with a place in
-        it, or neither calibration nor scale.
-    CannotWrite
-        If the folder cannot be written.
+    Raise `DataRefused` if the device does not measure six channels, there is no receiver's file next to it, no
+    fix with a place in it, or neither calibration nor scale, and `CannotWrite` if the folder cannot be written.
     """
     feed, applied = _read(url, asked)
     refuse_partial(feed.address.name, feed.stream.decoder.kind)

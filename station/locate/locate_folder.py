@@ -122,12 +122,8 @@ SOURCES = {"inertial": by_imu, "odometry": by_odometry, "vision": by_vision}
 def locate(log: FusionLog, source: str, layers: int = 2) -> Located:
     """Locate a folder by one of `SOURCES`.
 
-    Raises
-    ------
-    DataRefused
-        If the folder does not hold what the source needs.
-    ExtraMissing
-        If the source needs a library that is not installed.
+    Raise `DataRefused` if the folder does not hold what the source needs, and `ExtraMissing` if the source needs
+    a library that is not installed.
     """
     located = SOURCES[source](log, layers)
     total = len(log.fixes.t)

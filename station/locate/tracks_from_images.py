@@ -27,14 +27,8 @@ S_PER_MS = 1e-3  # s
 def camera_images(path: str | Path, seconds: float = float("inf")) -> Iterator[tuple[float, Image]]:
     """Yield time [s] and image (h, w) of a camera or a video file until it ends or ``seconds`` have passed.
 
-    Raises
-    ------
-    PortNotFound
-        If there is none.
-    LinkLost
-        If a camera gives no more images.
-    ExtraMissing
-        If OpenCV is not installed.
+    Raise `PortNotFound` if there is none, `LinkLost` if a camera gives no more images, and `ExtraMissing` if
+    OpenCV is not installed.
     """
     cv: Any = opencv()
     is_device = Path(path).is_char_device()
@@ -63,12 +57,8 @@ HEADER = "t_s,file"
 def make_tracks(folder: Path, images: Path, seconds: float) -> Path:
     """Follow features through ``images`` and write the tracks that ``[tracks]`` of ``folder`` names.
 
-    Raises
-    ------
-    DataRefused
-        If the folder has no ``[tracks]`` with intrinsics, or an image cannot be read.
-    CannotWrite
-        If the tracks would be written over an image or another file of the folder.
+    Raise `DataRefused` if the folder has no ``[tracks]`` with intrinsics, or an image cannot be read, and
+    `CannotWrite` if the tracks would be written over an image or another file of the folder.
     """
     table = read_fusion_toml(folder)[0].tracks
     if table is None:
