@@ -1,6 +1,7 @@
 """Options that several commands share, how wrong values are refused, and where a result goes."""
 
 import inspect
+import signal
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import is_dataclass
@@ -139,6 +140,12 @@ def writing(db: str | None, file: Path | None = None) -> Iterator["Session"]:
         if file is None:
             raise typer.BadParameter(str(error)) from error
         raise DataRefused(file, None, str(error), "possible values") from error
+
+
+def end_on_signals() -> None:
+    """End by `KeyboardInterrupt` on the signals of Ctrl-C and of a service's stop."""
+    for ending in (signal.SIGINT, signal.SIGTERM):  # the first is ignored in a shell's background otherwise
+        signal.signal(ending, signal.default_int_handler)
 
 
 def write_result(document: Mapping[str, Any], text: str, file: Path | None, what: str) -> None:

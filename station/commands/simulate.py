@@ -1,7 +1,6 @@
 """``station simulate``: a simulated IMU on a real transport, and its truth as a file."""
 
 import contextlib
-import signal
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import replace
@@ -12,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from station.commands import Database
-from station.commands._options import flag, option
+from station.commands._options import end_on_signals, flag, option
 
 if TYPE_CHECKING:
     from drivers.simulated.companions.camera_server import SimulatedCamera
@@ -155,7 +154,7 @@ def simulate(
     with blamed_on(track):
         if path is not None:
             device.device.drive(path)
-    _end_on_signals()
+    end_on_signals()
     try:
         with ExitStack() as stack, blamed_on(truth):
             serve(device, partial(_announce_all, stack, autopilot, path, wheel_file))
@@ -188,7 +187,7 @@ def _serve_scenario(path: Path, context: typer.Context, camera_file: Path | None
     scenario = read_scenario(path)
     if camera_file is not None and scenario.camera is None:
         raise typer.BadParameter(f"no [camera] in {path}", param_hint="--camera-file")
-    _end_on_signals()
+    end_on_signals()
     try:
         with contextlib.suppress(KeyboardInterrupt):
             serve_scenario(
@@ -199,11 +198,6 @@ def _serve_scenario(path: Path, context: typer.Context, camera_file: Path | None
             )
     except OSError as error:
         raise PortNotFound(str(path), str(error), "choose another link or port in it") from error
-
-
-def _end_on_signals() -> None:
-    for ending in (signal.SIGINT, signal.SIGTERM):  # the first is ignored in a shell's background otherwise
-        signal.signal(ending, signal.default_int_handler)
 
 
 def _autopilot(

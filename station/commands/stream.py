@@ -1,13 +1,23 @@
 """``station stream``: calibrated samples of a live device, wherever they are needed."""
 
-import signal
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from station.commands import Database
-from station.commands._options import Axes, Model, Seconds, Serial, Speed, argument, flag, option, refused_as
+from station.commands._options import (
+    Axes,
+    Model,
+    Seconds,
+    Serial,
+    Speed,
+    argument,
+    end_on_signals,
+    flag,
+    option,
+    refused_as,
+)
 
 FRAMES = ("sensor", "frd")
 
@@ -78,6 +88,5 @@ def stream(
     )  # fmt: skip
     for text in wanted.to:
         kind_of(text)
-    for ending in (signal.SIGINT, signal.SIGTERM):  # the first is ignored in a shell's background otherwise
-        signal.signal(ending, signal.default_int_handler)
+    end_on_signals()
     run(wanted, lambda line: typer.echo(line, err=True))
