@@ -35,7 +35,7 @@ from station.calibrated.correction_inputs import (
 from station.calibrated.settling_kernels import settle
 
 MAX_ITERATIONS = 100
-CONVERGENCE_RTOL = 1e-13  # relative
+CONVERGED: Mapping[str, Any] = {"rtol": 1e-13, "atol": 1e-13, "equal_nan": True}  # a round has not moved a sample
 UNITS = {"accelerometer": ("g", 1.0), "gyroscope": ("deg/s", 1 / DEG_H_PER_DEG_S)}  # of u; of a bias as it stands
 
 
@@ -145,7 +145,7 @@ class CalibrationModel:
             for _ in range(MAX_ITERATIONS):
                 off = self._added(others, u, around)
                 before, u = u, self._by_kernels(output, kernels, off, around, unsettled)
-                stands = {name: _stands_still(u[name], before[name]) for name in u}
+                stands = {name: np.isclose(u[name], before[name], **CONVERGED).all(axis=1) for name in u}
                 if all(each.all() for each in stands.values()):
                     break
         is_known = np.isfinite(np.hstack(list(output.values()))).all(axis=1)
@@ -187,13 +187,6 @@ class CalibrationModel:
             )  # fmt: skip
             u[name] = found
         return u
-
-
-def _stands_still(now: FloatArray, before: FloatArray) -> BoolArray:
-    """Say of each sample whether a round has not moved it; none where it was none."""
-    close = np.isclose(now, before, CONVERGENCE_RTOL, CONVERGENCE_RTOL, equal_nan=True)
-    found: BoolArray = np.all(close, axis=1)
-    return found
 
 
 def _with_signals(around: Surroundings, follower: TemperatureFollower, n: int) -> Surroundings:

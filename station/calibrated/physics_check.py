@@ -1,6 +1,5 @@
 """Whether what a calibration makes of a recording is physically possible, and what would make it right."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -123,9 +122,8 @@ class PhysicsCheck:
             code = ErrorCode.RATE_AT_REST
             if found.found < MAX_RAW_RATE:
                 named.append("the bias has changed since the calibration")
-        would = (
-            f"it would be correct if {_either(named)}" if named else "no single wrong unit or range explains it"
-        )
+        either = ", or if ".join(named[:MOST_NAMED])
+        would = f"it would be correct if {either}" if named else "no single wrong unit or range explains it"
         return DataRefused(
             self.where, None, f"{what}{after}", expected, f"{would}; correct it, or {self.go_on}", code
         )
@@ -158,7 +156,3 @@ class PhysicsCheck:
             Assumption("the outputs are in g and the calibration is in mg", 1e3),
             *ranges,
         ]
-
-
-def _either(names: Sequence[str]) -> str:
-    return ", or if ".join(names[:MOST_NAMED])

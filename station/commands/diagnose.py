@@ -111,18 +111,12 @@ def _diagnose(
         _say(part, loaded, None, json, html, plan)
     else:
         loaded = [replace(one, campaign=each) for one, each in zip(loaded, found.looked_at, strict=True)]
-        document, more = _document(found, loaded, others), _searched(found) if is_searched else None
+        document, more = _document(found, loaded, others), None
+        if is_searched:
+            from procedures.discovery.discover import discover
+
+            more = discover(found, lambda line: typer.echo(line, err=True))
         _say(document, loaded, found, json, html, plan, more)
-
-
-def _searched(found: "Diagnosis") -> "Discovery":
-    from procedures.discovery.discover import discover
-
-    return discover(found, _print_progress)
-
-
-def _print_progress(line: str) -> None:
-    typer.echo(line, err=True)
 
 
 def _document(

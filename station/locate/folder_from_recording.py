@@ -54,7 +54,9 @@ def fusion_from_recording(url: str, folder: Path, asked: FusionOptions) -> list[
     refuse_partial(feed.address.name, feed.stream.decoder.kind)
     file = Path(feed.address.name)
     times, imu, sensors = FixTimes(), *_calibrated(feed, applied)
-    marks = [(at, _device_s(feed, sample)) for at, sample in feed.buffer.marks(feed.buffer.begin, feed.buffer.end)]
+    buffer = feed.buffer
+    marks = [(at, float(buffer.block(sample, sample + 1).device_time[0]))
+             for at, sample in buffer.marks(buffer.begin, buffer.end)]  # fmt: skip
     for mark in marks:
         times.stamp_imu(*mark)
     for pulse_s in _pulses(feed):
@@ -73,10 +75,6 @@ def fusion_from_recording(url: str, folder: Path, asked: FusionOptions) -> list[
     write_fusion(folder, made)
     silent = [f"warning: {feed.silent}"] if feed.silent else []
     return [*silent, *_notes(folder, made, rest, applied)]
-
-
-def _device_s(feed: LiveFeed, sample: int) -> float:
-    return float(feed.buffer.block(sample, sample + 1).device_time[0])
 
 
 def _pulses(feed: LiveFeed) -> Iterator[float]:

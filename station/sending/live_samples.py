@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 import numpy as np
 from numpy.typing import NDArray
 
-from procedures.arrays import BoolArray, FloatArray, IntArray
+from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.campaign import UNKNOWN
 from procedures.counts.sample_records import CountBlock, SampleBlock
 from station.calibrated.calibration_choice import AppliedCalibration
@@ -132,7 +132,8 @@ class LiveSamples:
         self.gaps += int(np.count_nonzero(flags & Quality.GAP_BEFORE))
         flags[~block.healthy] |= np.uint32(Quality.DEVICE_DOUBTS)
         if isinstance(block, CountBlock) and self._full is not None:
-            flags[_at_the_end(block, self._full)] |= np.uint32(Quality.SATURATED)
+            largest = np.abs(np.hstack((block.gyro, block.accel))).max(axis=1)
+            flags[largest >= self._full] |= np.uint32(Quality.SATURATED)
         return flags
 
     def _looked(self, now: float) -> Quality:
@@ -156,12 +157,6 @@ class LiveSamples:
         missed: IntArray = np.maximum(np.diff(block.counter, prepend=before) - 1, 0)
         self.lost += int(missed.sum())
         return missed
-
-
-def _at_the_end(block: CountBlock, full: int) -> BoolArray:
-    counts = np.abs(np.hstack((block.gyro, block.accel)))
-    found: BoolArray = np.any(counts >= full, axis=1)
-    return found
 
 
 def _lasting(feed: LiveFeed, applied: AppliedCalibration) -> Quality:

@@ -135,7 +135,7 @@ EDITS: dict[str, Edit] = {
 }  # fmt: skip
 
 
-def edit(kind: str, connection: Connection, table: Table, column: Column, chance: Random) -> str | None:
+def make_edit(kind: str, connection: Connection, table: Table, column: Column, chance: Random) -> str | None:
     """Make an edit of `EDITS`, of a table that has rows."""
     rows = rows_of(connection, table)
     return EDITS[kind](connection, table, column, rows, chance) if rows else None

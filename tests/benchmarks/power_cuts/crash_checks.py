@@ -4,6 +4,7 @@ A check is given the folder as the cut left it, and what the program had said by
 """
 
 import json
+import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -171,7 +172,10 @@ def check_files(home: Path, known: Known, wrong: Wrong) -> None:
         for name, sha in one.get("files", {}).items():
             ever.setdefault(name, []).append(sha)
     must = {name: sha for one in known.reported for name, sha in one.get("files", {}).items()}
-    there = {path.name: sha256(path) for path in _final_files(home) if path.name in ever}
+    there = {
+        path.name: sha256(path) for path in home.rglob("*")
+        if path.name in ever and path.is_file() and not re.search(r"(^|/)\.", str(path.relative_to(home)))
+    }  # fmt: skip
     for name, sha in there.items():
         if name == SHA256SUMS:
             continue  # it grows
@@ -190,11 +194,6 @@ def check_files(home: Path, known: Known, wrong: Wrong) -> None:
 def _is_on_its_way(name: str, ever: Mapping[str, list[str]]) -> bool:
     """Say whether a file goes before what it tells of is replaced."""
     return name.startswith("out.") and name.endswith(".json") and len(ever[name]) > 1
-
-
-def _final_files(home: Path) -> Iterable[Path]:
-    hidden = (one for one in home.rglob("*") if one.is_file())
-    return (one for one in hidden if not any(part.startswith(".") for part in one.relative_to(home).parts))
 
 
 def check_database(home: Path, known: Known, wrong: Wrong) -> None:

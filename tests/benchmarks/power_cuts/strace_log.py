@@ -36,7 +36,8 @@ def traced(do: Callable[[], None], log: Path) -> None:
         _run_when_started(go, do)
     how = ["strace", "-f", "-qq", "-xx", "-s", "1000000000", "-o", str(log), "-e", f"trace={CALLS}"]
     with subprocess.Popen([*how, "-p", str(child)]) as tracer:
-        while not _is_traced(child) and tracer.poll() is None:
+        status = Path(f"/proc/{child}/status")
+        while "TracerPid:\t0\n" in status.read_text() and tracer.poll() is None:
             time.sleep(0.005)
         os.write(starter, b"!")
         os.close(starter)
@@ -58,11 +59,6 @@ def _run_when_started(go: int, do: Callable[[], None]) -> None:
         traceback.print_exc()
     finally:
         os._exit(code)
-
-
-def _is_traced(process: int) -> bool:
-    status = Path(f"/proc/{process}/status").read_text()
-    return "TracerPid:\t0\n" not in status
 
 
 @dataclass(slots=True)
