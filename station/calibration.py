@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from fixtures_db.hash_chain import canonical, digest
 from procedures.counts.sample_times import own_period
 from station.calibrated.applied_calibration import CalibrationModel
-from station.calibrated.calibrated_stream import CalibratedStream, numbers
+from station.calibrated.calibrated_stream import Calibrated, CalibrationStream, numbers
 from station.calibrated.output_frame import Frame, rotation_to
 from station.errors import DataRefused
 from station.files.calibration_document import checked_calibration, is_of_counts, read_calibration
@@ -27,31 +27,6 @@ __all__ = ["Calibrated", "Calibration", "CalibrationStream", "DataRefused", "cal
 RATE_TOLERANCE = 0.01  # relative, of a period that is stated
 
 Output = Literal["counts", "rates"]
-
-
-@dataclass(frozen=True, eq=False)
-class Calibrated:
-    """What the sensors felt at n samples, and what the calibration leaves of it in m spans of a minute.
-
-    Attributes
-    ----------
-    t : (n,) [s], as given
-    specific_force : (n, 3) [m/s2], in the frame that was asked for; nan of a triad that is not there
-        and where its effects do not settle
-    angular_rate : (n, 3) [rad/s], relative to inertial space, in the same frame
-    spans : (m, 2) [s], first and last sample of each
-    specific_force_std, angular_rate_std : (m, 3) [m/s2], [rad/s], 1 sigma of what the uncertainty of the
-        calibration leaves in a span; noise and quantisation are not in it
-    warnings : what to know, in words; empty if nothing
-    """
-
-    t: NDArray[np.float64]
-    specific_force: NDArray[np.float64]
-    angular_rate: NDArray[np.float64]
-    spans: NDArray[np.float64]
-    specific_force_std: NDArray[np.float64]
-    angular_rate_std: NDArray[np.float64]
-    warnings: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,7 +105,7 @@ class Calibration:
     def stream(
         self, period: float | None, *, frame: Frame = "sensor", output: Output = "counts", axes: str | None = None,
         force: bool = False,
-    ) -> "CalibrationStream":  # fmt: skip
+    ) -> CalibrationStream:  # fmt: skip
         """Return what applies it to one part of a recording after the other: the same numbers as at once.
 
         Arguments and refusals as of `apply`; whether the whole is physically possible the last part says.
@@ -148,7 +123,7 @@ class Calibration:
             )
         C = rotation_to(frame, axes)
         known = period if output == "counts" else None
-        return CalibrationStream(CalibratedStream(model, self.document, C, known, force=force))
+        return CalibrationStream(model, self.document, C, known, force=force)
 
     def without(self, *names: str) -> "Calibration":
         """Return it without some of its effects, which then are left in.
@@ -162,31 +137,6 @@ class Calibration:
             had = ", ".join(self.effects) or "one without effects"
             raise DataRefused("calibration", None, f"no effect {unknown[0]}", had, "name one of them")
         return replace(self, effects=tuple(name for name in self.effects if name not in names))
-
-
-class CalibrationStream:
-    """Applies a calibration part by part; lags and hysteresis go on. Made by `Calibration.stream`."""
-
-    def __init__(self, stream: CalibratedStream) -> None:
-        self._stream = stream
-        self.physics = stream.physics
-
-    def apply(
-        self,
-        counts: ArrayLike,
-        t: ArrayLike,
-        temperature: ArrayLike | None = None,
-        auxiliary: Mapping[str, ArrayLike] | None = None,
-        *,
-        magnetic: ArrayLike | None = None,
-        last: bool = False,
-    ) -> Calibrated:
-        """Return what the sensors felt, arguments as of `Calibration.apply`.
-
-        ``spans`` and their sigmas are of minutes that are full, with ``last`` of the one that is not, too.
-        """
-        f, omega, spans, text = self._stream.take(counts, t, temperature, auxiliary, magnetic, is_last=last)
-        return Calibrated(numbers(t, "t"), f, omega, spans.span, spans.force_std, spans.rate_std, text)
 
 
 def _period(t: NDArray[np.float64], stated: float | None) -> float:

@@ -2,10 +2,12 @@
 
 from collections import Counter
 from collections.abc import Mapping
+from dataclasses import dataclass
 from math import nan
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from procedures.arrays import FloatArray
 from procedures.effects.term.inputs import AUXILIARY
@@ -14,7 +16,7 @@ from procedures.units import RAD_PER_DEG, STANDARD_GRAVITY
 from station.calibrated.applied_calibration import CalibratedInputs, CalibrationModel
 from station.calibrated.correction_inputs import WARMTH, Surroundings
 from station.calibrated.physics_check import PhysicsCheck
-from station.calibrated.remaining_uncertainty import Spans, SpanSigmas, size_of
+from station.calibrated.remaining_uncertainty import SpanSigmas, size_of
 from station.errors import DataRefused
 
 LARGEST = 1e30  # of an output a second: beyond it no device counts, and squares of it are no numbers
@@ -38,8 +40,35 @@ TOLERANCE_K = 0.5  # beyond the temperatures of a calibration, before a warning
 MAX_UNSETTLED = 1e-3  # of all samples, and one in any case: more are a wrong calibration, not a few wild outputs
 
 
-class CalibratedStream:
-    """Applies ``model`` of a calibration/1 ``document``; ``C`` (3, 3) takes IMU axes to what is wanted.
+@dataclass(frozen=True, eq=False)
+class Calibrated:
+    """What the sensors felt at n samples, and what the calibration leaves of it in m spans of a minute.
+
+    Attributes
+    ----------
+    t : (n,) [s], as given
+    specific_force : (n, 3) [m/s2], in the frame that was asked for; nan of a triad that is not there
+        and where its effects do not settle
+    angular_rate : (n, 3) [rad/s], relative to inertial space, in the same frame
+    spans : (m, 2) [s], first and last sample of each
+    specific_force_std, angular_rate_std : (m, 3) [m/s2], [rad/s], 1 sigma of what the uncertainty of the
+        calibration leaves in a span; noise and quantisation are not in it
+    warnings : what to know, in words; empty if nothing
+    """
+
+    t: FloatArray
+    specific_force: FloatArray
+    angular_rate: FloatArray
+    spans: FloatArray
+    specific_force_std: FloatArray
+    angular_rate_std: FloatArray
+    warnings: tuple[str, ...] = ()
+
+
+class CalibrationStream:
+    """Applies a calibration part by part; lags and hysteresis go on. Made by `Calibration.stream`.
+
+    ``model`` is that of a calibration/1 ``document``; ``C`` (3, 3) takes IMU axes to what is wanted.
 
     ``period`` [s] is that of a sample's interval, None where the device sends rates.
     """
@@ -62,24 +91,25 @@ class CalibratedStream:
         self._impossible = ""  # what is, in a sentence, where it goes on all the same
         self._outside = 0  # samples, of the calibration's temperatures
 
-    def take(
-        self, counts: Any, t: Any, temperature: Any, auxiliary: Any, magnetic: Any,
-        *, is_last: bool,
-    ) -> tuple[FloatArray, FloatArray, Spans, tuple[str, ...]]:  # fmt: skip
-        """Return specific force (n, 3) [m/s2], rate (n, 3) [rad/s], the spans that ended, and warnings so far.
+    def apply(
+        self, counts: ArrayLike, t: ArrayLike, temperature: ArrayLike | None = None,
+        auxiliary: Mapping[str, ArrayLike] | None = None, *, magnetic: ArrayLike | None = None, last: bool = False,
+    ) -> Calibrated:  # fmt: skip
+        """Return what the sensors felt, arguments as of `station.calibration.Calibration.apply`.
 
-        Raise `DataRefused` if arrays do not go together, time goes back, or at the end if too many samples do not
-        settle or what they are is physically impossible (without ``force``).
+        ``spans`` and their sigmas are of minutes that are full, with ``last`` of the one that is not, too. Raise
+        `DataRefused` if arrays do not go together, time goes back, or at the end if too many samples do not settle
+        or what they are is physically impossible (without ``force``).
         """
         values, at = numbers(counts, "counts"), numbers(t, "t")
         n = self._checked(values, at)
         known = None if temperature is None else _column(temperature, n, "temperature")
-        if not isinstance(auxiliary or {}, Mapping):
+        named: Any = auxiliary or {}
+        if not isinstance(named, Mapping):
             found = type(auxiliary).__name__
             raise DataRefused("auxiliary", None, found, "channels by name", "give a dict")
         channels = {
-            name.removeprefix(AUXILIARY): _column(value, n, f"auxiliary {name}")
-            for name, value in (auxiliary or {}).items()
+            name.removeprefix(AUXILIARY): _column(value, n, f"auxiliary {name}") for name, value in named.items()
         }
         field = None if magnetic is None else numbers(magnetic, "magnetic")
         if field is not None and field.shape != (n, 3):
@@ -93,16 +123,15 @@ class CalibratedStream:
             )  # fmt: skip
             self._take(values[part], around, f[part], omega[part])
             self.physics.take(np.asarray(values[part], np.float64), at[part], f[part], omega[part])
-        if is_last and self._unsettled > max(1, MAX_UNSETTLED * self._samples):
+        if last and self._unsettled > max(1, MAX_UNSETTLED * self._samples):
             self._refuse_unsettled()
-        if is_last and (impossible := self.physics.refusal()) is not None:
+        if last and (impossible := self.physics.refusal()) is not None:
             if not self.physics.force:
                 raise impossible
             self._impossible = str(impossible)
-        spans = self._sigmas.ended(is_last=is_last)
-        return f, omega, spans, self.warnings()
+        return Calibrated(at, f, omega, *self._sigmas.ended(is_last=last), self._warnings())
 
-    def warnings(self) -> tuple[str, ...]:
+    def _warnings(self) -> tuple[str, ...]:
         """Return what is to know so far, in words."""
         texts = [
             f"{name} is not corrected{self._of(self._left_in[name])}, {why}" for name, why in self._left.items()

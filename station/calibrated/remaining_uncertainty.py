@@ -25,15 +25,6 @@ PICKED_S = 1.0  # between the samples of which the sigma is taken
 SI = {"accelerometer": STANDARD_GRAVITY, "gyroscope": RAD_PER_DEG}
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Spans:
-    """Spans (m, 2) [s] and standard uncertainty (m, 3) [m/s2], [rad/s]; nan for an absent triad."""
-
-    span: FloatArray
-    force_std: FloatArray
-    rate_std: FloatArray
-
-
 class SpanSigmas:
     """Gathers spans from blocks; ``C`` (3, 3) takes IMU axes to those that are wanted, axis to axis."""
 
@@ -73,13 +64,16 @@ class SpanSigmas:
             self._is_open |= bool(here.any())
             self._end = float(t[end - 1])
 
-    def ended(self, *, is_last: bool) -> Spans:
-        """Return the spans that have ended since, with ``is_last`` the one that goes on as well."""
+    def ended(self, *, is_last: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the spans (m, 2) [s] that have ended since, with ``is_last`` the one that goes on as well.
+
+        With them the standard uncertainty (m, 3) of force [m/s2] and rate [rad/s]; nan for an absent triad.
+        """
         if is_last:
             self._end_span()
         found, self._ended = self._ended, []
-        three = [np.array([each[i] for each in found]).reshape(-1, 3) for i in (2, 3)]
-        return Spans(np.array([each[:2] for each in found], np.float64).reshape(-1, 2), *three)
+        force, rate = (np.array([each[i] for each in found]).reshape(-1, 3) for i in (2, 3))
+        return np.array([each[:2] for each in found], np.float64).reshape(-1, 2), force, rate
 
     def _end_span(self) -> None:
         if self._is_open:

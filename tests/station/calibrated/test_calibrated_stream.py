@@ -8,7 +8,7 @@ import pytest
 
 from procedures.arrays import FloatArray
 from station.calibrated.applied_calibration import CalibrationModel
-from station.calibrated.calibrated_stream import BLOCK, CalibratedStream
+from station.calibrated.calibrated_stream import BLOCK, CalibrationStream
 from station.errors import DataRefused
 from tests.refusals import refused
 from tests.station.calibrated.test_calibration_applied import OMEGA, F, calibration, effect, put_out
@@ -22,15 +22,15 @@ ACCEL, GYRO = put_out()
 RATES = np.hstack((GYRO, ACCEL))
 
 
-def stream_of(document: dict[str, Any], period: float | None = None) -> CalibratedStream:
-    return CalibratedStream(CalibrationModel.of(document), document, C, period)
+def stream_of(document: dict[str, Any], period: float | None = None) -> CalibrationStream:
+    return CalibrationStream(CalibrationModel.of(document), document, C, period)
 
 
 @dataclass
 class Parts:
     """What a stream gave of parts, end to end, and what it said at last."""
 
-    stream: CalibratedStream
+    stream: CalibrationStream
     f: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
     omega: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
     reported: tuple[str, ...] = ()
@@ -41,10 +41,10 @@ class Parts:
     ) -> "Parts":  # fmt: skip
         part = [None if each is None else each[rows] for each in (temperature, magnetic)]
         inputs = {name: value[rows] for name, value in auxiliary.items()} if auxiliary else auxiliary
-        f, omega, _, self.reported = self.stream.take(
-            rates[rows], t[rows], part[0], inputs, part[1], is_last=is_last
-        )
-        self.f, self.omega = np.vstack((self.f, f)), np.vstack((self.omega, omega))
+        found = self.stream.apply(rates[rows], t[rows], part[0], inputs, magnetic=part[1], last=is_last)
+        self.f = np.vstack((self.f, found.specific_force))
+        self.omega = np.vstack((self.omega, found.angular_rate))
+        self.reported = found.warnings
         return self
 
 
