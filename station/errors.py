@@ -1,22 +1,5 @@
 """What the station can refuse; each says found, expected and what to do, and carries its data.
 
-StationError
-├── DataRefused        a campaign folder or a file in it breaks a rule
-│   ├── TimeUnitAsked  the unit of a log's time is ambiguous
-│   └── ClocksContradict  two clocks of a log run at different rates
-├── CannotWrite        a result has nowhere to go
-│   ├── DiskFull       there is no room for it
-│   └── DiskFails      the disk does not take it
-├── Incomplete         a certificate lacks what it must say
-├── NoPdf              the extra that makes PDF is not installed
-├── NoXml              a certificate was issued without the XML that is asked for
-├── BadXml             a digital certificate breaks its schema
-├── SignatureBroken    what is signed, or how, does not hold
-├── NotVerified        a certificate's file is not what it should be; what was checked is reported before
-├── NoTimeStamp        a time-stamping service gave none
-├── Altered            a recorded file or its row no longer is what was recorded
-└── DatabaseAltered    a database disagrees with its own journal, or with what was kept elsewhere
-
 `EXIT_CODES` has the exit code of each family of refusals of all packages, by full name, so that no command imports
 what another needs.
 """

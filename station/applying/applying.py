@@ -3,8 +3,8 @@
 import json
 import sys
 import time
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -137,16 +137,6 @@ class Progress:
         sys.stderr.flush()
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Applied:
-    """What came of it: samples, the period [s], the document next to the file, and what to know, in words."""
-
-    samples: int
-    period: float
-    document: Mapping[str, Any]
-    warnings: tuple[str, ...]
-
-
 def apply_to(
     source: Source,
     calibration: Calibration,
@@ -154,8 +144,8 @@ def apply_to(
     asked: OutputRequest,
     progress: Progress,
     known: Path | None = None,
-) -> Applied:
-    """Write calibrated samples to ``out``, and what is to know of them to ``out.json``.
+) -> dict[str, Any]:
+    """Write calibrated samples to ``out`` and `applied/1`, what is to know of them, to ``out.json``; return that.
 
     ``known`` is the file that the calibration was read from, if it was.
 
@@ -178,7 +168,7 @@ def apply_to(
             raise
         finally:
             progress.end()
-        write_json(document, {**applied.document, "columns": list(names)})
+        write_json(document, {**applied, "columns": list(names)})
     return applied
 
 
@@ -191,7 +181,7 @@ def _read(source: Source, known: Path | None) -> list[Path]:
 
 def _run(
     source: Source, calibration: Calibration, found: Survey, asked: OutputRequest, write: Any, progress: Progress
-) -> Applied:
+) -> dict[str, Any]:
     is_of_counts = calibration.output == "counts"
     samples = CheckedSamples(source, found, is_of_counts)
     period = found.period if is_of_counts else None
@@ -200,24 +190,23 @@ def _run(
     )
     stream.physics.where, stream.physics.go_on = source.stated.name, "continue with --force"
     stream.physics.axes = np.array(source.stated.accelerometers)
-    count, spans = 0, list[Calibrated]()
+    count, spans, none = 0, list[Calibrated](), np.empty((0, 3))
     for block in samples:
         got = stream.apply(block.values, block.t, block.temperature, block.auxiliary)
         write(columns_of(block, got, source, asked))
         count += len(block.t)
-        spans.append(_of_spans(got))
+        spans.append(replace(got, t=none[:, 0], specific_force=none, angular_rate=none))  # samples are let go
         progress.at(block.done, count)
     if not count:
         raise DataRefused(source.stated.name, None, "no sample", "rows with a number in time and outputs")
-    last = stream.apply(np.empty((0, 6)), np.empty(0), last=True)
-    spans.append(_of_spans(last))
+    spans.append(last := stream.apply(np.empty((0, 6)), np.empty(0), last=True))
     left = [
         f"{source.stated.damage}: samples until then are here" if source.stated.damage else "",
         f"{plural(samples.lost, 'row')} without a number in time or outputs: discarded" if samples.lost else "",
         f"repeated rows discarded: {samples.repeated}" if samples.repeated else "",
     ]
     text = (*filter(None, left), *doubts(calibration.document, datetime.now(UTC)), *last.warnings)
-    return Applied(count, found.period, document_of(source, calibration, found, asked, count, spans, text), text)
+    return document_of(source, calibration, found, asked, count, spans, text)
 
 
 def _refuse_unlike(source: Source, calibration: Calibration) -> None:
@@ -247,12 +236,6 @@ def _refuse_unlike(source: Source, calibration: Calibration) -> None:
         sizes = ", ".join(f"{name} ({size or 'of unknown size'})" for name, size in lacks.items())
         remedy = f"name its column, or continue with {' '.join(f'--without {name}' for name in lacks)}"
         raise DataRefused(stated.name, None, f"no data for these error terms: {sizes}", "their inputs", remedy)
-
-
-def _of_spans(got: Calibrated) -> Calibrated:
-    """Return the spans alone, so that samples are let go."""
-    none = np.empty((0, 3))
-    return Calibrated(np.empty(0), none, none, got.spans, got.specific_force_std, got.angular_rate_std)
 
 
 def _document_path(out: Path) -> Path:

@@ -1,8 +1,7 @@
 """What `calibrate` and `resume` share: an engine, its screen or lines of text, and the exit code.
 
-With `--plain` lines go out, lines of input come in, and the program ends in every case. An operator at a terminal
-is asked again. Where nobody can type (input is no terminal, or has ended), a question that only an answer could
-resolve ends the program, with the exit code and the reason that `--headless` would have.
+Where nobody can type, as input is no terminal or has ended, a question that only an answer could resolve ends the
+program with the exit code and the reason that `--headless` would have.
 """
 
 import os

@@ -63,10 +63,11 @@ def apply(
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that what is written aside is taken away
     read = Path(calibration) if Path(calibration).is_file() else None
     done = apply_to(source, known, out, asked, Progress(), read)
-    for warning in done.warnings:
+    for warning in done["warnings"]:
         typer.echo(f"warning: {warning}", err=True)
     typer.echo(
-        f"{out}: {done.samples} samples at {1 / done.period:.6g} Hz, {known.model} {known.serial}, {out}.json"
+        f"{out}: {done['samples']} samples at {1 / done['period_s']:.6g} Hz, {known.model} {known.serial}, "
+        f"{out}.json"
     )
 
 

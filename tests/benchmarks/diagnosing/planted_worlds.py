@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -50,20 +50,14 @@ class World:
 
 def worlds() -> dict[str, Callable[[int], World]]:
     """Return by kind what makes a world of a seed."""
-    made: dict[str, Callable[[int], World]] = {}
-    for name in PLANTS:
-        made[name] = lambda seed, name=name: _planted(name, seed)
-    for law in LAWS:
-        made[f"law, {law.name}"] = lambda seed, law=law: _law(law, seed)
-    for name in OUTSIDE:
-        made[f"outside, {name}"] = lambda seed, name=name: _outside(name, seed)
-    for name in INNOCENT:
-        made[f"bench, {name}"] = lambda seed, name=name: _innocent(name, seed)
-    for name in QUIET:
-        made[f"none, {name}"] = lambda seed, name=name: _quiet(name, seed)
-    for name, kind in LITERATURE.items():
-        made[f"literature, {name}"] = lambda seed, kind=kind: _of_literature(kind, seed)
-    return made
+    return {
+        **{name: partial(_planted, name) for name in PLANTS},
+        **{f"law, {law.name}": partial(_law, law) for law in LAWS},
+        **{f"outside, {name}": partial(_outside, name) for name in OUTSIDE},
+        **{f"bench, {name}": partial(_innocent, name) for name in INNOCENT},
+        **{f"none, {name}": partial(_quiet, name) for name in QUIET},
+        **{f"literature, {name}": partial(_of_literature, kind) for name, kind in LITERATURE.items()},
+    }
 
 
 @lru_cache
