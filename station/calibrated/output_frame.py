@@ -5,10 +5,10 @@ from typing import Literal, get_args
 import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.frames import AXES
 from station.errors import DataRefused
 
 DEFAULT_AXES = "x,-y,-z"  # the IMU lies with Z up, X forward
-_AXES = "xyz"
 
 
 def body_axes(text: str) -> FloatArray:
@@ -17,13 +17,13 @@ def body_axes(text: str) -> FloatArray:
     Raise `ValueError` if the axes are not three different ones, or left-handed.
     """
     words = [word.strip().lower() for word in text.split(",")]
-    if len(words) != 3 or any(word.lstrip("+-") not in _AXES or not word.lstrip("+-") for word in words):
+    if len(words) != 3 or any(word.lstrip("+-") not in AXES for word in words):
         raise ValueError(f"found {text!r}, expected forward, right and down such as {DEFAULT_AXES}")
     if len({word[-1] for word in words}) < 3:
         raise ValueError(f"found {text!r}, which names an axis twice, expected one such as {DEFAULT_AXES}")
     C = np.zeros((3, 3))
     for row, word in enumerate(words):
-        C[row, _AXES.index(word[-1])] = -1.0 if word[0] == "-" else 1.0
+        C[row, AXES.index(word[-1])] = -1.0 if word[0] == "-" else 1.0
     if not np.isclose(np.linalg.det(C), 1.0):
         raise ValueError(f"found {text!r}, a left-handed set, expected one such as {DEFAULT_AXES}")
     return C
@@ -61,10 +61,7 @@ def rotation_to(frame: str, axes: str | None) -> FloatArray:
     try:
         if frame == "frd":
             return body_axes(axes or DEFAULT_AXES)
-        words = [word.strip().lower() for word in (axes or "+x,+y,+z").split(",")]
-        C: FloatArray = body_axes(
-            ",".join(words)
-        ).T  # row q of C_sb is the cube axis along which IMU axis q points
+        C: FloatArray = body_axes(axes or "+x,+y,+z").T  # row q is the cube axis along which IMU axis q points
         return C
     except ValueError as error:
         found = str(error).removeprefix("found ").partition(", expected")[0]

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from fixtures_db.schema import IssuedCertificateRow
     from station.results.certificate.laboratory import Laboratory
 
-Day = Annotated[datetime | None, day_option("", names="--received")]
-
 
 def certificate(
     calibration: Annotated[
@@ -40,7 +38,7 @@ def certificate(
     customer: Annotated[str | None, option("NAME", "")] = None,
     customer_address: Annotated[str | None, option("TEXT", "")] = None,
     customer_email: Annotated[str | None, option("TEXT", "")] = None,
-    received: Day = None,
+    received: Annotated[datetime | None, day_option("")] = None,
     condition: Annotated[str | None, option("TEXT", "Condition of the unit on receipt.")] = None,
     amend: Annotated[str, option("REASON", "Replace the earlier certificate; state the reason.")] = "",
     copy: Annotated[bool, flag("--copy", "Write the issued certificate again.")] = False,

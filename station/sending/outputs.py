@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from enum import IntFlag, auto
+from functools import cache
 from importlib import import_module
 from typing import Protocol, cast
 
@@ -38,11 +39,10 @@ class Quality(IntFlag):
     UNSETTLED = auto()  # effects of the calibration cannot be undone: force, rate or both are NaN
 
 
+@cache
 def names(flags: int) -> list[str]:
     """Return the names of the flags that are set."""
-    if flags not in _NAMES:
-        _NAMES[flags] = [str(flag.name).lower() for flag in Quality if flag & flags]
-    return _NAMES[flags]
+    return [str(flag.name).lower() for flag in Quality if flag & flags]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -173,6 +173,3 @@ def open_outputs(addresses: Sequence[str], about: About) -> tuple[Output, ...]:
             stack.callback(opened[-1].close)
         stack.pop_all()
     return tuple(opened)
-
-
-_NAMES: dict[int, list[str]] = {}
