@@ -57,11 +57,8 @@ class ImuProbe:
 def probe_imu(url: str, seconds: float) -> ImuProbe:
     """Read a device for ``seconds``; where its address names no format, find the one that fits best.
 
-    Raises
-    ------
-    DriverError
-        If the port cannot be opened, no byte comes, no frame of any format is among them, or a DBC or a mapping
-        breaks a rule.
+    Raise `DriverError` if the port cannot be opened, no byte comes, no frame of any format is among them, or a
+    DBC or a mapping breaks a rule.
     """
     address = parse_device_url(url)
     known = wire_of(address)  # a wrong DBC or mapping is reported before a port is waited for
@@ -143,10 +140,7 @@ class GnssProbe:
 def probe_gnss(url: str, seconds: float, fixes: float = float("inf")) -> GnssProbe:
     """Return what came within ``seconds``, or until there were as many positions as ``fixes``.
 
-    Raises
-    ------
-    DriverError
-        If the port cannot be opened, no byte comes, or no frame is among them.
+    Raise `DriverError` if the port cannot be opened, no byte comes, or no frame is among them.
     """
     address = receiver_address(url)
     port = open_port(address)
@@ -214,10 +208,7 @@ def _troubles(counters: CameraCounters) -> str:
 def probe_camera(url: str, seconds: float, timeout_s: float = 0.05) -> CameraProbe:
     """Read a camera for ``seconds``.
 
-    Raises
-    ------
-    DriverError
-        If it cannot be opened, no byte comes, or no image is among them.
+    Raise `DriverError` if it cannot be opened, no byte comes, or no image is among them.
     """
     address = parse_device_url(url, "camera")
     decoder, images, came = CameraDecoder(), list[CameraImage](), 0

@@ -216,10 +216,8 @@ def _some_names(waiting: list[tuple[int, Entries]], model: str, rng: random.Rand
     if model == "ordered" or rng.random() < 0.3:
         return waiting[: rng.randint(0, len(waiting))]
     way = rng.randrange(4)
-    if way == 0:
-        return waiting
-    if way == 1:
-        return []
+    if way < 2:
+        return [] if way else waiting
     if way == 2 and waiting:  # one alone is lost
         lost = rng.randrange(len(waiting))
         return [*waiting[:lost], *waiting[lost + 1 :]]
@@ -239,10 +237,8 @@ def _some_changes(base: bytes, changes: list[Change], model: str, rng: random.Ra
     if model == "ordered":
         return _in_order(base, changes, rng)
     way = rng.randrange(6)
-    if way == 0:
-        return changes
-    if way == 1:
-        return []
+    if way < 2:
+        return [] if way else changes
     if way == 2:  # a beginning, the last of it torn
         return _torn(changes[: rng.randint(1, len(changes))], SECTOR, rng)
     if way == 3:  # the size alone
