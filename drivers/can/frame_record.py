@@ -1,4 +1,4 @@
-"""A CAN frame as received, in 32 bytes: what a CAN port's byte stream, the raw journal and a replay are made of.
+"""A CAN frame as received, in 32 bytes: what a CAN port's byte stream, the raw recording and a replay are made of.
 
 Of a J1939 identifier, the PGN names the message; sender and priority stand in the other bits. 29 bits are priority
 (3), extended data page and data page, PDU format PF (8), PDU specific PS (8), source address (8). Where PF is

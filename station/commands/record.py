@@ -65,7 +65,7 @@ def record(
         made(url)
         return
     from drivers.errors import ReplayEnded
-    from station.files.atomic_file import journal_path, new_folder
+    from station.files.atomic_file import new_folder, recording_path
     from station.stream.camera import open_camera, read_description
     from station.stream.gnss_feed import open_gnss
     from station.stream.live.live_feed import no_recording, open_feed
@@ -79,7 +79,7 @@ def record(
     rolling = None if wheel is None else read_wheel(wheel)
     with ExitStack() as after, ExitStack() as stack:
         folder = stack.enter_context(new_folder(out, plain_recording.RECORDING_FILE))
-        reader = stack.enter_context(Reader(url, journal_path(folder)))
+        reader = stack.enter_context(Reader(url, recording_path(folder)))
         receiver = stack.enter_context(open_gnss(gnss, folder)) if gnss else None
         auxiliary = list["CameraFeed | WheelFeed"]()
         if described is not None:

@@ -176,7 +176,7 @@ def new_folder(
             folder.rmdir()
 
 
-def journal_path(folder: Path, name: str = "session") -> Path:
+def recording_path(folder: Path, name: str = "session") -> Path:
     """Return where what is read from now on goes."""
     return folder / f"{name}_{datetime.now(UTC):%Y%m%dT%H%M%S%fZ}.mcap"
 

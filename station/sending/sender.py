@@ -17,7 +17,7 @@ from drivers.address_parsing import parse_device_url
 from drivers.errors import ReplayEnded
 from procedures.arrays import FloatArray
 from station.calibrated.calibration_choice import AppliedCalibration, chosen_calibration
-from station.files.atomic_file import journal_path, new_folder
+from station.files.atomic_file import new_folder, recording_path
 from station.sending.live_samples import LiveSamples
 from station.sending.outputs import About, Output, open_outputs
 from station.stream.live.live_feed import ChunkSource, LiveFeed, open_feed
@@ -152,8 +152,8 @@ def run(wanted: StreamRequest, say: Say) -> None:
         On Ctrl-C; what was under way has been streamed.
     """
     with ExitStack() as stack:
-        reader, journal = _source(wanted, stack)
-        receiver = _receiver(wanted.gnss, journal, stack)
+        reader, recording = _source(wanted, stack)
+        receiver = _receiver(wanted.gnss, recording, stack)
         feed = open_feed(reader)
         unit = feed.identify_or_unknown(wanted.model, wanted.serial)
         refuse_partial(feed.address.name, feed.stream.decoder.kind)
@@ -173,9 +173,9 @@ def _source(wanted: StreamRequest, stack: ExitStack) -> tuple[ChunkSource, Path 
         return Replay(wanted.url, wanted.speed), None
     if wanted.folder is None:
         return stack.enter_context(Reader(wanted.url, None)), None
-    journal = journal_path(wanted.folder)
-    folder = stack.enter_context(new_folder(wanted.folder, journal.name))
-    return stack.enter_context(Reader(wanted.url, journal)), folder
+    recording = recording_path(wanted.folder)
+    folder = stack.enter_context(new_folder(wanted.folder, recording.name))
+    return stack.enter_context(Reader(wanted.url, recording)), folder
 
 
 def _receiver(url: str, folder: Path | None, stack: ExitStack) -> "GnssFeed | None":

@@ -16,7 +16,7 @@ from drivers.errors import BadDeviceUrl
 from drivers.mavlink.frames import SignatureCheck, read_key
 from drivers.mavlink.gnss_fixes import MavlinkDecoder
 from procedures.gnss_records import AveragedSite, FixType, GnssFix, TimeMark, averaged_site
-from station.files.atomic_file import journal_path
+from station.files.atomic_file import recording_path
 from station.files.mcap_files.gnss_file import FixWriter, Record
 from station.stream.auxiliary import (
     SILENT_S,  # heartbeats are a second apart
@@ -270,7 +270,7 @@ def open_gnss(url: str, folder: Path | None) -> Iterator[GnssFeed]:
         if folder is None:
             yield GnssFeed(reader)
             return
-        with closing(FixWriter(journal_path(folder, "gnss"))) as writer:
+        with closing(FixWriter(recording_path(folder, "gnss"))) as writer:
             yield GnssFeed(reader, writer)
 
 

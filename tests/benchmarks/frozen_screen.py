@@ -1,7 +1,7 @@
 """Freeze the station for 5 s under a device of 1 kHz.
 
 What is frozen (SIGSTOP) is the whole process that decodes, so that it collects nothing; the reader is a process of
-its own and goes on. Afterwards every frame must be there by the counter in it, in the station and in the journal.
+its own and goes on. Afterwards every frame must be there by the counter in it, in station and recording.
 """
 
 import json
@@ -39,17 +39,17 @@ class Seen:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What the station saw and what is in the journal; ``blind_s`` is how long the station did not look."""
+    """What the station saw and what is in the recording; ``blind_s`` is how long the station did not look."""
 
     station: Seen
-    journal: Seen
+    recording: Seen
     blind_s: float
 
 
-def freeze(journal: Path, speed: float = 1.0) -> Outcome:
+def freeze(recording: Path, speed: float = 1.0) -> Outcome:
     """Freeze a station for 5 s of device time; the device runs at ``speed`` times its rate."""
     with SimulatedDevice(FASTEST, 1, speed=speed) as device, BenchControl(device.control) as hands:
-        command = [sys.executable, "-m", "tests.benchmarks.frozen_screen", device.url, str(journal)]
+        command = [sys.executable, "-m", "tests.benchmarks.frozen_screen", device.url, str(recording)]
         with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as station:
             assert station.stdout.readline() == "reading\n"
             os.kill(station.pid, signal.SIGSTOP)
@@ -58,7 +58,7 @@ def freeze(journal: Path, speed: float = 1.0) -> Outcome:
                 pass
             os.kill(station.pid, signal.SIGCONT)
             found = json.loads(station.communicate("enough\n")[0])
-    return Outcome(Seen(**found["seen"]), seen(Chunk(*raw) for raw in read_step(journal).raw), found["blind_s"])
+    return Outcome(Seen(**found["seen"]), seen(Chunk(*raw) for raw in read_step(recording).raw), found["blind_s"])
 
 
 def seen(items: Iterable[Chunk | StreamGap]) -> Seen:
@@ -73,10 +73,10 @@ def seen(items: Iterable[Chunk | StreamGap]) -> Seen:
     return Seen(counted.samples, counted.lost + counted.breaks + counted.restarts + marks)
 
 
-def be_the_station(url: str, journal: Path) -> None:
+def be_the_station(url: str, recording: Path) -> None:
     """Read until told that it is enough and everything from before that has come."""
     items, blind_s, enough_ns = list[Chunk | StreamGap](), 0.0, None
-    with Reader(url, journal) as reader:
+    with Reader(url, recording) as reader:
         looked = time.monotonic()
         print("reading", flush=True)  # from here on it may be frozen
         while enough_ns is None or not items or items[-1].host_ns < enough_ns:
@@ -90,10 +90,10 @@ def be_the_station(url: str, journal: Path) -> None:
 def proof(size: int, seed: int) -> dict[str, Figure]:
     """Freeze it ``size`` times."""
     with tempfile.TemporaryDirectory() as folder:
-        got = [freeze(Path(folder) / f"journal_{number}.mcap") for number in range(size)]
+        got = [freeze(Path(folder) / f"recording_{number}.mcap") for number in range(size)]
     longest = Figure(max(one.blind_s for one in got), "s", at_least=0.9 * FROZEN_S)
     result = {"longest time without a look": longest}
-    for name, ends in (("station", [one.station for one in got]), ("journal", [one.journal for one in got])):
+    for name, ends in (("station", [one.station for one in got]), ("recording", [one.recording for one in got])):
         result[f"{name}: frames missing"] = zero(sum(one.missing for one in ends))
         result[f"{name}: frames"] = Figure(sum(one.samples for one in ends))
     return result

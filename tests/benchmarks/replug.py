@@ -61,14 +61,14 @@ class Outcome:
 
 
 def replug(times: int, seed: int, folder: Path, away_s: tuple[float, float] = AWAY_S) -> Outcome:
-    """Unplug and replug a device so many times; its link and the journal go into ``folder``."""
+    """Unplug and replug a device so many times; its link and the recording go into ``folder``."""
     away = np.random.default_rng(seed).uniform(*away_s, times)
     lost = away * SPEED
     at = np.cumsum(np.concatenate([[0.0], lost[:-1]]) + PLUGGED_S)
     faults = [Fault("unplug", at_s=a, seconds=s) for a, s in zip(at, lost, strict=True)]
     device = SimulatedDevice(Truth.example(seed), seed, speed=SPEED, faults=faults, link=folder / "imu")
     blocks, over = list[Block](), 0
-    with device, Reader(device.url, folder / "journal.mcap") as reader:
+    with device, Reader(device.url, folder / "recording.mcap") as reader:
         watched = WatchedReader(reader)
         for block, is_over_a_gap in _blocks(watched):
             blocks.append(block)

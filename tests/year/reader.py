@@ -1,4 +1,4 @@
-"""The reader of the simulated port, in this process: it journals as the real one and dies when it is told to."""
+"""The reader of the simulated port, in this process: it records as the real one and dies when it is told to."""
 
 from pathlib import Path
 
@@ -9,12 +9,12 @@ from station.errors import CannotWrite, cannot_write
 from station.files.mcap_files.schemas import RAW, RAW_TOPIC, SCHEMA
 from station.files.mcap_files.writer import new_channel, new_file
 from station.stream.reader.messages import Item
-from station.stream.reader.raw_journal import SESSION, Journal
+from station.stream.reader.raw_recording import SESSION, RawRecording
 from tests.year.machine import Machine
 
 
-class InlineJournal(Journal):
-    """A journal that is written where it is told, without a thread; what the dead hold back stays unwritten."""
+class InlineRecording(RawRecording):
+    """A recording that is written where it is told, without a thread; what the dead hold back stays unwritten."""
 
     def __init__(self, path: Path, machine: Machine) -> None:
         self.path, self._machine = path, machine
@@ -46,21 +46,21 @@ class InlineJournal(Journal):
 class InProcessReader:
     """As `station.stream.reader.Reader`, of the machine's one port."""
 
-    def __init__(self, machine: Machine, url: str, journal: Path | None) -> None:
-        self._machine, self.journal = machine, journal
+    def __init__(self, machine: Machine, url: str, recording: Path | None) -> None:
+        self._machine, self.recording = machine, recording
         self.address: DeviceAddress = parse_device_url(url)
         self.ended: DriverError | CannotWrite | None = None
-        self._journal: InlineJournal | None = None
+        self._recording: InlineRecording | None = None
         self._is_open = False
         self._polls = 0
 
     def start(self) -> None:
-        """Open port and journal."""
+        """Open port and recording."""
         self._machine.bench.open()
         self._is_open = True
         self._machine.reader_dies = False
         try:
-            self._journal = None if self.journal is None else InlineJournal(self.journal, self._machine)
+            self._recording = None if self.recording is None else InlineRecording(self.recording, self._machine)
         except BaseException:
             self.close()
             raise
@@ -79,28 +79,28 @@ class InProcessReader:
         return items
 
     def _keep(self, items: list[Item]) -> None:
-        if self._journal is None:
+        if self._recording is None:
             return
         try:
             for item in items:
-                self._journal.put(item)
+                self._recording.put(item)
             self._polls += 1
             if self._polls % 8 == 0:
-                self._journal.flush()
+                self._recording.flush()
         except OSError as error:
-            self.ended = cannot_write(self._journal.path, error)
+            self.ended = cannot_write(self._recording.path, error)
             raise self.ended from error
 
     def close(self) -> None:
-        """Let port and journal go; may be called twice."""
+        """Let port and recording go; may be called twice."""
         if self._is_open:
             self._is_open = False
             self._machine.bench.close()
-            if self._journal is not None:
+            if self._recording is not None:
                 try:
-                    self._journal.close()
+                    self._recording.close()
                 except OSError as error:
-                    self.ended = cannot_write(self._journal.path, error)
+                    self.ended = cannot_write(self._recording.path, error)
 
 
 class ProbePort:

@@ -11,7 +11,7 @@ from drivers.simulated.truth import Truth
 from station.errors import cannot_write
 from station.stream.reader.messages import Chunk, Item
 from tests.year.machine import Machine
-from tests.year.reader import InlineJournal
+from tests.year.reader import InlineRecording
 
 ADDRESS = "mavlink:udpin:127.0.0.1:14550"
 
@@ -37,14 +37,14 @@ class Receiver:
 class InProcessReceiverReader:
     """As `station.stream.reader.Reader`, of the receiver."""
 
-    def __init__(self, machine: Machine, url: str, journal: Path | None) -> None:
-        self._machine, self._path = machine, journal
+    def __init__(self, machine: Machine, url: str, recording: Path | None) -> None:
+        self._machine, self._path = machine, recording
         self.address, self.up_to_ns = parse_device_url(url), 0
-        self._journal: InlineJournal | None = None
+        self._recording: InlineRecording | None = None
 
     def start(self) -> None:
-        """Open its journal."""
-        self._journal = None if self._path is None else InlineJournal(self._path, self._machine)
+        """Open its recording."""
+        self._recording = None if self._path is None else InlineRecording(self._path, self._machine)
 
     def poll(self, timeout_s: float) -> list[Item]:
         """Return what has come; let time pass where somebody waits for it."""
@@ -54,17 +54,17 @@ class InProcessReceiverReader:
         receiver = self._machine.receiver
         data = receiver.sent() if receiver is not None else b""
         items: list[Item] = [Chunk(self.up_to_ns, data)] if data else []
-        if self._journal is not None:
+        if self._recording is not None:
             try:
                 for item in items:
-                    self._journal.put(item)
+                    self._recording.put(item)
             except OSError as error:
-                raise cannot_write(self._journal.path, error) from error
+                raise cannot_write(self._recording.path, error) from error
         return items
 
     def close(self) -> None:
-        """Let its journal go."""
-        if self._journal is not None:
+        """Let its recording go."""
+        if self._recording is not None:
             with suppress(OSError):  # the process that has it says so to nobody and ends
-                self._journal.close()
-            self._journal = None
+                self._recording.close()
+            self._recording = None

@@ -1,6 +1,6 @@
 """Writes the accepted steps of a guided campaign and its notes into the folder, and solves them in between.
 
-A sample is written twice: its bytes into the session's journal, and bytes and counts into its step's file. The
+A sample is written twice: its bytes into the session's recording, and bytes and counts into its step's file. The
 bytes per sample are the worst of all formats with 16 random bits in every channel and a sample per read, rounded
 up; `tests/station/guide/test_disk_space.py` measures them again.
 """
@@ -141,7 +141,7 @@ def discarded_spans(runs: Sequence[SampleRun], buffer: SampleBuffer) -> list[int
     return [first - last + 1 for last, first in between if buffer.last_break(last - 1, first + 1) is None]
 
 
-JOURNAL_BYTES = 75  # of a sample
+RAW_BYTES = 75  # of a sample
 STEP_BYTES = 135  # of a sample
 WARM_UP_S = 1800.0
 REPEATS_FACTOR = 1.5  # steps are done again, and people take breaks
@@ -158,7 +158,7 @@ class DiskSpace(NamedTuple):
 def disk_needed(steps: Sequence[Step], rate_hz: float, warm_up_s: float = WARM_UP_S) -> int:
     """Return the bytes that ``steps`` will take at ``rate_hz`` samples a second, repeats and breaks included."""
     recorded_s = sum(step_duration(step) for step in steps)  # the moves between them too
-    written = recorded_s * STEP_BYTES + (warm_up_s + recorded_s) * JOURNAL_BYTES
+    written = recorded_s * STEP_BYTES + (warm_up_s + recorded_s) * RAW_BYTES
     return round(REPEATS_FACTOR * written * rate_hz) + RESULTS_BYTES
 
 

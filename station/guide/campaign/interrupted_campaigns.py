@@ -106,20 +106,20 @@ def _refusal(path: Path, found: str, expected: str) -> DataRefused:
     return DataRefused(path, None, found, expected, remedy, ErrorCode.ALTERED)
 
 
-JOURNAL = "session_*.mcap"
+RAW_RECORDING = "session_*.mcap"
 KNOWN = (
-    LOCK_FILE, JOURNAL, "gnss_session_*.mcap", "gnss_*.mcap", ".*.tmp", "setup.json", "unit.json", "wanted.json",
-    "plan.toml", "gnss.json", "SHA256SUMS", "effect_*.toml",
+    LOCK_FILE, RAW_RECORDING, "gnss_session_*.mcap", "gnss_*.mcap", ".*.tmp", "setup.json", "unit.json",
+    "wanted.json", "plan.toml", "gnss.json", "SHA256SUMS", "effect_*.toml",
 )  # fmt: skip
 
 
 def is_unfinished(names: Collection[str], has_row: bool = False) -> bool:
-    """Say whether a folder holds such a beginning: the journal that is opened first, or the lock alone.
+    """Say whether a folder holds such a beginning: the recording that is opened first, or the lock alone.
 
     A ``campaign.toml`` in the same folder has no step, as there is no step's file: the program was killed before
     the campaign had its row in the database. ``has_row`` says that it has one.
     """
-    is_begun = any(fnmatch(name, JOURNAL) for name in names) or set(names) <= {LOCK_FILE}
+    is_begun = any(fnmatch(name, RAW_RECORDING) for name in names) or set(names) <= {LOCK_FILE}
     known = KNOWN if has_row else (*KNOWN, TOML)
     return is_begun and all(any(fnmatch(name, each) for each in known) for name in names)
 

@@ -16,7 +16,7 @@ from drivers.ports import wire_of
 from drivers.wire import FORMATS, WireFormat
 from procedures.campaign.campaign import UNKNOWN
 from station.errors import DataRefused
-from station.files.atomic_file import journal_path
+from station.files.atomic_file import recording_path
 from station.stream.connected_unit import Unit, not_another, refuse_other, unit_of
 from station.stream.live.stillness import TICKS_PER_BLOCK, Block, block_of
 from station.stream.live.stream_trouble import PowerWatch, SilentChannels, StreamTrouble
@@ -337,11 +337,11 @@ RETRY_S = 1.0  # between two tries to read a port whose reader died
 
 
 class RestartableReader:
-    """Reads ``url`` into journals of ``folder``; `restart` has the reader of ``feed`` begin again."""
+    """Reads ``url`` into recordings of ``folder``; `restart` has the reader of ``feed`` begin again."""
 
     def __init__(self, url: str, folder: Path) -> None:
         self._url, self._folder = url, folder
-        self.reader = Reader(url, journal_path(folder))
+        self.reader = Reader(url, recording_path(folder))
         self.reader.start()
         self.feed: LiveFeed | None = None
         self._retry_at = 0.0
@@ -352,7 +352,7 @@ class RestartableReader:
             return
         self._retry_at = time.monotonic() + RETRY_S
         self.reader.close()
-        self.reader = Reader(self._url, journal_path(self._folder))
+        self.reader = Reader(self._url, recording_path(self._folder))
         with contextlib.suppress(DriverError):  # tried again and again
             self.reader.start()
             self.feed.replace_source(self.reader)

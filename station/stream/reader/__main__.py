@@ -1,6 +1,6 @@
-"""The reader process: ``python -m station.stream.reader URL [JOURNAL]``; messages on stdout until stdin is closed.
+"""The reader process: ``python -m station.stream.reader URL [FILE]``; messages on stdout until stdin is closed.
 
-It holds no lock that another process could keep and knows nothing of frames: read, stamp, journal, stream.
+It holds no lock that another process could keep and knows nothing of frames: read, stamp, record, stream.
 """
 
 import os
@@ -17,7 +17,7 @@ from drivers.ports import frame_descriptions
 from station.errors import CannotWrite
 from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC, GNSS_RAW_TOPIC, RAW_TOPIC, WHEEL_RAW_TOPIC
 from station.stream.reader.messages import Chunk, Item, Outbox, Quiet, Refusal, StreamGap, packed
-from station.stream.reader.raw_journal import Journal
+from station.stream.reader.raw_recording import RawRecording
 from station.stream.reader.reconnecting_port import ReconnectingPort
 
 READ_BYTES = 65536
@@ -26,13 +26,13 @@ FAREWELL_S = 2.0
 TOPICS = {"mavlink": GNSS_RAW_TOPIC, "camera": CAMERA_RAW_TOPIC, "wheel": WHEEL_RAW_TOPIC}
 
 
-def main(url: str, journal: str = "") -> None:
-    """Read a device until the station stops it; without a journal the bytes are streamed and not kept."""
+def main(url: str, recording: str = "") -> None:
+    """Read a device until the station stops it; without a recording the bytes are streamed and not kept."""
     messages = os.dup(sys.stdout.fileno())
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # a stray print must not be taken for a message
     outbox = Outbox(messages)
     try:
-        _Session(parse_device_url(url), Path(journal) if journal else None, outbox).run()
+        _Session(parse_device_url(url), Path(recording) if recording else None, outbox).run()
     except (DriverError, CannotWrite) as error:
         outbox.put(packed(Refusal(type(error), str(error), vars(error))), always=True)
     outbox.close(FAREWELL_S)
@@ -40,9 +40,9 @@ def main(url: str, journal: str = "") -> None:
 
 
 class _Session:
-    """One device, one journal or none, one station."""
+    """One device, one recording or none, one station."""
 
-    def __init__(self, url: DeviceAddress, journal: Path | None, outbox: Outbox) -> None:
+    def __init__(self, url: DeviceAddress, recording: Path | None, outbox: Outbox) -> None:
         self._url, self._outbox = url, outbox
         self._stop = threading.Event()
         self._failure: CannotWrite | None = None
@@ -53,10 +53,10 @@ class _Session:
         began = {"started_utc": datetime.now(UTC).isoformat(), "host_ns": str(self._now())}
         session = {"url": url.public_text, **began, **described}
         topic = TOPICS.get(url.scheme, RAW_TOPIC)
-        self._journal = None if journal is None else Journal(journal, session, self._journal_failed, topic)
+        self._recording = None if recording is None else RawRecording(recording, session, self._failed, topic)
 
     def run(self) -> None:
-        """Read until the station closes stdin, the replay ends or the journal cannot be written."""
+        """Read until the station closes stdin, the replay ends or the recording cannot be written."""
         threading.Thread(target=self._watch_stdin, daemon=True).start()
         self._outbox.put(packed(Quiet(self._now())))
         try:
@@ -68,8 +68,8 @@ class _Session:
                     self._outbox.put(packed(Quiet(self._now())))
         finally:
             self._port.close()
-            if self._journal is not None:
-                self._journal.close()
+            if self._recording is not None:
+                self._recording.close()
             if self._failure is not None:
                 raise self._failure
 
@@ -84,7 +84,7 @@ class _Session:
 
     def _refuse(self, message: bytes, chunk: Chunk) -> None:
         if self._refused:
-            where = "they are in the journal only" if self._journal is not None else "they are lost"
+            where = "they are in the recording only" if self._recording is not None else "they are lost"
             reason = f"{self._refused} bytes not collected in time; {where}"
             if self._outbox.put(packed(StreamGap(chunk.host_ns, reason, True))):
                 self._refused = 0 if self._outbox.put(message) else len(chunk.data)
@@ -97,10 +97,10 @@ class _Session:
         self._outbox.put(packed(mark), always=True)
 
     def _keep(self, item: Item) -> None:
-        if self._journal is not None:
-            self._journal.put(item)
+        if self._recording is not None:
+            self._recording.put(item)
 
-    def _journal_failed(self, error: CannotWrite) -> None:
+    def _failed(self, error: CannotWrite) -> None:
         self._failure = error
         self._stop.set()
 

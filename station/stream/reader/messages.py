@@ -12,7 +12,7 @@ from drivers.errors import DriverError
 from station.errors import CannotWrite
 
 HEAD = struct.Struct("<I")  # length of what follows
-MAX_WAITING_BYTES = 64 * 2**20  # bytes: an hour of 17 kB/s; the journal has it all
+MAX_WAITING_BYTES = 64 * 2**20  # bytes: an hour of 17 kB/s; the recording has it all
 LOST = "port lost: "  # what a gap mark's reason begins with where the port went
 
 
@@ -42,7 +42,7 @@ class Quiet:
 
 @dataclass(frozen=True, slots=True)
 class Refusal:
-    """What port or journal refused, in its parts; the last message."""
+    """What port or recording refused, in its parts; the last message."""
 
     kind: type[DriverError] | type[CannotWrite]
     text: str

@@ -13,29 +13,29 @@ from threading import Event
 from drivers.address_parsing import parse_device_url
 from drivers.errors import DriverError, LinkLost, ReplayEnded
 from station.errors import CannotWrite
-from station.files.atomic_file import journal_path
+from station.files.atomic_file import recording_path
 from station.stream.reader.messages import Chunk, Item, Quiet, Refusal, StreamGap, unpacked
 
-START_TIMEOUT_S = 90.0  # imports on a busy machine, 5 s to connect, and a journal on a disk that takes 5 s a write
+START_TIMEOUT_S = 90.0  # imports on a busy machine, 5 s to connect, a recording on a disk that takes 5 s a write
 STOP_TIMEOUT_S = 10.0
-WRITES_WITHIN_S = 30.0  # a journal that is being finished on a slow disk has grown by then
+WRITES_WITHIN_S = 30.0  # a recording that is being finished on a slow disk has grown by then
 _PIPE_BYTES = 2**20
 
 
 class Reader:
-    """A device being read and journalled by a process of its own; use it in a ``with``.
+    """A device being read and recorded by a process of its own; use it in a ``with``.
 
     Parameters
     ----------
     url : str
         The device's address, see `drivers.addresses`.
-    journal : Path
+    recording : Path
         Where the session's raw bytes go; it must not be there yet. None: they are not kept.
     """
 
-    def __init__(self, url: str, journal: Path | None) -> None:
+    def __init__(self, url: str, recording: Path | None) -> None:
         self.address = parse_device_url(url)
-        self.journal = journal
+        self.recording = recording
         self._buffer = bytearray()
         self._items: list[Item] = []
         self.ended: DriverError | CannotWrite | None = None  # why nothing more will come
@@ -48,7 +48,7 @@ class Reader:
     def start(self) -> None:
         """Start the process and wait until the port is open; raise what it met, such as `PortBusy`."""
         command = [sys.executable, "-P", "-m", "station.stream.reader", self.address.text]
-        command += [] if self.journal is None else [str(self.journal)]
+        command += [] if self.recording is None else [str(self.recording)]
         self._process = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0,
             start_new_session=True,  # Ctrl-C is for the station, which then closes stdin
@@ -81,7 +81,7 @@ class Reader:
         ------
         ReplayEnded, LinkLost, CannotWrite
             Once everything before it was returned: at a replay's end, if the reader process died, if the
-            journal could not be written.
+            recording could not be written.
         """
         if not self._items:
             if self.ended is not None:
@@ -93,25 +93,25 @@ class Reader:
         return items
 
     def close(self) -> None:
-        """Have the journal finished and the process ended; may be called twice."""
+        """Have the recording finished and the process ended; may be called twice."""
         if self._process.stdin is not None:
             self._process.stdin.close()
         if self._process.stdout is not None:
             self._process.stdout.close()
-        timeout_s, size = STOP_TIMEOUT_S if self.journal is None else WRITES_WITHIN_S, -1
+        timeout_s, size = STOP_TIMEOUT_S if self.recording is None else WRITES_WITHIN_S, -1
         while True:
             try:
                 self._process.wait(timeout_s)
                 return
             except subprocess.TimeoutExpired:
-                size, before = self._journal_size(), size
+                size, before = self._recording_size(), size
                 if size <= before:
                     self._process.kill()
                     self._process.wait()
                     return
 
-    def _journal_size(self) -> int:
-        return self.journal.stat().st_size if self.journal is not None and self.journal.exists() else -1
+    def _recording_size(self) -> int:
+        return self.recording.stat().st_size if self.recording is not None and self.recording.exists() else -1
 
     def _collect(self, timeout_s: float) -> None:
         assert self._process.stdout is not None
@@ -137,9 +137,9 @@ FOR_EVER = 2**63 - 1  # ns: the moment up to which nothing more comes of what is
 
 
 class RestartingReader:
-    """Reads ``url`` by one process after another, each with its own journal in ``folder``; use it in a ``with``.
+    """Reads ``url`` by one process after another, each with its own recording in ``folder``; use it in a ``with``.
 
-    The journals are ``NAME_*.mcap``, of the session's ``name``; without a folder there are none.
+    The recordings are ``NAME_*.mcap``, of the session's ``name``; without a folder there are none.
 
     The death of a process and the beginning of the next are gap marks.
     """
@@ -169,7 +169,7 @@ class RestartingReader:
         return self.reader.up_to_ns
 
     def poll(self, timeout_s: float) -> list[Chunk | StreamGap]:
-        """Return what has come, within ``timeout_s``; raise `CannotWrite` if the disk refuses a journal."""
+        """Return what has come, within ``timeout_s``; raise `CannotWrite` if the disk refuses a recording."""
         if self._next is not None:
             return self._taken_up(self._next, timeout_s)
         try:
@@ -196,4 +196,4 @@ class RestartingReader:
         return reader
 
     def _new_reader(self) -> Reader:
-        return Reader(self._url, None if self._folder is None else journal_path(self._folder, self._name))
+        return Reader(self._url, None if self._folder is None else recording_path(self._folder, self._name))

@@ -45,7 +45,7 @@ def station(home: Path, delay_s: float, *arguments: object) -> tuple[int, str]:
 
 
 def record(home: Path, delay_s: float) -> Wrong:
-    """Record a device that goes on sending; no sample lacks, and the journal of raw bytes is whole."""
+    """Record a device that goes on sending; no sample lacks, and the recording of raw bytes is whole."""
     with SimulatedDevice(replace(Truth.example(5), sample_period_s=PERIOD_S), 5) as device:
         code, output = station(home, delay_s, "record", device.url, "--seconds", RECORDED_S, "--out", home / "r")
     wrong = [] if (code, output) == (0, "") else [f"record: code {code}, {output}"]

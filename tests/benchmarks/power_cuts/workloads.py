@@ -25,8 +25,8 @@ from station.guide.campaign.folder_lock import folder_lock
 from station.guide.campaign.folder_recorder import FolderRecorder
 from station.guide.campaign.interrupted_campaigns import reopen
 from station.stream.live.live_feed import open_feed
-from station.stream.reader import Chunk, StreamGap, raw_journal
-from station.stream.reader.raw_journal import Journal
+from station.stream.reader import Chunk, StreamGap, raw_recording
+from station.stream.reader.raw_recording import RawRecording
 from station.stream.recorder import plain_recording
 from station.stream.recorder.accepted_step_writer import CampaignRecorder, MovedFrom, open_campaign
 from tests.benchmarks.edited_databases.honest_databases import of_version
@@ -96,29 +96,29 @@ def _accept(recorder: CampaignRecorder, position: int, *, moved: bool = False) -
     say(step=step(position).name, file=name, sha256=sha256(recorder.folder / name))
 
 
-class _Journalled(Source):
-    """A device in memory whose bytes go into a journal too, as the reader process puts them there."""
+class _Recorded(Source):
+    """A device in memory whose bytes go into a raw recording too, as the reader process puts them there."""
 
-    journal: Journal
+    recording: RawRecording
 
     def poll(self, timeout_s: float) -> list[Chunk | StreamGap]:
-        """Return what has come, journalled."""
+        """Return what has come, recorded."""
         items = super().poll(timeout_s)
         for item in items:
-            self.journal.put(item)
+            self.recording.put(item)
         return items
 
 
 def recording(home: Path) -> None:
-    """Record plainly from a device in memory, its journal next to it, both synced often."""
-    raw_journal.FLUSH_S, raw_journal.SYNC_S, plain_recording.FLUSH_S = 0.0, 0.0, 0.0
-    source = _Journalled(Truth.example(5))
+    """Record plainly from a device in memory, its raw bytes next to it, both synced often."""
+    raw_recording.FLUSH_S, raw_recording.SYNC_S, plain_recording.FLUSH_S = 0.0, 0.0, 0.0
+    source = _Recorded(Truth.example(5))
     with new_folder(home / "records" / "drive", plain_recording.RECORDING_FILE) as folder:
-        source.journal = Journal(folder / "session_1.mcap", {}, _refuse, RAW_TOPIC)
+        source.recording = RawRecording(folder / "session_1.mcap", {}, _refuse, RAW_TOPIC)
         feed = open_feed(source)
         feed.identify()
         done = plain_recording.record(feed, folder, 12.0)
-        source.journal.close()
+        source.recording.close()
         written(done.path, folder / "session_1.mcap")
 
 

@@ -23,13 +23,13 @@ from station.files.mcap_files.gnss_file import FixWriter
 from station.files.mcap_files.schemas import RAW_TOPIC
 from station.guide import server
 from station.guide.campaign.campaign_start import usual_steps
-from station.guide.campaign.folder_recorder import JOURNAL_BYTES, STEP_BYTES, disk_needed, refuse_full
+from station.guide.campaign.folder_recorder import RAW_BYTES, STEP_BYTES, disk_needed, refuse_full
 from station.guide.engine import CalibrationEngine
 from station.guide.options import CalibrationOptions
 from station.guide.server import StallNotice
 from station.guide.view import CalibrationView
 from station.stream.reader import Chunk
-from station.stream.reader.raw_journal import Journal
+from station.stream.reader.raw_recording import RawRecording
 from station.stream.recorder.sample_stream import SampleStream
 from tests.patience import until
 from tests.refusals import refused
@@ -60,15 +60,15 @@ def test_no_sample_of_any_format_takes_more_than_is_reckoned(name: str, tmp_path
             host_ns = GNSS_EPOCH_NS + len(chunks) * 1_000_000 + int(rng.integers(100_000))
             chunks.append(Chunk(host_ns, wire.encode(one)))
     blocks, number = [stream.take(chunk).block for chunk in chunks], len(chunks)
-    journal = Journal(tmp_path / "journal.mcap", {}, pytest.fail, RAW_TOPIC)  # flushes by the wall clock
+    recording = RawRecording(tmp_path / "recording.mcap", {}, pytest.fail, RAW_TOPIC)  # flushes by the wall clock
     writer = StepWriter(tmp_path / "step.mcap", BY_OUTPUT[wire.output])
     for chunk, block in zip(chunks, blocks, strict=True):
-        journal.put(chunk)
+        recording.put(chunk)
         writer.write_raw(chunk.host_ns, chunk.data)
         writer.write_block(chunk.host_ns, block)
-    journal.close()
+    recording.close()
     writer.close()
-    assert JOURNAL_BYTES / 2 < (tmp_path / "journal.mcap").stat().st_size / number <= JOURNAL_BYTES
+    assert RAW_BYTES / 2 < (tmp_path / "recording.mcap").stat().st_size / number <= RAW_BYTES
     assert STEP_BYTES / 2 < (tmp_path / "step.mcap").stat().st_size / number <= STEP_BYTES
 
 

@@ -15,7 +15,7 @@ from drivers.simulated.truth import Truth
 from station import cli
 from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC
 from station.stream.reader import Chunk
-from station.stream.reader.raw_journal import Journal
+from station.stream.reader.raw_recording import RawRecording
 from tests.drivers.simulated.drives import bends
 from tests.station.commands.program import Program
 from tests.station.monitor.driving import record_drive, stands_on
@@ -36,10 +36,10 @@ def drive(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the recording of a drive with its camera's, as a monitored run leaves it."""
     file = record_drive(tmp_path_factory.mktemp("drive") / "r", TRUTH, TRACK, AUTOPILOT, OFF)
     images, failures = CameraImages(TRUTH, CAMERA, (), TRACK, 1), list[Exception]()
-    journal = Journal(file.parent / "camera_session_1.mcap", {}, failures.append, CAMERA_RAW_TOPIC)
+    recording = RawRecording(file.parent / "camera_session_1.mcap", {}, failures.append, CAMERA_RAW_TOPIC)
     for t in np.arange(ON, OFF, 1 / CAMERA.rate_hz).tolist():
-        journal.put(Chunk(round((t + CAMERA.latency_s) * 1e9), images.part(t)))
-    journal.close()
+        recording.put(Chunk(round((t + CAMERA.latency_s) * 1e9), images.part(t)))
+    recording.close()
     assert not failures
     (file.parent / "camera.toml").write_text(camera_toml(CAMERA, "camera:http://127.0.0.1:1/stream") + REPORTED)
     return file

@@ -23,7 +23,7 @@ from drivers.simulated.truth import Truth
 from station import cli
 from station.files.mcap_files.schemas import WHEEL_RAW_TOPIC
 from station.stream.reader import Chunk
-from station.stream.reader.raw_journal import Journal
+from station.stream.reader.raw_recording import RawRecording
 from tests.drivers.simulated.drives import bends
 from tests.station.commands.program import Program
 from tests.station.monitor.driving import record_drive, stands_on
@@ -47,11 +47,11 @@ def drive(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def record_wheel(folder: Path, late: float) -> None:
     """Write a wheel's recording, its frames read ``late`` [s]."""
     failures, signal = list[Exception](), wheel_signal(DBC, SIGNAL)
-    journal = Journal(folder / "wheel_session_1.mcap", {}, failures.append, WHEEL_RAW_TOPIC)
+    recording = RawRecording(folder / "wheel_session_1.mcap", {}, failures.append, WHEEL_RAW_TOPIC)
     t = np.arange(0.0, SECONDS, 1 / RATE_HZ)
     for at, speed in zip(t, wheel_speeds(t, TRACK, SCALE, np.random.default_rng(1)), strict=True):
-        journal.put(Chunk(round((at + late) * 1e9), signal.frame(float(speed), 0)))
-    journal.close()
+        recording.put(Chunk(round((at + late) * 1e9), signal.frame(float(speed), 0)))
+    recording.close()
     assert not failures
     (folder / "wheel.toml").write_text(wheel_toml(BUS, "gone.dbc") + f"time_offset_s = {-late}\n")
     (folder / "wheel.dbc").write_bytes(Path(DBC).read_bytes())

@@ -66,8 +66,8 @@ def test_lines_hold_what_the_library_makes_of_the_bytes_that_came(
     assert (n := len(lines)) >= 1000
     assert [line["sequence"] for line in lines] == list(range(n))
     assert [line["flags"] for line in lines] == [["begun_anew"], *[[]] * (n - 1)]
-    (journal,) = folder.iterdir()
-    block = Decoder(FORMATS["counts"]).feed(b"".join(data for _, data in read_step(journal).raw))
+    (recording,) = folder.iterdir()
+    block = Decoder(FORMATS["counts"]).feed(b"".join(data for _, data in read_step(recording).raw))
     rows = np.searchsorted(block.device_time, [line["t_s"] for line in lines])
     counts = np.hstack((block.gyro, block.accel))[rows]
     t, period = block.device_time[rows], UNIT.sample_period_s
@@ -78,7 +78,7 @@ def test_lines_hold_what_the_library_makes_of_the_bytes_that_came(
     assert np.abs(found - expected).max() <= 1e-12 * np.abs(expected).max()
     assert "SIM-FOG3 SIM-5, 50 samples/s, calibration calibration.json" in reported
     assert reported.splitlines()[-1] == f"{n} samples, 0 lost, 0 gaps; stdout: 0 samples dropped"
-    again = ["stream", f"replay:{journal}", "--speed", "0", "--calibration", calibration]
+    again = ["stream", f"replay:{recording}", "--speed", "0", "--calibration", calibration]
     with Program(*again) as program:
         replayed = {line["t_s"]: line for line in lines_of(program.end()[1])}
     assert [replayed[line["t_s"]]["omega_x_rad_s"] for line in lines] == found[:, 3].tolist()

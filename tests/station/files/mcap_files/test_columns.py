@@ -16,7 +16,7 @@ from station.files.mcap_files.gnss_file import FixWriter, read_fixes
 from station.files.mcap_files.messages import columns
 from station.files.mcap_files.schemas import COUNTS, MESSAGES, RATES, RAW_TOPIC
 from station.stream.reader.messages import Chunk
-from station.stream.reader.raw_journal import Journal
+from station.stream.reader.raw_recording import RawRecording
 from tests.station.files.mcap_files.test_mcap_files import HOST, block
 
 WHOLE = st.integers(-(2**63), 2**63 - 1) | st.just(0)
@@ -115,8 +115,8 @@ def fixes(path: Path) -> None:
     writer.close()
 
 
-def journal(path: Path) -> None:
-    made = Journal(path, {"url": "here"}, lambda error: pytest.fail(str(error)), RAW_TOPIC)
+def recording(path: Path) -> None:
+    made = RawRecording(path, {"url": "here"}, lambda error: pytest.fail(str(error)), RAW_TOPIC)
     made.put(Chunk(HOST, b"abc"))
     made.close()
 
@@ -124,7 +124,7 @@ def journal(path: Path) -> None:
 WRITERS: list[tuple[Callable[[Path], None], Callable[[Path], int]]] = [
     (step, lambda path: len(read_step(path))),
     (fixes, lambda path: len(read_fixes(path))),
-    (journal, lambda path: len(read_step(path).raw)),
+    (recording, lambda path: len(read_step(path).raw)),
 ]
 
 

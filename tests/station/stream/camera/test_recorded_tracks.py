@@ -15,7 +15,7 @@ from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC
 from station.locate.tracks_from_images import follow_all
 from station.stream.camera import recorded_tracks
 from station.stream.reader import Chunk
-from station.stream.reader.raw_journal import Journal
+from station.stream.reader.raw_recording import RawRecording
 from tests.procedures.fusion.rendered import FOCAL, HEIGHT, WIDTH, Scene, frames
 
 cv2 = pytest.importorskip("cv2", reason="opencv is not installed: the extra `camera`")
@@ -43,10 +43,10 @@ def part(jpeg: bytes, stamp_s: float | None) -> bytes:
 def record(folder: Path, images: Sequence[tuple[float, bytes, float | None]]) -> None:
     """Write images as they came: when [s of the station's clock], what, and the camera's own stamp [s]."""
     failures = list[Exception]()
-    journal = Journal(folder / "camera_session_1.mcap", {}, failures.append, CAMERA_RAW_TOPIC)
+    recording = RawRecording(folder / "camera_session_1.mcap", {}, failures.append, CAMERA_RAW_TOPIC)
     for at, jpeg, stamp in images:
-        journal.put(Chunk(round(at * NS), part(jpeg, stamp)))
-    journal.close()
+        recording.put(Chunk(round(at * NS), part(jpeg, stamp)))
+    recording.close()
     assert not failures
     (folder / "camera.toml").write_text(camera_toml(CAMERA, "camera:http://127.0.0.1:1/stream"))
 

@@ -50,9 +50,9 @@ def test_site_time_rate_and_files_come_from_one_receiver(tmp_path: Path) -> None
     assert utc is not None
     assert utc == pytest.approx(true, abs=longer(0.05) * 10)  # 50 ms of the host
     assert abs(site.latitude - np.radians(48.1)) * 6.37e6 < 4 * site.horizontal_std
-    (journal,) = tmp_path.glob("gnss_session_*.mcap")
-    (fixes,) = set(tmp_path.glob("gnss_*.mcap")) - {journal}
-    with journal.open("rb") as stream:
+    (recording,) = tmp_path.glob("gnss_session_*.mcap")
+    (fixes,) = set(tmp_path.glob("gnss_*.mcap")) - {recording}
+    with recording.open("rb") as stream:
         assert {channel.topic for _, channel, _ in make_reader(stream).iter_messages()} == {"/gnss/raw"}
     with fixes.open("rb") as stream:
         written = [

@@ -144,7 +144,7 @@ class Run:
         ) as device:
             if port:
                 device.device.chunk = once_read(device.device.chunk, port)
-            with Reader(device.url, folder / "journal.mcap") as reader, BenchControl(device.control) as hands:
+            with Reader(device.url, folder / "recording.mcap") as reader, BenchControl(device.control) as hands:
                 wire = wire_of(reader.address)
                 assert wire is not None
                 self.feed = WatchedFeed(reader, wire, speed)

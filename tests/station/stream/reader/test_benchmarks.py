@@ -17,7 +17,7 @@ def test_a_replugged_device_is_back_within_3_s_and_nothing_reaches_over_the_gap(
 
 def test_a_station_frozen_under_a_device_of_1_khz_misses_no_frame(tmp_path: Path) -> None:
     speed = paced(5.0)
-    got = freeze(tmp_path / "journal.mcap", speed)
-    assert (got.station.missing, got.journal.missing) == (0, 0), got
+    got = freeze(tmp_path / "recording.mcap", speed)
+    assert (got.station.missing, got.recording.missing) == (0, 0), got
     assert got.blind_s > 0.9 * FROZEN_S / speed
-    assert min(got.station.samples, got.journal.samples) >= 5000
+    assert min(got.station.samples, got.recording.samples) >= 5000

@@ -1,4 +1,4 @@
-"""The reader process on a camera's stream: its images, a hang-up, and every byte in the journal."""
+"""The reader process on a camera's stream: its images, a hang-up, and every byte in the recording."""
 
 import time
 from pathlib import Path
@@ -37,8 +37,8 @@ def collect(reader: Reader | RestartingReader, images: int, marks: int = 0) -> G
     return got
 
 
-def journalled(folder: Path) -> bytes:
-    """Return all bytes in the journals of a folder."""
+def recorded(folder: Path) -> bytes:
+    """Return all bytes in the recordings of a folder."""
     found = b""
     for path in sorted(folder.glob("*.mcap")):
         with path.open("rb") as stream:
@@ -47,7 +47,7 @@ def journalled(folder: Path) -> bytes:
     return found
 
 
-def test_images_come_through_a_hang_up_and_every_byte_is_in_the_journal(tmp_path: Path) -> None:
+def test_images_come_through_a_hang_up_and_every_byte_is_in_the_recording(tmp_path: Path) -> None:
     with (
         SimulatedCamera(Truth(), seed=None) as camera,
         RestartingReader(camera.url, tmp_path, "camera_session") as reader,
@@ -65,7 +65,7 @@ def test_images_come_through_a_hang_up_and_every_byte_is_in_the_journal(tmp_path
     stamps = [image.device_ns or 0 for image in [*images, *more[2]]]
     assert stamps == sorted(set(stamps))
     sent = b"".join(chunk.data for chunk in [*chunks, *more[0]])
-    assert journalled(tmp_path).startswith(sent)
+    assert recorded(tmp_path).startswith(sent)
     assert [path.name[:15] for path in tmp_path.iterdir()] == ["camera_session_"]
     assert camera.failure is None
 

@@ -28,7 +28,7 @@ class Watched:
         link = folder / "can"
         served = SimulatedDevice(TRUTH, 5, speed=speed, transport="slcan", link=link, faults=faults, hold=True)
         with served as device:
-            with Reader(device.url, folder / "journal.mcap") as reader:
+            with Reader(device.url, folder / "recording.mcap") as reader:
                 wire = wire_of(reader.address)
                 assert wire is not None
                 self.stream, self.marks, self.pieces = SampleStream(wire), list[StreamGap](), list[DecodedChunk]()

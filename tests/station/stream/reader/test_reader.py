@@ -57,8 +57,8 @@ def data_of(items: list[Chunk | StreamGap]) -> bytes:
 
 
 @pytest.fixture
-def journal(tmp_path: Path) -> Path:
-    return tmp_path / "journal.mcap"
+def file(tmp_path: Path) -> Path:
+    return tmp_path / "recording.mcap"
 
 
 @pytest.fixture
@@ -70,10 +70,10 @@ def line() -> Iterator[tuple[int, str]]:
     os.close(near)
 
 
-def test_the_station_and_the_journal_get_the_same_bytes(journal: Path) -> None:
-    with SimulatedDevice(Truth.example(1), 1, speed=paced(50.0)) as device, Reader(device.url, journal) as reader:
+def test_the_station_and_the_recording_get_the_same_bytes(file: Path) -> None:
+    with SimulatedDevice(Truth.example(1), 1, speed=paced(50.0)) as device, Reader(device.url, file) as reader:
         items = collect(reader, 500)
-    recorded = read_step(journal)
+    recorded = read_step(file)
     assert recorded.damage is None
     got = data_of(items)
     assert b"".join(data for _, data in recorded.raw)[: len(got)] == got
@@ -82,57 +82,57 @@ def test_the_station_and_the_journal_get_the_same_bytes(journal: Path) -> None:
     assert abs(stamps[0] - time.time_ns()) < RECENT_S * 1e9  # counted from the epoch
 
 
-def test_an_unplugged_port_is_opened_again_and_the_gap_is_marked_twice(journal: Path, tmp_path: Path) -> None:
+def test_an_unplugged_port_is_opened_again_and_the_gap_is_marked_twice(file: Path, tmp_path: Path) -> None:
     faults = [Fault("unplug", at_s=2.0, seconds=1.0), Fault("unplug", at_s=6.0, seconds=1.0)]
     link = tmp_path / "imu"
     with SimulatedDevice(Truth.example(1), 1, speed=paced(5.0), faults=faults, link=link, hold=True) as device:
-        with Reader(device.url, journal) as reader, BenchControl(device.control) as hands:
+        with Reader(device.url, file) as reader, BenchControl(device.control) as hands:
             hands.go()
             items = collect(reader, 350)
         marks = [item for item in items if isinstance(item, StreamGap)]
     assert [mark.is_open for mark in marks] == [False, True, False, True]
     assert "lost" in marks[0].reason
     assert "back after" in marks[1].reason
-    with journal.open("rb") as stream:
+    with file.open("rb") as stream:
         records = [m for m in make_reader(stream).iter_metadata() if m.name == "station.gap"]
     assert [int(m.metadata["host_ns"]) for m in records] == [mark.host_ns for mark in marks]
 
 
-def test_the_journal_survives_the_death_of_its_process(journal: Path) -> None:
-    with SimulatedDevice(Truth.example(1), 1, speed=paced(50.0)) as device, Reader(device.url, journal) as reader:
-        items, empty = list[Chunk | StreamGap](), journal.stat().st_size
-        while journal.stat().st_size == empty:  # until the first flush
+def test_the_recording_survives_the_death_of_its_process(file: Path) -> None:
+    with SimulatedDevice(Truth.example(1), 1, speed=paced(50.0)) as device, Reader(device.url, file) as reader:
+        items, empty = list[Chunk | StreamGap](), file.stat().st_size
+        while file.stat().st_size == empty:  # until the first flush
             items += reader.poll(1.0)
         os.kill(reader.pid, signal.SIGKILL)
         with pytest.raises(LinkLost):
             rest_of(reader)
-    recorded = read_step(journal)
+    recorded = read_step(file)
     assert recorded.damage is not None
     kept = b"".join(data for _, data in recorded.raw)
     assert 0 < len(kept)
     assert data_of(items).startswith(kept[: len(data_of(items))])
 
 
-def test_a_replay_ends_after_all_of_its_bytes(journal: Path, tmp_path: Path) -> None:
+def test_a_replay_ends_after_all_of_its_bytes(file: Path, tmp_path: Path) -> None:
     content = FORMATS["counts"].example * 5000
     (tmp_path / "raw.bin").write_bytes(content)
-    with Reader(f"replay:{tmp_path / 'raw.bin'}?format=counts", journal) as reader:
+    with Reader(f"replay:{tmp_path / 'raw.bin'}?format=counts", file) as reader:
         assert data_of(rest_of(reader)) == content
         with pytest.raises(ReplayEnded):
             reader.poll(1.0)
 
 
-def test_a_missing_port_is_reported_as_it_is(journal: Path) -> None:
-    with refused(PortNotFound, ErrorCode.DEVICE, port="/dev/ttyNONE"), Reader("serial:///dev/ttyNONE", journal):
+def test_a_missing_port_is_reported_as_it_is(file: Path) -> None:
+    with refused(PortNotFound, ErrorCode.DEVICE, port="/dev/ttyNONE"), Reader("serial:///dev/ttyNONE", file):
         pass
-    assert not journal.exists()
+    assert not file.exists()
 
 
-def test_a_journal_is_never_overwritten(journal: Path, line: tuple[int, str]) -> None:
-    journal.write_text("here before")
-    with pytest.raises(CannotWrite), Reader(line[1], journal):
+def test_a_recording_is_never_overwritten(file: Path, line: tuple[int, str]) -> None:
+    file.write_text("here before")
+    with pytest.raises(CannotWrite), Reader(line[1], file):
         pass
-    assert journal.read_text() == "here before"
+    assert file.read_text() == "here before"
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from drivers.can.frame_record import WheelReading, pack
 from drivers.simulated.companions.wheel_on_can import DBC, wheel_toml
 from station.files.mcap_files.schemas import RAW_TOPIC, WHEEL_RAW_TOPIC
 from station.stream.reader import Chunk, StreamGap
-from station.stream.reader.raw_journal import Journal
+from station.stream.reader.raw_recording import RawRecording
 from station.stream.wheel import WheelDescription, WheelFeed, read_description, recorded_wheel
 
 NS = 10**9
@@ -105,10 +105,10 @@ def test_a_port_that_went_is_reported_and_once_back_it_has_as_long_for_a_speed(b
 
 def record(folder: Path, number: int, chunks: list[Chunk], topic: str = WHEEL_RAW_TOPIC) -> None:
     failures = list[Exception]()
-    journal = Journal(folder / f"wheel_session_{number}.mcap", {}, failures.append, topic)
+    recording = RawRecording(folder / f"wheel_session_{number}.mcap", {}, failures.append, topic)
     for chunk in chunks:
-        journal.put(chunk)
-    journal.close()
+        recording.put(chunk)
+    recording.close()
     assert not failures
 
 

@@ -1,4 +1,4 @@
-"""The raw journal: everything in order, on the disk before its end, and a disk that refuses is told once."""
+"""The raw recording: everything in order, on the disk before its end, and a disk that refuses is told once."""
 
 import errno
 import os
@@ -14,8 +14,8 @@ from station.errors import CannotWrite, DiskFull
 from station.files.mcap_files import read_step
 from station.files.mcap_files.schemas import MESSAGES, RAW, RAW_TOPIC
 from station.stream.reader import Chunk, StreamGap
-from station.stream.reader import raw_journal as journal_module
-from station.stream.reader.raw_journal import Journal
+from station.stream.reader import raw_recording as recording_module
+from station.stream.reader.raw_recording import RawRecording
 from tests.patience import HANG_S
 from tests.refusals import refused
 
@@ -27,14 +27,14 @@ def fail(error: CannotWrite) -> None:
 
 
 def test_bytes_gaps_and_the_sessions_begin_stand_in_it_in_order(tmp_path: Path) -> None:
-    journal = Journal(tmp_path / "a.mcap", {"url": "here", "program": "station"}, fail, "/a/topic")
+    recording = RawRecording(tmp_path / "a.mcap", {"url": "here", "program": "station"}, fail, "/a/topic")
     for i in range(50):
-        journal.put(Chunk(HOST + i, bytes([i, 0, 255])))
-    journal.put(StreamGap(HOST + 50, "port lost: gone", False))
-    journal.put(StreamGap(HOST + 60, "port back after 1 s", True))
-    journal.put(Chunk(HOST + 70, b""))
-    journal.close()
-    with journal.path.open("rb") as stream:
+        recording.put(Chunk(HOST + i, bytes([i, 0, 255])))
+    recording.put(StreamGap(HOST + 50, "port lost: gone", False))
+    recording.put(StreamGap(HOST + 60, "port back after 1 s", True))
+    recording.put(Chunk(HOST + 70, b""))
+    recording.close()
+    with recording.path.open("rb") as stream:
         reader = make_reader(stream, validate_crcs=True)
         assert [(each.name, each.metadata) for each in reader.iter_metadata()] == [
             ("station.session", {"url": "here", "program": "station"}),
@@ -55,8 +55,8 @@ def test_bytes_gaps_and_the_sessions_begin_stand_in_it_in_order(tmp_path: Path) 
 def test_what_came_is_on_the_disk_while_the_session_goes_on(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(journal_module, "FLUSH_S", 0.01)
-    monkeypatch.setattr(journal_module, "SYNC_S", 0.02)
+    monkeypatch.setattr(recording_module, "FLUSH_S", 0.01)
+    monkeypatch.setattr(recording_module, "SYNC_S", 0.02)
     path, there, real = tmp_path / "a.mcap", Event(), os.fsync
 
     def fsync(descriptor: int) -> None:
@@ -65,27 +65,28 @@ def test_what_came_is_on_the_disk_while_the_session_goes_on(
             there.set()
 
     monkeypatch.setattr(os, "fsync", fsync)
-    journal = Journal(path, {}, fail, RAW_TOPIC)
+    recording = RawRecording(path, {}, fail, RAW_TOPIC)
     assert not there.is_set()
-    journal.put(Chunk(HOST, b"abc"))
+    recording.put(Chunk(HOST, b"abc"))
     assert there.wait(HANG_S)
-    journal.close()
+    recording.close()
     assert read_step(path).damage is None
 
 
 def test_at_its_end_the_data_are_on_the_disk_before_the_end_is(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    journal, found, real = Journal(tmp_path / "a.mcap", {}, fail, RAW_TOPIC), list[tuple[int, bool]](), os.fsync
+    recording = RawRecording(tmp_path / "a.mcap", {}, fail, RAW_TOPIC)
+    found, real = list[tuple[int, bool]](), os.fsync
 
     def fsync(descriptor: int) -> None:
         real(descriptor)
-        read = read_step(journal.path)
+        read = read_step(recording.path)
         found.append((len(read.raw), read.damage is None))
 
     monkeypatch.setattr(os, "fsync", fsync)
-    journal.put(Chunk(HOST, b"abc"))
-    journal.close()
+    recording.put(Chunk(HOST, b"abc"))
+    recording.close()
     assert found[-2:] == [(1, False), (1, True)]
 
 
@@ -100,9 +101,9 @@ def test_the_beginning_is_on_the_disk_before_anything_comes(
         synced.append((path.stat().st_size, is_file))
 
     monkeypatch.setattr(os, "fsync", fsync)
-    journal = Journal(path, {"url": "here"}, fail, RAW_TOPIC)
+    recording = RawRecording(path, {"url": "here"}, fail, RAW_TOPIC)
     begun = list(synced)
-    journal.close()
+    recording.close()
     assert [is_file for _, is_file in begun] == [True, False]  # the file, then its name
     assert begun[0][0] > 0
 
@@ -120,22 +121,22 @@ def test_a_disk_that_refuses_is_reported_once_with_the_files_name(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     failures = list[CannotWrite]()
-    journal = Journal(tmp_path / "a.mcap", {}, failures.append, RAW_TOPIC)
+    recording = RawRecording(tmp_path / "a.mcap", {}, failures.append, RAW_TOPIC)
 
     def full(descriptor: int) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
 
     monkeypatch.setattr(os, "fsync", full)
     for i in range(10):
-        journal.put(Chunk(HOST + i, b"abc"))
-    journal.close()
+        recording.put(Chunk(HOST + i, b"abc"))
+    recording.close()
     (failure,) = failures
     assert isinstance(failure, DiskFull)
-    assert failure.path == str(journal.path)
-    assert not is_open(journal.path)
+    assert failure.path == str(recording.path)
+    assert not is_open(recording.path)
 
 
-def test_a_disk_that_refuses_the_beginning_refuses_the_journal(
+def test_a_disk_that_refuses_the_beginning_refuses_the_recording(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def full(descriptor: int) -> None:
@@ -143,13 +144,13 @@ def test_a_disk_that_refuses_the_beginning_refuses_the_journal(
 
     monkeypatch.setattr(os, "fsync", full)
     with refused(DiskFull, ErrorCode.DISK_FULL, "a.mcap") as refusal:
-        Journal(tmp_path / "a.mcap", {}, fail, RAW_TOPIC)
+        RawRecording(tmp_path / "a.mcap", {}, fail, RAW_TOPIC)
     assert not is_open(tmp_path / "a.mcap")
-    del refusal  # until here its traceback holds the journal
+    del refusal  # until here its traceback holds the recording
 
 
-def test_a_journal_that_is_there_is_not_written_over(tmp_path: Path) -> None:
+def test_a_recording_that_is_there_is_not_written_over(tmp_path: Path) -> None:
     (tmp_path / "a.mcap").write_bytes(b"of another session")
     with pytest.raises(CannotWrite):
-        Journal(tmp_path / "a.mcap", {}, fail, RAW_TOPIC)
+        RawRecording(tmp_path / "a.mcap", {}, fail, RAW_TOPIC)
     assert (tmp_path / "a.mcap").read_bytes() == b"of another session"

@@ -1,4 +1,4 @@
-"""The session's raw journal: every byte as read, in MCAP, on its own thread so that a slow disk stalls no read.
+"""The session's raw recording: every byte as read, in MCAP, on its own thread so that a slow disk stalls no read.
 
 Chunks are closed every 0.2 s and on the disk every 0.5 s. Gaps and the session's start stand in it
 as metadata records ``station.gap`` and ``station.session``.
@@ -24,7 +24,7 @@ SYNC_S = 0.5
 SESSION, GAP = "station.session", "station.gap"
 
 
-class Journal:
+class RawRecording:
     """Writes what it is given, in order; ``on_failure`` is called once, on its thread, if it no longer can."""
 
     def __init__(
@@ -46,7 +46,7 @@ class Journal:
         except OSError as error:
             self._leave()
             raise cannot_write(path, error) from error
-        self._thread = threading.Thread(target=self._run, name="journal", daemon=True)
+        self._thread = threading.Thread(target=self._run, name="recording", daemon=True)
         self._thread.start()
 
     def put(self, item: Item) -> None:
