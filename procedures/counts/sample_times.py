@@ -224,6 +224,7 @@ WRAP_DECIMALS = (1e3, 6e4, 1e6, 3.6e6, 6e7, 1e9, 8.64e7, 6.048e8, 3.6e9, 8.64e10
 WRAP_SECONDS = (1.0, 60.0, 3600.0, 43200.0, 86400.0, 604800.0)  # of the minute, hour, day, week
 SAME_WRAP_STEPS = 3.0  # usual steps, within which wraps are of one modulus
 MAX_SHARE_OUT_OF_ORDER = 0.05  # of the rows: more are no late ones
+MIN_ROOM = 0.75  # of a sample period, that a row of a shared stamp has: half of it is too little
 MIN_WRAP_STEPS = 8.0  # usual steps that a stamp must fall back for a wrap
 
 
@@ -306,15 +307,23 @@ def _modulus(stamps: FloatArray, step: FloatArray, wrapped: IntArray, usual: flo
 def _spread(t: FloatArray, usual: float) -> tuple[FloatArray, int]:
     """Return times (n,) [s] whose rows of one stamp lie evenly between it and the one before, and their number.
 
-    ``usual`` [s] is the step between stamps, for rows of the first.
+    A stamp that stood still lies in a step that is too short for its rows, and the step after it is long enough
+    for them: its first row keeps it, and the others go into that step. ``usual`` [s] is the step between stamps,
+    for rows of the first.
     """
     begins = np.flatnonzero(np.concatenate(([True], np.diff(t) > 0)))
     if len(begins) == len(t):
         return t, 0
     size = np.diff(np.append(begins, len(t)))
-    stamp = t[begins]
-    before = np.concatenate(([stamp[0] - usual], stamp[:-1]))
-    within = np.arange(len(t)) - np.repeat(begins, size) + 1
-    share = within / np.repeat(size, size)
-    spread: FloatArray = np.repeat(before, size) + share * np.repeat(stamp - before, size)
-    return spread, len(t) - len(begins)
+    step = np.diff(t[begins], prepend=t[0] - usual)
+    period = float(np.median(step / size))
+    room = np.append(
+        step[1:] / (size[:-1] + size[1:] - 1), 0.0
+    )  # of each row, if those of the stamp are in it too
+    stood_still = (size > np.median(size)) & (step / size < MIN_ROOM * period) & (room > MIN_ROOM * period)
+    stamped = begins + np.where(stood_still, 0, size - 1)  # the row of each stamp that has its time
+    rows = np.arange(len(t))
+    times: FloatArray = np.interp(rows, stamped, t[begins])
+    first = rows[: stamped[0]]
+    times[first] = t[0] - usual * (stamped[0] - first) / size[0]
+    return times, len(t) - len(begins)

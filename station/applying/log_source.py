@@ -123,9 +123,9 @@ class LogSource:
         row = 0
         columns = [self.found.time] if self.found.time else [next(n for n in self._outputs if n)]
         for block in self.blocks_of.read(columns):
-            t, lines = self._times(block, row), _lines(block, row)
+            t = self._times(block, row)
             row += len(t)
-            yield t, self.stated.name, lines
+            yield t, self.stated.name, block.lines
 
     def blocks(self) -> Generator[Samples]:
         """Yield all rows, as `Source`; a channel of a triad that the log lacks is 0."""
@@ -144,9 +144,8 @@ class LogSource:
                 zero, per = TEMPERATURE_UNITS[found.temperature_unit]
                 temperature = (block.columns[found.temperature] - zero) * per
             auxiliary = {key: block.columns[name] for key, name in self.auxiliary.items()}
-            lines = _lines(block, row)
             row += n
-            yield Samples(t, values, temperature, auxiliary, block.done, self.stated.name, lines)
+            yield Samples(t, values, temperature, auxiliary, block.done, self.stated.name, block.lines)
 
     @property
     def _outputs(self) -> tuple[str | None, ...]:
@@ -197,12 +196,6 @@ def _compare_clocks(blocks: TableReader, found: LogColumns, is_stated: bool) -> 
     found.guesses.extend(
         compare_clocks(replace(blocks.head, columns=columns), found.time, found.unit_time, found.clocks, is_stated)
     )
-
-
-def _lines(block: Block, before: int) -> Sequence[int]:
-    """Return each row's line in the file, or of a file without lines its number."""
-    n = len(next(iter(block.columns.values())))
-    return block.lines or range(before + 1, before + n + 1)
 
 
 def step_source(file: Path, stated: Stated) -> LogSource:

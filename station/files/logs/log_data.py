@@ -137,16 +137,14 @@ def log_data(found: LogColumns, rate_hz: float | None, name: str) -> tuple[Table
     columns |= _auxiliary_columns(found, keep, notes)
     if found.utc is not None:
         columns["utc_s"] = found.unit_utc.linear(table.column(found.utc)[keep]) * found.unit_utc.seconds
+    lines = table.lines if keep.all() else [table.line(row) for row in np.flatnonzero(keep).tolist()]
     if reference is not None and found.degrees_per_angle is not None:
-        columns = rates_of_angle(found, columns, reference[keep] * found.degrees_per_angle, notes)
+        columns, lines = rates_of_angle(found, columns, reference[keep] * found.degrees_per_angle, notes), None
     elif reference is not None:
         columns = {"rate_ref_deg_s": reference[keep], **columns}
         columns = {each: values for each, values in columns.items() if each in _TURNTABLE}
-    return (
-        Table(Path(name), columns, table.sha256, range(2, 2 + int(keep.sum()))),
-        origin,
-        [f"{table.file.name}: {note}" for note in notes],
-    )
+    read = Table(Path(name), columns, table.sha256, lines)
+    return read, origin, [f"{table.file.name}: {note}" for note in notes]
 
 
 _TURNTABLE = ("rate_ref_deg_s", "t_s", *TRIADS["gyro"], "temp_c")
@@ -195,9 +193,8 @@ def _usable(parts: Sequence[FloatArray | None], rows: int) -> BoolArray:
 
 
 def _place(found: LogColumns, rows: BoolArray) -> str:
-    row = int(np.flatnonzero(rows)[0])
-    line = found.table.line(row)
-    return f"row {row + 1}" if line is None else f"line {line}"
+    word = "row" if found.table.lines is None else "line"
+    return f"{word} {found.table.line(int(np.flatnonzero(rows)[0]))}"
 
 
 def _times(

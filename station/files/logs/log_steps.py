@@ -174,8 +174,7 @@ def _guessed(columns: Table, imu: CampaignImuTable) -> tuple[LoadedStep, Table, 
     say = f"state --as turn:{'+' if turned.sign > 0 else '-'}{axis}, or --reference COL of a rate table"
     if turned.rest is None:
         return step, columns, [f"{columns.name}: it turns, {fast}: treated as a soak; {say}"]
-    kept = {name: part[turned.rest] for name, part in columns.columns.items()}
-    columns = replace(columns, columns=kept, lines=columns.lines and columns.lines[turned.rest])
+    columns = columns.rows_at(np.arange(columns.rows)[turned.rest])
     step = loaded_step(*step_table("soak", columns.name), columns, imu)
     rest = series.t[turned.rest]
     only = f"only the {len(rest) * series.period:.0f} s at rest from {rest[0]:.1f} s on are used, as a soak"

@@ -155,7 +155,8 @@ def _reader(file: Path, arrays: Mapping[str, _Array], held: Sequence[str], notes
                 found = dict[str, FloatArray]()
                 for name, take in takes.items():
                     found |= _columns(name, take(count))
-                yield Block({each: found[each] for each in wanted}, (begin + count) / rows)
+                lines = range(begin + 1, begin + count + 1)
+                yield Block({each: found[each] for each in wanted}, (begin + count) / rows, lines)
 
     return TableReader(
         Table(file, named, notes=notes, moments=moments), lambda wanted: undamaged(read(wanted), file)
@@ -302,8 +303,11 @@ def _opened(file: Path, batches: _Batches, expected: str) -> TableReader:
         )
 
     def read(wanted: Sequence[str]) -> Generator[Block]:
+        before = 0
         for batch, done in batches(file, list(wanted), BLOCK_ROWS):
-            yield Block({name: _numbers(batch.column(name)) for name in wanted}, done)
+            lines = range(before + 1, before + batch.num_rows + 1)
+            before += batch.num_rows
+            yield Block({name: _numbers(batch.column(name)) for name in wanted}, done, lines)
 
     head = Table(file, columns, moments=frozenset(moments))
     return TableReader(head, lambda wanted: undamaged(read(wanted), file))

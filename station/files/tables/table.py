@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from procedures.arrays import FloatArray
+from procedures.arrays import FloatArray, IntArray
 from procedures.errors import ErrorCode
 from station.errors import DataRefused
 
@@ -36,7 +36,8 @@ DAMAGED_WITHIN: tuple[type[Exception], ...] = (*DAMAGE, OSError)  # once a file 
 class Table:
     """Columns in their order, each (n,) float64, nan where a cell is empty; counts below 2^53 are exact.
 
-    ``lines`` (n,) are the rows' numbers of lines (text) or messages (MCAP), None where a file has neither.
+    ``lines`` (n,) are the rows' numbers of lines (text) or messages (MCAP) of the user's file, None where rows
+    count from 1.
     ``unreadable`` holds of a column its first cell that is no number: row and text. ``notes`` are what a reader
     had to assume; ``moments`` are columns of dates or clocks, in seconds since 1970 or since midnight.
     ``time_scale_s`` is how many seconds one unit of the time column is by the file's own header, None where that
@@ -67,9 +68,14 @@ class Table:
         """The number of rows."""
         return len(next(iter(self.columns.values())))
 
-    def line(self, row: int) -> int | None:
-        """Return the line or message number of a row, None where a file has none."""
-        return None if self.lines is None else self.lines[row]
+    def line(self, row: int) -> int:
+        """Return the number of a row's line or message in its file, of the row itself where a file has neither."""
+        return row + 1 if self.lines is None else self.lines[row]
+
+    def rows_at(self, rows: IntArray) -> "Table":
+        """Return a table of some rows, by their indices (m,), each still with its own line."""
+        columns = {name: column[rows] for name, column in self.columns.items()}
+        return replace(self, columns=columns, lines=[self.line(row) for row in rows.tolist()])
 
     def name_of(self, key: str) -> str:
         """Return the name of the column that ``key`` names, or numbers from 1.
@@ -115,13 +121,12 @@ class Table:
 class Block:
     """Rows of a table: columns by name, each (n,), nan where a cell is empty.
 
-    ``done`` is how much of the file has been read with them, 0 to 1. ``lines`` are their numbers, None where a
-    file has no lines.
+    ``done`` is how much of the file has been read with them, 0 to 1. ``lines`` are their numbers, as of `Table`.
     """
 
     columns: Mapping[str, FloatArray]
     done: float
-    lines: Sequence[int] | None = None
+    lines: Sequence[int]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -150,16 +155,16 @@ class TableReader:
 def in_blocks(table: Table) -> TableReader:
     """Return a table that had to be read as a whole, block by block."""
 
+    lines = table.lines or range(1, table.rows + 1)
+
     def read(wanted: Sequence[str]) -> Generator[Block]:
         columns = {name: table.column(name) for name in wanted}
         for begin in range(0, table.rows, BLOCK_ROWS):
             end = min(begin + BLOCK_ROWS, table.rows)
-            lines = None if table.lines is None else table.lines[begin:end]
-            yield Block({name: each[begin:end] for name, each in columns.items()}, end / table.rows, lines)
+            part = {name: each[begin:end] for name, each in columns.items()}
+            yield Block(part, end / table.rows, lines[begin:end])
 
-    lines = None if table.lines is None else table.lines[:HEAD_ROWS]
-    head = replace(table, columns={name: each[:HEAD_ROWS] for name, each in table.columns.items()}, lines=lines)
-    return TableReader(head, read, lambda: table)
+    return TableReader(table.rows_at(np.arange(table.rows)[:HEAD_ROWS]), read, lambda: table)
 
 
 def undamaged(blocks: Generator[Block], file: Path) -> Generator[Block]:

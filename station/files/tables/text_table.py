@@ -182,9 +182,9 @@ def _blocks(file: Path, form: TextForm, head: Table, wanted: Sequence[str]) -> G
         at += len(lines)
         table, before = part.table, damage.rows
         damage.add(part.damage)
-        line_of |= {before + row: table.line(row) or 0 for row in part.damage.places}
+        line_of |= {before + row: table.line(row) for row in part.damage.places}
         if table.rows:
-            yield Block({name: table.columns[name] for name in names}, done / size, table.lines)
+            yield Block({name: table.columns[name] for name in names}, done / size, table.lines or ())
     damage.note(form.layout, line_of.__getitem__, file)
     _refuse_text(file, form, damage, line_of, names)
 

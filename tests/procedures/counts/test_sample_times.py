@@ -168,6 +168,18 @@ def test_rows_a_little_out_of_order_stay_in_their_order() -> None:
     assert own_period(found.t) == pytest.approx(LOG_PERIOD, rel=1e-4)
 
 
+@pytest.mark.parametrize("length", [1, 2, 5])
+def test_a_stamp_that_stood_still_is_no_gap(length: int) -> None:
+    true = np.arange(2000) * LOG_PERIOD
+    stamps = true.copy()
+    for row in (0, 500, 1200):
+        stamps[row : row + length + 1] = stamps[row]
+    found = log_times(stamps, 1.0)
+    assert found.t == pytest.approx(true)
+    assert found.shared == 3 * length
+    assert sample_times(found.t, LOG_PERIOD).begins.tolist() == [0]
+
+
 @given(st.lists(st.floats(1e-3, 1.0), min_size=3, max_size=60))
 def test_stamps_that_rise_are_left_as_they_are(steps: list[float]) -> None:
     stamps = np.cumsum(steps)

@@ -74,6 +74,22 @@ def test_rows_without_a_number_are_lost_samples(tmp_path: Path) -> None:
     assert any("0.08 s" in warning for warning in found.loaded.warnings)
 
 
+def test_a_gap_is_named_by_the_line_of_the_file(tmp_path: Path) -> None:
+    columns = soak()
+    columns["ax"][[10, 20, 30]] = np.nan  # rows that are not used
+    columns = {name: np.delete(values, slice(100, 105)) for name, values in columns.items()}
+    found = campaign_of_logs([save(tmp_path / "log.csv", columns)], LogOptions())
+    assert [text.split(":")[1] for text in found.loaded.warnings if "a gap" in text] == ["13", "23", "33", "102"]
+
+
+def test_a_stamp_that_stood_still_is_no_gap(tmp_path: Path) -> None:
+    columns = soak()
+    columns["t"][500] = columns["t"][499]
+    found = campaign_of_logs([save(tmp_path / "log.csv", columns)], LogOptions())
+    assert any("1 rows have the time stamp of the row before" in note for note in found.notes)
+    assert not any("a gap" in text for text in found.loaded.warnings)
+
+
 def test_a_log_that_moves_and_rests_is_a_sequence(tmp_path: Path) -> None:
     columns = soak()
     rng = np.random.default_rng(5)

@@ -28,7 +28,7 @@ def test_npz_matrices_by_column_either_way_round(tmp_path: Path) -> None:
     assert list(found.columns) == ["t", "acc:1", "acc:2", "acc:3", "gyro:1", "gyro:2", "gyro:3"]
     assert found.column("acc:2") == pytest.approx(ACC[:, 1])
     assert found.column("gyro:3") == pytest.approx(ACC[:, 2])
-    assert found.line(3) is None
+    assert found.line(3) == 4
 
 
 def test_mat_variables_and_fields_of_structures(tmp_path: Path) -> None:

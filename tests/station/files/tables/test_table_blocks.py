@@ -37,7 +37,7 @@ def test_text_is_cut_between_lines_alone(tmp_path: Path, monkeypatch: pytest.Mon
     head = np.column_stack(list(found.head.columns.values()))
     assert len(head) in {2, 3, 4, 5, 6}
     assert np.array_equal(head, ROWS[: len(head)])
-    lines = [line for block in found.read(["t"]) for line in block.lines or ()]
+    lines = [line for block in found.read(["t"]) for line in block.lines]
     assert lines == list(range(2, 32))
 
 
