@@ -317,9 +317,7 @@ def _spread(t: FloatArray, usual: float) -> tuple[FloatArray, int]:
     size = np.diff(np.append(begins, len(t)))
     step = np.diff(t[begins], prepend=t[0] - usual)
     period = float(np.median(step / size))
-    room = np.append(
-        step[1:] / (size[:-1] + size[1:] - 1), 0.0
-    )  # of each row, if those of the stamp are in it too
+    room = np.append(step[1:] / (size[:-1] + size[1:] - 1), 0.0)  # of each row, with those of the stamp
     stood_still = (size > np.median(size)) & (step / size < MIN_ROOM * period) & (room > MIN_ROOM * period)
     stamped = begins + np.where(stood_still, 0, size - 1)  # the row of each stamp that has its time
     rows = np.arange(len(t))

@@ -1,6 +1,6 @@
 """Samples of any table and of a step's CSV file; units and time must agree with the calibration and --rate."""
 
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Generator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, replace
 from functools import partial
@@ -15,7 +15,7 @@ from procedures.effects.term.inputs import AUXILIARY
 from procedures.errors import ErrorCode
 from station.applying.source import Samples, Stated, Times, channels_by_column
 from station.errors import DataRefused
-from station.files.logs.header_guesses import guessed_time, split_unit
+from station.files.logs.header_guesses import guessed_time, split_unit, unit_of_triad
 from station.files.logs.log_columns import ColumnOptions, LogColumns, choose_columns
 from station.files.logs.time_units import CLOCK_ROWS, compare_clocks, unit_of_time
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW, TEMPERATURE_UNITS, outputs_per_unit
@@ -25,14 +25,6 @@ from station.files.tables.table import Block, TableReader
 MAX_TIMES_OFF = 1.25  # of a scale factor from what a unit makes it: two units differ by more
 MAX_RATE_OFF = 1e-2  # relative
 KNOWN = {"gyroscope": (GYRO_UNITS, "deg/s", "--unit-gyro"), "accelerometer": (ACCEL_UNITS, "g", "--unit-accel")}
-
-
-def unit_of_columns(stated: str | None, names: Sequence[str | None], known: Mapping[str, float]) -> str | None:
-    """Return the unit that was stated, or that the names of a triad's columns have in common; None of neither."""
-    if stated is not None:
-        return None if stated == RAW else stated
-    found = {split_unit(name)[1] for name in names if name}
-    return found.pop() if len(found) == 1 and found <= set(known) else None
 
 
 def refuse_other_units(stated: Stated, document: Mapping[str, Any]) -> None:
@@ -91,23 +83,22 @@ class LogSource:
                       auxiliary=tuple(asked | dict.fromkeys(names)))  # fmt: skip
         found = choose_columns(table.head, raw, partial(_stamps, table))
         _compare_clocks(table, found, stated.time is not None)
-        units = [
-            stated.unit_gyro,
-            stated.unit_accel,
-            *(split_unit(n)[1] for n in (*found.gyro, *found.accel) if n),
-        ]
-        rates = [unit for unit in units if unit in {*GYRO_UNITS, *ACCEL_UNITS} or (unit and "/" in unit)]
-        own_units = (
-            ("gyroscope", unit_of_columns(stated.unit_gyro, found.gyro, GYRO_UNITS)),
-            ("accelerometer", unit_of_columns(stated.unit_accel, found.accel, ACCEL_UNITS)),
-        )
+        header = list(table.head.columns)
+        units = {
+            "gyroscope": stated.unit_gyro or unit_of_triad(header, found.gyro, GYRO_UNITS),
+            "accelerometer": stated.unit_accel or unit_of_triad(header, found.accel, ACCEL_UNITS),
+        }
+        own_units = tuple((triad, unit) for triad, unit in units.items() if unit and unit != RAW)
+        named = [split_unit(name)[1] for name in (*found.gyro, *found.accel) if name]
+        rates = [unit for unit in (stated.unit_gyro, stated.unit_accel, *named)
+                 if unit in {*GYRO_UNITS, *ACCEL_UNITS} or (unit and "/" in unit)]  # fmt: skip
         auxiliary = channels_by_column(found.auxiliary, str(file))
         notes = tuple(guess for guess in found.guesses if "reference" not in guess)
         period = 1 / stated.rate_hz if stated.rate_hz else None
         has_temperature = found.temperature is not None
         text = Stated(
             str(file), rates_in=rates[0] if rates else "", period=period, temperature=has_temperature,
-            auxiliary=tuple(auxiliary), notes=notes, units=tuple((n, u) for n, u in own_units if u is not None),
+            auxiliary=tuple(auxiliary), notes=notes, units=own_units,
             triads=tuple(n for n, own in (("accelerometer", found.accel), ("gyroscope", found.gyro)) if any(own)),
             accelerometers=tuple(name is not None for name in found.accel),
         )  # fmt: skip

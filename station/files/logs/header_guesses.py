@@ -21,6 +21,7 @@ from station.files.output_units import (
     ACCEL_UNITS,
     GYRO_UNITS,
     OTHER_QUANTITIES,
+    RAW,
     SPELLED,
     TIME_UNITS,
     temperature_unit,
@@ -217,9 +218,9 @@ _UNITS: Mapping[str, Mapping[str, float]] = MappingProxyType(
 _TURNS = MappingProxyType({"x": r"p|roll(?:_?rate)?", "y": r"q|pitch(?:_?rate)?", "z": r"r|yaw(?:_?rate)?"})
 _SINGLE_GYRO = re.compile(rf"(?:.*[_./-])?(?:fog|rlg|{_GYRO})(?:_?raw)?")
 _REFERENCE = re.compile(r"(?!sampl)(?:.*_)?(?:ref|cmd|command|table|target|set_?point|rate|enc(?:oder)?)(?:_.*)?")
-_NO_SENSOR = re.compile(r"ref|cmd|command|table|target|set_?point|true|enc")
+_NO_SENSOR = re.compile(r"ref|cmd|command|table|target|set_?point|true|enc|gravity")
 _MAGNETIC = re.compile(r"(?:^|_)(?:mag|compass|field|[mbh]_?[xyz]$)")
-_GRAVITY_REMOVED = re.compile(r"(?:^|_)(?:lin(?:ear)?|user|free)_?acc")
+_GRAVITY_REMOVED = re.compile(r"(?:lin(?:ear)?|user|free)_?acc")
 _BARE = r"(?:.*_)?"
 _FILLER_WORD = r"(?:raw|data|out|cal)"
 _INDEX = re.compile(r"\[([0-2])\]")
@@ -239,9 +240,10 @@ def guessed_triad(names: Sequence[str], triad: str) -> list[str | None]:
     Columns of a matrix are x, y, z in their order, where it has three.
     """
     word = _WORDS[triad]
+    written = _written_out(names)
     names = sorted(names, key=lambda name: bool(_GRAVITY_REMOVED.search(_plain(name))))  # the last to be taken
-    kinds = _kinds(names)
-    found = [_of_axis(kinds, triad, axis) for axis in AXES]
+    written = {name: written[name] for name in names}
+    found = [_of_axis(written, triad, i) for i in range(len(AXES))]
     if any(found):
         return found
     matrix = re.compile(rf"((?:.*[_./])?{word}(?:_?raw)?):[0-9]+", re.IGNORECASE)
@@ -266,6 +268,13 @@ def guessed_reference(names: Sequence[str]) -> str | None:
     return next((name for name, called in plain if _REFERENCE.fullmatch(called)), None)
 
 
+def unit_of_triad(names: Sequence[str], columns: Sequence[str | None], known: Mapping[str, float]) -> str | None:
+    """Return the unit, one of ``known`` or raw, that the columns of a triad have in common; None of none."""
+    written = _written_out(names)
+    units = {split_unit(written[name])[1] for name in columns if name}
+    return units.pop() if len(units) == 1 and units <= {*known, RAW} else None
+
+
 def is_called_as_other(names: Sequence[str], columns: Sequence[str | None]) -> bool:
     """Return whether a column without a unit is called as one with a unit: a copy in counts, or another sensor."""
     decided = {_word(name) for name in names if sensor_of_unit(name)}
@@ -277,22 +286,27 @@ def is_by_letter_g(name: str) -> bool:
     return any(_pattern("g", axis).fullmatch(_plain(name)) for axis in AXES)
 
 
-def _of_axis(kinds: Mapping[str, str | None], triad: str, axis: str) -> str | None:
-    """Return the column whose unit and name say so, else its unit, else its name where its unit says nothing."""
-    own, any_word = _WORDS[triad], "|".join(_WORDS.values())
+def _of_axis(written: Mapping[str, str], triad: str, i: int) -> str | None:
+    """Return the column whose unit and name say so, else its unit, else its name where its unit says nothing.
+
+    A unit says enough of names that are no words of the sensor, as ``nx [g]``, where it has all three axes.
+    """
+    axis, own, any_word = AXES[i], _WORDS[triad], "|".join(_WORDS.values())
     called = _pattern(own, axis)
     bare = rf"|{_BARE}{axis}(?:_?axis)?"
     turns = rf"|{_BARE}(?:{_TURNS[axis]})" if triad == "gyroscope" else ""
     other = re.compile(rf"{_pattern(f'(?:{any_word})', axis).pattern}{bare}{turns}")
+    places = {_place(_plain(full)) for full in written.values() if sensor_of_unit(full) == triad}
     by_rank: dict[int, str] = {}
-    for name, kind in kinds.items():
-        base = _plain(name)
+    for name, full in written.items():
+        base, kind = _plain(full), sensor_of_unit(full)
+        family, at = _place(base)
         is_called = called.fullmatch(base) is not None
+        is_whole = at == i and places.issuperset((family, k) for k in range(3))
+        is_other = any(words.search(base) for words in (_MAGNETIC, _NO_SENSOR, _GRAVITY_REMOVED))
         if kind == triad and is_called:
             rank = 0
-        elif (
-            kind == triad and other.fullmatch(base) and not _MAGNETIC.search(base) and not _NO_SENSOR.search(base)
-        ):
+        elif kind == triad and (is_whole or other.fullmatch(base)) and not is_other:
             rank = 1
         elif kind is None and is_called:
             rank = 2
@@ -321,25 +335,48 @@ def _axis_of_index(found: re.Match[str]) -> str:
     return f"_{AXES[int(found[1])]}"
 
 
-def _family(base: str) -> str:
-    """Return a name without its axis: columns of one triad have it in common."""
-    return re.sub(r"[xyz](?=_?(?:axis|raw|data)?$)", "", base)
+_PLACES = tuple(
+    (re.compile(rf"(.*?)({'|'.join(axes)}){behind}"), axes)
+    for axes, behind in (
+        (AXES, rf"((?:_?axis)?(?:_?{_FILLER_WORD})?)"), (("roll", "pitch", "yaw"), r"((?:_?rate)?)"),
+        (("p", "q", "r"), "()"),
+    )
+)  # fmt: skip
+_IN_FRONT = re.compile(r"()([xyz])(.+)")  # x_acc, xacc
+_CONTINUED = re.compile(r"([yz])(?:_[0-9]+)?", re.IGNORECASE)  # numbered where several are called so
 
 
-def _kinds(names: Sequence[str]) -> dict[str, str | None]:
-    """Return the kind of each column that its unit decides, or the units of others of its family.
+def _place(base: str) -> tuple[str, int | None]:
+    """Return what the columns of a triad have in common of a name, and which axis it is, None of none."""
+    for pattern, axes in (*_PLACES, (_IN_FRONT, AXES)):
+        if found := pattern.fullmatch(base):
+            return f"{found[1]}{{{axes[0]}}}{found[3]}", axes.index(found[2])
+    return base, None
 
-    Of a column that is called as one with a unit, as ``gx`` alongside ``gx (g)``, nothing is decided: None.
+
+def _written_out(names: Sequence[str]) -> dict[str, str]:
+    """Return each name as it is where word and unit stand in every name of a triad: once is enough for people.
+
+    ``ny`` next to ``nx [g]`` is ``ny [g]``; ``y`` behind ``ax [g]`` is ``ay [g]``. A name that stands there with a
+    unit as well, as ``gx`` alongside ``gx (g)``, stays as it is.
     """
-    kinds = {name: sensor_of_unit(name) for name in names}
-    decided = {_plain(name) for name, kind in kinds.items() if kind is not None}
-    families: dict[str, set[str]] = {}
-    for name, kind in kinds.items():
-        if kind is not None:
-            families.setdefault(_family(_plain(name)), set()).add(kind)
-    found = dict[str, str | None]()
-    for name, kind in kinds.items():
-        its = families.get(_family(_plain(name)), set[str]())
-        inherits = kind is None and len(its) == 1 and _plain(name) not in decided
-        found[name] = next(iter(its)) if inherits else kind
+    bases = {name: _plain(name) for name in names}
+    units: dict[str, set[str]] = {}
+    for name in names:
+        if unit := split_unit(name)[1]:
+            units.setdefault(_place(bases[name])[0], set()).add(unit)
+    stated = {bases[name] for name in names if split_unit(name)[1]}
+    found = dict(zip(names, names, strict=True))
+    for i, name in enumerate(names):
+        if split_unit(name)[1]:
+            continue
+        its = units.get(_place(bases[name])[0], set())
+        if len(its) == 1 and bases[name] not in stated:
+            found[name] = f"{name} [{next(iter(its))}]"
+        elif (follows := _CONTINUED.fullmatch(name.strip())) and i:
+            k = AXES.index(follows[1].lower())
+            family, at = _place(bases[names[i - k]]) if i >= k else ("", None)
+            full = family.replace("{x}", follows[1].lower())
+            if at == 0 and (unit := split_unit(names[i - k])[1]) and full not in stated:
+                found[name] = f"{full} [{unit}]"
     return found

@@ -1,6 +1,6 @@
 """Which columns of a log hold what: as stated, else as its header says, and their units."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from shlex import quote
 
@@ -23,6 +23,7 @@ from station.files.logs.header_guesses import (
     is_called_as_other,
     split_unit,
     unit_by_logger,
+    unit_of_triad,
 )
 from station.files.logs.time_units import compare_clocks, other_clocks, unit_of_time
 from station.files.logs.unit_checks import temperature_column
@@ -120,11 +121,11 @@ def choose_columns(
             code=ErrorCode.COLUMNS,
         )
     temperature, temperature_unit = temperature_column(table, stated.temperature, free, guesses)
-    unit_gyro = stated.unit_gyro or _unit(gyro, guesses, "gyroscopes", list(GYRO_UNITS))
+    unit_gyro = stated.unit_gyro or _unit(names, gyro, guesses, "gyroscopes", GYRO_UNITS)
     unit_gyro = unit_gyro or unit_by_logger(names, gyro, "gyro", guesses)
     if unit_gyro is None and any(gyro):
         guesses.append("gyroscopes have no unit: their values are outputs. Name it with --unit-gyro.")
-    unit_accel = stated.unit_accel or _unit(accel, guesses, "accelerometers", list(ACCEL_UNITS))
+    unit_accel = stated.unit_accel or _unit(names, accel, guesses, "accelerometers", ACCEL_UNITS)
     unit_accel = unit_accel or unit_by_logger(names, accel, "accel", guesses)
     if angle is not None:
         guesses.append(f"{reference} is an angle, {angle:.6g} deg a unit")
@@ -239,12 +240,12 @@ def _reference_unit(reference: str | None, guesses: list[str]) -> float:
     return GYRO_UNITS[unit]
 
 
-def _unit(columns: Sequence[str | None], guesses: list[str], what: str, known: Sequence[str]) -> str | None:
-    units = {split_unit(name)[1] for name in columns if name}
-    if len(units) == 1 and (unit := units.pop()) in (*known, RAW):
+def _unit(
+    names: Sequence[str], columns: Sequence[str | None], guesses: list[str], what: str, known: Mapping[str, float]
+) -> str | None:
+    if unit := unit_of_triad(names, columns, known):
         guesses.append(f"{what} in {unit}")
-        return unit
-    return None
+    return unit
 
 
 def _by_gravity(table: Table, accel: Sequence[str | None], guesses: list[str]) -> str | None:

@@ -154,7 +154,6 @@ class TableReader:
 
 def in_blocks(table: Table) -> TableReader:
     """Return a table that had to be read as a whole, block by block."""
-
     lines = table.lines or range(1, table.rows + 1)
 
     def read(wanted: Sequence[str]) -> Generator[Block]:

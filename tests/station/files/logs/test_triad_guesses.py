@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from station.files.logs.header_guesses import guessed_triad, sensor_of_unit, split_unit
+from station.files.logs.header_guesses import guessed_triad, sensor_of_unit, split_unit, unit_of_triad
 from station.files.logs.log_columns import ColumnOptions, choose_columns
-from station.files.output_units import unit_named
+from station.files.output_units import ACCEL_UNITS, unit_named
 from station.files.tables.reader import read_table
 
 HEADERS = [  # names, gyroscopes, accelerometers
@@ -53,6 +53,20 @@ HEADERS = [  # names, gyroscopes, accelerometers
      "linear_acceleration.x;linear_acceleration.y;linear_acceleration.z"),
     ("t;pos_x [m];pos_y [m];pos_z [m];vel_x [m/s];vel_y [m/s];vel_z [m/s]", "", ""),
     ("t;ax [m/s];ay [m/s];az [m/s]", "", ""),  # velocity increments
+    ("t;nx [g];ny;nz;wx [deg/s];wy;wz", "wx [deg/s];wy;wz", "nx [g];ny;nz"),  # load factors
+    ("t;Nx (g);Ny (g);Nz (g);p [deg/s];q;r", "p [deg/s];q;r", "Nx (g);Ny (g);Nz (g)"),
+    ("t;nx_g;ny_g;nz_g", "", "nx_g;ny_g;nz_g"),
+    ("t;ax [m/s^2];y;z", "", "ax [m/s^2];y;z"),  # the word stands once, too
+    ("t;Accel X (g);Y;Z;Gyro X (deg/s);Y_2;Z_2", "Gyro X (deg/s);Y_2;Z_2", "Accel X (g);Y;Z"),
+    ("t;roll_rate [deg/s];pitch_rate;yaw_rate;xacc [mg];yacc;zacc", "roll_rate [deg/s];pitch_rate;yaw_rate",
+     "xacc [mg];yacc;zacc"),
+    ("t;nx;ny;nz [g]", "", "nx;ny;nz [g]"),
+    ("t;Bx [G];By;Bz;rx [rad/s];ry;rz", "rx [rad/s];ry;rz", ""),
+    ("t;mx [uT];y;z", "", ""),
+    ("t;vx [m/s];y;z;Vx [m/s];Vy;Vz", "", ""),
+    ("t;max [g];y", "", ""),
+    ("t;motionGravityX(G);motionGravityY(G);motionGravityZ(G)", "", ""),  # a filter's
+    ("t;nx;ny;nz", "", ""),
 ]  # fmt: skip
 
 
@@ -62,6 +76,16 @@ def test_a_stated_unit_decides_the_kind_of_sensor(header: str, gyro: str, accel:
     for triad, expected in (("gyroscope", gyro), ("accelerometer", accel)):
         found = guessed_triad(names, triad)
         assert ";".join(name or "-" for name in found if any(found)) == expected
+
+
+@pytest.mark.parametrize(
+    ("header", "unit"),
+    [("nx [g];ny;nz", "g"), ("ax [m/s^2];y;z", "m/s2"), ("Ax (mg);Ay (mg);Az (mg)", "mg"),
+     ("ax [LSB];ay;az", "raw"), ("ax [g];ay [mg];az", None), ("ax;ay;az", None)],
+)  # fmt: skip
+def test_a_unit_that_stands_once_is_that_of_the_triad(header: str, unit: str | None) -> None:
+    names = header.split(";")
+    assert unit_of_triad(["t", *names], names, ACCEL_UNITS) == unit
 
 
 UNITS = [
