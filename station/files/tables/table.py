@@ -152,20 +152,6 @@ class TableReader:
         return replace(self.head, columns=columns)
 
 
-def in_blocks(table: Table) -> TableReader:
-    """Return a table that had to be read as a whole, block by block."""
-    lines = table.lines or range(1, table.rows + 1)
-
-    def read(wanted: Sequence[str]) -> Generator[Block]:
-        columns = {name: table.column(name) for name in wanted}
-        for begin in range(0, table.rows, BLOCK_ROWS):
-            end = min(begin + BLOCK_ROWS, table.rows)
-            part = {name: each[begin:end] for name, each in columns.items()}
-            yield Block(part, end / table.rows, lines[begin:end])
-
-    return TableReader(table.rows_at(np.arange(table.rows)[:HEAD_ROWS]), read, lambda: table)
-
-
 def undamaged(blocks: Generator[Block], file: Path) -> Generator[Block]:
     """Yield blocks; raise `DataRefused` where one of them is damaged, or the disk refuses."""
     with closing(blocks):

@@ -72,13 +72,17 @@ class Damage:
         columns = (*self.text.values(), *self.misprinted.values())
         return set(self.cut).union(*(cells.kept for cells in columns))
 
-    def unreadable(self, layout: Layout) -> dict[str, tuple[int, str]]:
-        """Return the columns in which text is common, each with its first: row and cell."""
-        return {
-            layout.names[i]: next(iter(cells.kept.items()))
-            for i, cells in self.text.items()
-            if not self.is_rare(cells.count)
-        }
+    def unreadable(self, names: Sequence[str]) -> dict[str, tuple[int, str]]:
+        """Return the columns in which text is common, of all ``names``, each with its first: row and cell."""
+        common = {i: cells for i, cells in self.text.items() if not self.is_rare(cells.count)}
+        return {names[i]: next(iter(cells.kept.items())) for i, cells in common.items()}
+
+    def without_misprints(self, values: FloatArray) -> FloatArray:
+        """Return the rows' numbers (n, columns), nan where other decimals than usual are rare."""
+        for i, cells in self.misprinted.items():
+            if self.is_rare(cells.count):
+                values[list(cells.kept), i] = np.nan
+        return values
 
     def descriptions(self, layout: Layout) -> dict[int, str]:
         """Return the rows that are damaged in what is not text, each with what is wrong with it."""
@@ -113,19 +117,15 @@ class Damage:
 
 
 def values_of(rows: Sequence[str], layout: Layout) -> tuple[FloatArray, Damage]:
-    """Return the cells as numbers (n, columns), nan where they are missing or damaged, and the damage."""
+    """Return the cells as numbers (n, columns), nan where they are missing or no number, and the damage."""
     if (whole := _together(rows, layout)) is not None:
-        values, damage = whole
-    else:
-        values, damage = np.empty((len(rows), len(layout.names))), Damage()
-        for begin in range(0, len(rows), ROWS_AT_ONCE):
-            part = rows[begin : begin + ROWS_AT_ONCE]
-            read = _together(part, layout) if len(rows) > ROWS_AT_ONCE else None
-            values[begin : begin + len(part)], own = read or _one_by_one(part, layout)
-            damage.add(own)
-    for i, cells in damage.misprinted.items():
-        if damage.is_rare(cells.count):
-            values[list(cells.kept), i] = np.nan
+        return whole
+    values, damage = np.empty((len(rows), len(layout.names))), Damage()
+    for begin in range(0, len(rows), ROWS_AT_ONCE):
+        part = rows[begin : begin + ROWS_AT_ONCE]
+        read = _together(part, layout) if len(rows) > ROWS_AT_ONCE else None
+        values[begin : begin + len(part)], own = read or _one_by_one(part, layout)
+        damage.add(own)
     return values, damage
 
 

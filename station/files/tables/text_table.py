@@ -6,8 +6,9 @@ ascale g).
 """
 
 import re
-from collections.abc import Generator, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Generator, Iterable, Iterator, Sequence
+from contextlib import closing
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
@@ -17,7 +18,7 @@ from drivers.text_decoding import decoded_text
 from procedures.arrays import FloatArray
 from procedures.errors import ErrorCode
 from station.errors import DataRefused
-from station.files.tables.table import HEAD_ROWS, Block, Table, TableReader, in_blocks, text_in_column
+from station.files.tables.table import HEAD_ROWS, Block, Table, TableReader, text_in_column
 from station.files.tables.text_layout import LOOKED_AT, Layout, is_number, is_row, layout_of
 from station.files.tables.text_rows import Damage, values_of
 from station.text import plural
@@ -72,10 +73,25 @@ def _positive(text: str) -> float | None:
     return number if np.isfinite(number) and number > 0 else None
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Part:
+    """Rows as numbers (n, columns), the line of each, and what is damaged in them.
+
+    ``headers`` is how often the header is repeated among them, ``notes`` which incomplete end is not used.
+    """
+
+    lines: Sequence[int]
+    values: FloatArray
+    damage: Damage
+    headers: int = 0
+    notes: Sequence[str] = ()
+
+
 @dataclass(frozen=True, slots=True)
 class TextForm:
     """How a text is read: the layout of its rows, and the scales that the lines above its table state."""
 
+    file: Path
     layout: Layout
     scales: StatedScales
 
@@ -83,42 +99,65 @@ class TextForm:
     def of(cls, lines: Sequence[str], file: Path) -> "TextForm":
         """Return the form of a text by its first lines; raise `DataRefused` of no table."""
         layout = layout_of(lines[:LOOKED_AT], file)
-        return cls(layout, stated_scales(lines[: layout.first], layout.names))
+        return cls(file, layout, stated_scales(lines[: layout.first], layout.names))
 
-    def table(self, file: Path, lines: Sequence[str], before: int, *, is_last: bool) -> "Part":
-        """Return rows of the text, ``before`` lines after its first, as a table with their damage."""
+    def parts(self) -> Iterator[tuple[Part, float]]:
+        """Yield all rows, some at a time, and how much of the file has been read with them."""
+        before = 0
+        for text, done in _texts(self.file):
+            lines = lines_of(text)
+            yield self.part(lines, before, is_last=done == 1), done
+            before += len(lines)
+
+    def part(self, lines: Sequence[str], before: int, *, is_last: bool) -> Part:
+        """Return rows of the text, ``before`` lines after its first."""
         layout, notes = self.layout, list[str]()
         first = max(layout.first - before, 0)
         kept = [i for i in range(first, len(lines)) if lines[i][:1] in OF_NUMBERS or is_row(lines[i].strip("\0"))]
         again = {i for i in kept if lines[i][:1] not in OF_NUMBERS and self._is_header(lines[i])}
         kept = [i for i in kept if i not in again]
-        notes += [f"the header is repeated {plural(len(again), 'time')}"] if again else []
         ends = [("first", 0)] if not before and kept and kept[0] == 0 else []
         ends += [("last", -1)] if is_last else []
         for which, end in ends:
-            if len(kept) > 2 and len(layout.cells(lines[kept[end]])) < len(layout.names):
+            if kept and (before or len(kept) > 2) and len(layout.cells(lines[kept[end]])) < len(layout.names):
                 notes.append(f"line {kept[end] + 1 + before}, the {which}, is incomplete and not used")
                 del kept[end]
         rows = [lines[i].strip("\0") if "\0" in lines[i] else lines[i] for i in kept]
         values, damage = values_of(rows, layout) if rows else (np.empty((0, len(layout.names))), Damage())
         values *= self.scales.factors
-        numbers = [before + i + 1 for i in kept]
-        columns = {name: np.ascontiguousarray(values[:, i]) for i, name in enumerate(self.scales.names)}
-        moments = frozenset(self.scales.names[i] for i in layout.moments)
-        table = Table(
-            file, columns, lines=numbers, notes=tuple(notes), moments=moments, time_scale_s=self.scales.time_s
-        )
-        return Part(table, damage)
+        return Part([before + i + 1 for i in kept], values, damage, len(again), notes)
 
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What was assumed of the form."""
-        layout, text = self.layout, list[str]()
-        if layout.has_decimal_comma:
-            text.append("decimal commas")
-        if layout.grouping:
-            text.append(f"thousands parted by {layout.grouping!r}")
-        return (*layout.notes, *text, *self.scales.notes)
+    def columns(self, values: FloatArray) -> dict[str, FloatArray]:
+        """Return rows (n, columns) by column."""
+        return {name: np.ascontiguousarray(values[:, i]) for i, name in enumerate(self.scales.names)}
+
+    def table(self, parts: Iterable[Part], *, is_whole: bool) -> Table:
+        """Return rows as a table; raise `DataRefused` if too many of the whole are damaged."""
+        damage, lines, values, notes, headers = Damage(), list[int](), list[FloatArray](), list[str](), 0
+        for part in parts:
+            damage.add(part.damage)
+            lines += part.lines
+            values.append(part.values)
+            notes += part.notes
+            headers += part.headers
+        if headers:
+            notes.insert(0, f"the header is repeated {plural(headers, 'time')}")
+        notes += damage.note(self.layout, lines.__getitem__, self.file) if is_whole else ()
+        return Table(
+            self.file, self.columns(damage.without_misprints(np.concatenate(values))), lines=lines,
+            unreadable=damage.unreadable(self.scales.names), notes=(*self._notes(), *notes),
+            moments=frozenset(self.scales.names[i] for i in self.layout.moments),
+            time_scale_s=self.scales.time_s, damaged=frozenset(damage.descriptions(self.layout)),
+        )  # fmt: skip
+
+    def _notes(self) -> Iterator[str]:
+        """Yield what was assumed of the form."""
+        yield from self.layout.notes
+        if self.layout.has_decimal_comma:
+            yield "decimal commas"
+        if self.layout.grouping:
+            yield f"thousands parted by {self.layout.grouping!r}"
+        yield from self.scales.notes
 
     def _is_header(self, line: str) -> bool:
         """Return whether a line is the header, or its units, again: as many cells and none of them a number."""
@@ -132,73 +171,76 @@ class TextForm:
         )
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Part:
-    """Rows as a table, whose columns of text are not yet known, and what is damaged in them."""
-
-    table: Table
-    damage: Damage
-
-
 def open_text(file: Path) -> TableReader:
-    """Open a table of text; one whose lines cannot be parted at LF is read as a whole.
+    """Open a table of text.
 
     Raises
     ------
     DataRefused
         If it holds no table; where it is read, also if too many rows are damaged.
     """
-    with file.open("rb") as stream:
-        start = stream.read(READ_BYTES)
-    is_whole = len(start) < READ_BYTES
-    end = len(start) if is_whole else start.rfind(b"\n") + 1
-    if start.startswith(_UTF_16) or start[1:4:2] == b"\0\0" or (start and not end):
-        return in_blocks(_read_whole(file))
-    lines = lines_of(decoded(start[:end], file))
+    with closing(_texts(file)) as texts:
+        text, done = next(texts, ("", 1.0))
+    lines = lines_of(text)
     form = TextForm.of(lines, file)
-    head = judged(form.table(file, lines[: form.layout.first + HEAD_ROWS], 0, is_last=is_whole), form)
-    return TableReader(head, partial(_blocks, file, form, head), partial(_read_whole, file))
+    head = form.table([form.part(lines[: form.layout.first + HEAD_ROWS], 0, is_last=done == 1)], is_whole=False)
+
+    def whole() -> Table:
+        _refuse_large(file)
+        return form.table((part for part, _ in form.parts()), is_whole=True)
+
+    return TableReader(head, partial(_blocks, form, head), whole)
 
 
-def _read_whole(file: Path) -> Table:
-    if file.stat().st_size > MAX_FILE:
-        found = f"{file.stat().st_size} bytes"
-        raise DataRefused(file, None, found, f"at most {MAX_FILE}", "save it as .npz, or cut it", ErrorCode.TABLE)
-    lines = lines_of(decoded(file.read_bytes(), file))
-    form = TextForm.of(lines, file)
-    part = form.table(file, lines, 0, is_last=True)
-    damage, rows = part.damage, part.table.lines or []
-    return judged(part, form, damage.note(form.layout, rows.__getitem__, file))
-
-
-def _blocks(file: Path, form: TextForm, head: Table, wanted: Sequence[str]) -> Generator[Block]:
-    at, size, done = 0, max(file.stat().st_size, 1), 0
+def _blocks(form: TextForm, head: Table, wanted: Sequence[str]) -> Generator[Block]:
     damage, line_of = Damage(), dict[int, int]()
     names = [head.name_of(name) for name in wanted]
-    for raw in _parts(file):
-        lines = lines_of(decoded_lines(raw))
-        done += len(raw)
-        part = form.table(file, lines, at, is_last=done >= size)
-        at += len(lines)
-        table, before = part.table, damage.rows
+    for part, done in form.parts():
+        line_of |= {damage.rows + row: part.lines[row] for row in part.damage.places}
         damage.add(part.damage)
-        line_of |= {before + row: table.line(row) for row in part.damage.places}
-        if table.rows:
-            yield Block({name: table.columns[name] for name in names}, done / size, table.lines or ())
-    damage.note(form.layout, line_of.__getitem__, file)
-    _refuse_text(file, form, damage, line_of, names)
+        if part.lines:
+            columns = form.columns(part.damage.without_misprints(part.values))
+            yield Block({name: columns[name] for name in names}, done, part.lines)
+    damage.note(form.layout, line_of.__getitem__, form.file)
+    for name, (row, cell) in damage.unreadable(form.scales.names).items():
+        if name in names:
+            raise text_in_column(form.file, line_of[row], cell, name)
 
 
-def judged(part: Part, form: TextForm, text: tuple[str, ...] = ()) -> Table:
-    """Return a table with its columns of text known; ``text`` is what is damaged as text."""
-    table, damage = part.table, part.damage
-    names = dict(zip(form.layout.names, form.scales.names, strict=True))
-    return replace(
-        table,
-        unreadable={names[name]: cell for name, cell in damage.unreadable(form.layout).items()},
-        notes=(*form.notes, *table.notes, *text),
-        damaged=frozenset(damage.descriptions(form.layout)),
-    )
+def _texts(file: Path) -> Generator[tuple[str, float]]:
+    """Yield whole lines of a file as text, and how much of it has been read with them.
+
+    A file whose lines LF does not part comes as a whole.
+    """
+    size, done, rest = max(file.stat().st_size, 1), 0, b""
+    with file.open("rb") as stream:
+        chunk = stream.read(READ_BYTES)
+        is_one_line = len(chunk) == READ_BYTES and b"\n" not in chunk
+        if is_one_line or chunk.startswith(_UTF_16) or chunk[1:4:2] == b"\0\0":
+            _refuse_large(file)
+            chunk += stream.read()
+            yield decoded(chunk, file), 1.0
+            return
+        while chunk:
+            following = stream.read(READ_BYTES)
+            end = chunk.rfind(b"\n") + 1 if following else len(chunk)
+            if not end and len(rest) + len(chunk) > MAX_LINE + READ_BYTES:
+                raise DataRefused(
+                    file, None, "a line of more than 1 MiB", "lines of text", "name another file", ErrorCode.TABLE
+                )
+            rest += chunk[:end]
+            if end:
+                text = decoded_lines(rest) if done else decoded(rest, file)
+                done += len(rest)
+                yield text, min(done / size, 1.0)
+            rest = chunk[end:] if end else rest + chunk
+            chunk = following
+
+
+def _refuse_large(file: Path) -> None:
+    if (size := file.stat().st_size) > MAX_FILE:
+        found = f"{size} bytes"
+        raise DataRefused(file, None, found, f"at most {MAX_FILE}", "save it as .npz, or cut it", ErrorCode.TABLE)
 
 
 def decoded(content: bytes, file: Path) -> str:
@@ -231,35 +273,3 @@ def lines_of(text: str) -> list[str]:
     """Return the lines of a text, ended by CR LF, LF or CR; no other character ends one."""
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     return lines[:-1] if not lines[-1] else lines
-
-
-def _refuse_text(file: Path, form: TextForm, damage: Damage, line_of: Mapping[int, int], names: list[str]) -> None:
-    """Refuse a column that was read as numbers where text was common in it: its first."""
-    named = dict(zip(form.layout.names, form.scales.names, strict=True))
-    for name, (row, cell) in damage.unreadable(form.layout).items():
-        if named[name] in names:
-            raise text_in_column(file, line_of[row], cell, name)
-
-
-def _parts(file: Path) -> Iterator[bytes]:
-    """Yield bytes that end with a line; the last line of all need not be whole."""
-    rest = b""
-    with file.open("rb") as stream:
-        while chunk := stream.read(READ_BYTES):
-            end = chunk.rfind(b"\n") + 1
-            if not end and len(rest) + len(chunk) > MAX_LINE + READ_BYTES:
-                raise DataRefused(
-                    file,
-                    None,
-                    "a line of more than 1 MiB",
-                    "lines of text",
-                    "name another file",
-                    code=ErrorCode.TABLE,
-                )
-            if end:
-                yield rest + chunk[:end]
-                rest = chunk[end:]
-            else:
-                rest += chunk
-    if rest:
-        yield rest

@@ -103,3 +103,9 @@ def test_tables_of_arrow_are_read_some_rows_at_a_time(
     assert np.array_equal(np.column_stack(list(found.head.columns.values())), ROWS[:5])
     assert np.array_equal(rows_of(found), ROWS)
     assert np.array_equal(np.column_stack(list(read_table(file).columns.values())), ROWS)
+
+
+def test_a_last_line_cut_short_is_not_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(text_table, "READ_BYTES", 70)
+    (tmp_path / "log.csv").write_text("\n".join(["t,gx,ax", *(f"{a},{b:.0f},{c}" for a, b, c in ROWS), "7.5,1"]))
+    assert np.array_equal(rows_of(open_table(tmp_path / "log.csv")), ROWS)
