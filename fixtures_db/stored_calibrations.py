@@ -127,12 +127,8 @@ def _triad(triad: TriadCalibration) -> dict[str, Any]:
 
 
 def accept_calibration(
-    session: Session,
-    solution: Solution,
-    facts: CalibrationFacts,
-    *,
-    campaign_folder: str | None = None,
-) -> CalibrationRow:
+    session: Session, solution: Solution, facts: CalibrationFacts, *, campaign_folder: str | None = None,
+) -> CalibrationRow:  # fmt: skip
     """Append a solution as calibration/1, chained to the newest calibration of the whole database.
 
     Call it in `fixtures_db.database.Database.write`, whose lock keeps two stations from chaining to one row.
@@ -157,15 +153,9 @@ def accept_calibration(
     document |= grounds_now(session, facts, campaign_id)
     text = canonical(document)
     row = CalibrationRow(
-        imu=unit,
-        campaign_id=campaign_id,
-        accepted_utc=facts.accepted_utc,
-        code_version=facts.software,
-        inputs=dict(facts.inputs),
-        document=text,
-        previous=previous,
-        sha256=digest(text),
-    )
+        imu=unit, campaign_id=campaign_id, accepted_utc=facts.accepted_utc, code_version=facts.software,
+        inputs=dict(facts.inputs), document=text, previous=previous, sha256=digest(text),
+    )  # fmt: skip
     session.add(row)
     session.flush()
     return row
@@ -328,14 +318,10 @@ def _run(row: CalibrationRow, campaign: CampaignRow | None) -> Run:
     document = json.loads(row.document)
     files = " ".join(sorted(row.inputs.values())) or row.sha256
     return Run(
-        sha256=row.sha256,
-        model=row.imu.model,
-        serial=row.imu.serial,
-        ended=_ended(document, row.accepted_utc),
+        sha256=row.sha256, model=row.imu.model, serial=row.imu.serial, ended=_ended(document, row.accepted_utc),
         recording=files if campaign is None else f"campaign {campaign.id}",
-        made_with=_made_with(document, campaign),
-        document=document,
-    )
+        made_with=_made_with(document, campaign), document=document,
+    )  # fmt: skip
 
 
 def _ended(document: dict[str, Any], accepted: datetime) -> datetime:

@@ -124,13 +124,9 @@ def read_fusion_toml(folder: Path) -> tuple[FusionTable, dict[Key, int]]:
     """Return the tables of a folder, and the line of each key; refuse what breaks a rule."""
     if not folder.is_dir():
         raise DataRefused(
-            folder,
-            None,
-            "no such folder",
-            f"a folder with a {FUSION_TOML}",
-            "name a fusion folder",
+            folder, None, "no such folder", f"a folder with a {FUSION_TOML}", "name a fusion folder",
             code=ErrorCode.FILE_MISSING,
-        )
+        )  # fmt: skip
     tables, lines, _ = read_folder_toml(folder, FUSION_TOML, FusionTable)
     return tables, lines
 
@@ -171,13 +167,9 @@ def _noise(table: FusionTable) -> ImuNoise | None:
     if (imu := table.imu) is None:
         return None
     return ImuNoise(
-        imu.gyro_noise_rad_s_rthz,
-        imu.gyro_walk_rad_s2_rthz,
-        imu.accel_noise_m_s2_rthz,
-        imu.accel_walk_m_s3_rthz,
-        imu.gyro_bias_std_rad_s,
-        imu.accel_bias_std_m_s2,
-    )
+        imu.gyro_noise_rad_s_rthz, imu.gyro_walk_rad_s2_rthz, imu.accel_noise_m_s2_rthz, imu.accel_walk_m_s3_rthz,
+        imu.gyro_bias_std_rad_s, imu.accel_bias_std_m_s2,
+    )  # fmt: skip
 
 
 def _fixes(folder: Path, gnss: FusionGnssTable, lines: dict[Key, int]) -> GnssFixes:

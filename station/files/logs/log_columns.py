@@ -99,12 +99,9 @@ def choose_columns(
     gyro, accel = (_triad(table, stated, triad, free, guesses) for triad in ("gyro", "accel"))
     if not any((*gyro, *accel)):
         raise DataRefused(
-            table.file,
-            None,
-            f"columns {', '.join(names[:30])}",
-            "outputs",
+            table.file, None, f"columns {', '.join(names[:30])}", "outputs",
             f"name them: --gyro A,B,C or --accel A,B,C{_or_a_table(free, stated)}",
-        )
+        )  # fmt: skip
     time = None if stated.time is None else table.name_of(stated.time)
     reference = None if stated.reference is None else table.name_of(stated.reference)
     angle = None if reference is None else degrees_per_angle(reference)
@@ -113,13 +110,9 @@ def choose_columns(
         guesses.append(f"time is {time}")
     if time is None and not has_no_time:
         raise DataRefused(
-            table.file,
-            None,
-            "no time column",
-            "--time COL or --rate HZ, or --reference COL of a rate table",
-            f"name one of them{_or_a_table(free, stated)}",
-            code=ErrorCode.COLUMNS,
-        )
+            table.file, None, "no time column", "--time COL or --rate HZ, or --reference COL of a rate table",
+            f"name one of them{_or_a_table(free, stated)}", code=ErrorCode.COLUMNS,
+        )  # fmt: skip
     temperature, temperature_unit = temperature_column(table, stated.temperature, free, guesses)
     unit_gyro = stated.unit_gyro or _unit(names, gyro, guesses, "gyroscopes", GYRO_UNITS)
     unit_gyro = unit_gyro or unit_by_logger(names, gyro, "gyro", guesses)
@@ -218,12 +211,9 @@ def _triad(
     names = [None if key in {ABSENT, ""} else table.name_of(key) for key in keys]
     if len(names) > len(AXES):
         raise DataRefused(
-            table.file,
-            None,
-            f"{len(names)} columns for {triad}",
-            "x,y,z, with - for one not there",
+            table.file, None, f"{len(names)} columns for {triad}", "x,y,z, with - for one not there",
             code=ErrorCode.COLUMNS,
-        )
+        )  # fmt: skip
     if len(names) == 1 and names[0] is not None:  # a one-axis sensor: its name may say which
         last = split_unit(names[0])[0][-1:]
         axis = AXES.index(last) if last in AXES else 0
@@ -313,13 +303,9 @@ def _refuse_twice(found: LogColumns) -> list[str]:
     used = [name for name in names if name]
     if again := [name for name in used if used.count(name) > 1]:
         raise DataRefused(
-            found.table.file,
-            None,
-            f"column {again[0]} for two things",
-            "each column once",
-            "name another column",
+            found.table.file, None, f"column {again[0]} for two things", "each column once", "name another column",
             code=ErrorCode.COLUMNS,
-        )
+        )  # fmt: skip
     return used
 
 

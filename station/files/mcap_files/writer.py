@@ -60,12 +60,9 @@ class StepWriter:
         self._writer.add_message(self._bytes, log_time=host_ns, data=content, publish_time=host_ns)
 
     def write_block(
-        self,
-        host_ns: int,
-        block: SampleBlock,
-        triads: Collection[str] = ("gyro", "accel"),
+        self, host_ns: int, block: SampleBlock, triads: Collection[str] = ("gyro", "accel"),
         utc_s: float | None = None,
-    ) -> None:
+    ) -> None:  # fmt: skip
         """Write decoded frames, a message each; the device's time must be known [s].
 
         A triad that is not among ``triads`` is absent: the device does not measure it. ``utc_s`` [s since 1970] is

@@ -58,12 +58,9 @@ class LiveFeed:
     """
 
     def __init__(
-        self,
-        source: ChunkSource,
-        wire: WireFormat,
-        held: Sequence[Chunk] = (),
+        self, source: ChunkSource, wire: WireFormat, held: Sequence[Chunk] = (),
         clock: Callable[[], float] = time.monotonic,
-    ) -> None:
+    ) -> None:  # fmt: skip
         self._source, self.wire = source, wire
         self.address = source.address
         self.unit: Unit | None = None

@@ -28,12 +28,8 @@ class RawRecording:
     """Writes what it is given, in order; ``on_failure`` is called once, on its thread, if it no longer can."""
 
     def __init__(
-        self,
-        path: Path,
-        session: dict[str, str],
-        on_failure: Callable[[CannotWrite], None],
-        topic: str,
-    ) -> None:
+        self, path: Path, session: dict[str, str], on_failure: Callable[[CannotWrite], None], topic: str,
+    ) -> None:  # fmt: skip
         self.path = path
         self._on_failure = on_failure
         self._items: SimpleQueue[Item | None] = SimpleQueue()
