@@ -11,7 +11,7 @@ from datetime import UTC, datetime
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
-from fixtures_db.append_only_rows import ROW_TITLES, newest_hash, row_text, verify_rows
+from fixtures_db.append_only_rows import ROW_TITLES, chained, verify_rows
 from fixtures_db.errors import NotInDatabase
 from fixtures_db.hash_chain import ChainFault, digest
 from fixtures_db.schema import CalibrationRow, IssuedCertificateRow, SignedFileRow
@@ -25,12 +25,8 @@ def next_number(session: Session, prefix: str, year: int) -> str:
 
 def record_issue(session: Session, row: IssuedCertificateRow) -> IssuedCertificateRow:
     """Append a certificate and give it its hashes; call it in the `Database.write` that gave it its number."""
-    row.html_sha256, row.previous = digest(row.html), newest_hash(session, IssuedCertificateRow)
-    row.dcc_sha256 = None if row.dcc is None else digest(row.dcc)
-    row.sha256 = digest(row_text(row))
-    session.add(row)
-    session.flush()
-    return row
+    row.html_sha256, row.dcc_sha256 = digest(row.html), None if row.dcc is None else digest(row.dcc)
+    return chained(session, row)
 
 
 def issued_of(session: Session, calibration_sha256: str) -> Sequence[IssuedCertificateRow]:
@@ -68,14 +64,9 @@ def verify_issued(session: Session, expected_head: str | None = None) -> list[Ch
 
 def record_signed(session: Session, number: str, kind: str, file_sha256: str, key_sha256: str) -> SignedFileRow:
     """Append a signed file of a certificate; call it in `fixtures_db.database.Database.write`."""
-    row = SignedFileRow(
-        number=number, kind=kind, file_sha256=file_sha256, key_sha256=key_sha256,
-        signed_utc=datetime.now(UTC).replace(microsecond=0), previous=newest_hash(session, SignedFileRow),
-    )  # fmt: skip
-    row.sha256 = digest(row_text(row))
-    session.add(row)
-    session.flush()
-    return row
+    now = datetime.now(UTC).replace(microsecond=0)
+    return chained(session, SignedFileRow(number=number, kind=kind, file_sha256=file_sha256, key_sha256=key_sha256,
+                                          signed_utc=now))  # fmt: skip
 
 
 def signed_as(session: Session, file_sha256: str) -> SignedFileRow | None:

@@ -1,8 +1,6 @@
 """The tables, typed. Migrations create them (``migrations/versions``); a test holds the two equal.
 
-A unit is part of a column's name. Rows of `FaceCertificateRow`, `CubeMeasurementRow`, `SlabLevelRow`,
-`CalibrationRow`, `IssuedCertificateRow`, `SignedFileRow`, `EffectEventRow` and `JournalRow` are never changed:
-triggers refuse it.
+A unit is part of a column's name. `Chained` rows are never changed: triggers refuse it.
 """
 
 from datetime import UTC, date, datetime
@@ -50,6 +48,20 @@ class Base(DeclarativeBase):
     type_annotation_map = {datetime: UtcDateTime, date: Date, float: Double, dict[str, str]: JSON}
 
 
+class Chained:
+    """Columns of a row that is never changed: the hash of the row before it, and its own."""
+
+    previous: Mapped[str] = mapped_column(SHA256, unique=True, sort_order=2)
+    sha256: Mapped[str] = mapped_column(SHA256, unique=True, sort_order=2)
+
+
+class Measured(Chained):
+    """A chained row of something that was measured, and until when it holds."""
+
+    measured_utc: Mapped[datetime] = mapped_column(sort_order=1)
+    due_date: Mapped[date | None] = mapped_column(sort_order=1)
+
+
 class CubeRow(Base):
     """A cube fixture; ``side_mm`` is the length of its edge."""
 
@@ -77,8 +89,8 @@ class ToleranceRow(Base):
     tolerance_mm: Mapped[float]
 
 
-class FaceCertificateRow(Base):
-    """A measured resting face: the up vector along the two other cube axes, with covariance; append-only."""
+class FaceCertificateRow(Measured, Base):
+    """A measured resting face: the up vector along the two other cube axes, with covariance."""
 
     __tablename__ = "face_certificates"
     id: Mapped[int] = mapped_column(primary_key=True)
@@ -90,14 +102,10 @@ class FaceCertificateRow(Base):
     covariance_12_rad2: Mapped[float]
     covariance_22_rad2: Mapped[float]
     source: Mapped[str]
-    measured_utc: Mapped[datetime]
-    due_date: Mapped[date | None]
-    previous: Mapped[str] = mapped_column(SHA256, unique=True)
-    sha256: Mapped[str] = mapped_column(SHA256, unique=True)
 
 
-class CubeMeasurementRow(Base):
-    """What IMUs measured of a cube, as JSON texts: values by name, their covariance, sources; append-only."""
+class CubeMeasurementRow(Measured, Base):
+    """What IMUs measured of a cube, as JSON texts: values by name, their covariance, sources."""
 
     __tablename__ = "cube_measurements"
     id: Mapped[int] = mapped_column(primary_key=True)
@@ -105,10 +113,6 @@ class CubeMeasurementRow(Base):
     values_rad: Mapped[str] = mapped_column(Text)
     covariance_rad2: Mapped[str] = mapped_column(Text)
     sources: Mapped[str] = mapped_column(Text)
-    measured_utc: Mapped[datetime]
-    due_date: Mapped[date | None]
-    previous: Mapped[str] = mapped_column(SHA256, unique=True)
-    sha256: Mapped[str] = mapped_column(SHA256, unique=True)
 
 
 class SlabRow(Base):
@@ -121,8 +125,8 @@ class SlabRow(Base):
     levels: Mapped[list["SlabLevelRow"]] = relationship(order_by="SlabLevelRow.id")
 
 
-class SlabLevelRow(Base):
-    """A slab's tilt as measured: the up normal's east and north components, each with 1 sigma; append-only."""
+class SlabLevelRow(Measured, Base):
+    """A slab's tilt as measured: the up normal's east and north components, each with 1 sigma."""
 
     __tablename__ = "slab_levels"
     id: Mapped[int] = mapped_column(primary_key=True)
@@ -132,10 +136,6 @@ class SlabLevelRow(Base):
     std_east_rad: Mapped[float]
     std_north_rad: Mapped[float]
     source: Mapped[str]
-    measured_utc: Mapped[datetime]
-    due_date: Mapped[date | None]
-    previous: Mapped[str] = mapped_column(SHA256, unique=True)
-    sha256: Mapped[str] = mapped_column(SHA256, unique=True)
 
 
 class SiteRow(Base):
@@ -211,8 +211,8 @@ class StepRow(Base):
     superseded: Mapped[bool] = mapped_column(default=False)
 
 
-class CalibrationRow(Base):
-    """An accepted calibration: ``document`` is calibration/1 as text, ``sha256`` its hash; append-only."""
+class CalibrationRow(Chained, Base):
+    """An accepted calibration: ``document`` is calibration/1 as text, ``sha256`` its hash."""
 
     __tablename__ = "calibrations"
     id: Mapped[int] = mapped_column(primary_key=True)
@@ -222,14 +222,12 @@ class CalibrationRow(Base):
     code_version: Mapped[str]
     inputs: Mapped[dict[str, str]]
     document: Mapped[str] = mapped_column(Text)
-    previous: Mapped[str] = mapped_column(SHA256, unique=True)
-    sha256: Mapped[str] = mapped_column(SHA256, unique=True)
     imu: Mapped[ImuRow] = relationship()
     campaign: Mapped[CampaignRow | None] = relationship()
 
 
-class IssuedCertificateRow(Base):
-    """A certificate as it was handed out: ``html`` is all of it, ``html_sha256`` of its UTF-8 bytes; append-only.
+class IssuedCertificateRow(Chained, Base):
+    """A certificate as it was handed out: ``html`` is all of it, ``html_sha256`` of its UTF-8 bytes.
 
     ``dcc`` is the same certificate as the XML of a digital calibration certificate, ``dcc_sha256`` of its bytes;
     None where it was issued without one. ``replaces`` is the number of the certificate whose place it takes, None
@@ -247,14 +245,12 @@ class IssuedCertificateRow(Base):
     html_sha256: Mapped[str] = mapped_column(SHA256, unique=True)
     dcc: Mapped[str | None] = mapped_column(Text)
     dcc_sha256: Mapped[str | None] = mapped_column(SHA256)
-    previous: Mapped[str] = mapped_column(SHA256, unique=True)
-    sha256: Mapped[str] = mapped_column(SHA256, unique=True)
 
 
-class SignedFileRow(Base):
+class SignedFileRow(Chained, Base):
     """A signed file of a certificate as it was handed out: the SHA-256 of its bytes and of the key's certificate.
 
-    ``number`` is the certificate's, ``kind`` xml or pdf; append-only.
+    ``number`` is the certificate's, ``kind`` xml or pdf.
     """
 
     __tablename__ = "signed_files"
@@ -264,14 +260,12 @@ class SignedFileRow(Base):
     file_sha256: Mapped[str] = mapped_column(SHA256, unique=True)
     key_sha256: Mapped[str] = mapped_column(SHA256)
     signed_utc: Mapped[datetime]
-    previous: Mapped[str] = mapped_column(SHA256, unique=True)
-    sha256: Mapped[str] = mapped_column(SHA256, unique=True)
 
 
-class EffectEventRow(Base):
+class EffectEventRow(Chained, Base):
     """What became of an effect of one's own: ``event`` add or withdraw, for a model or, with ``serial``, one unit.
 
-    ``definition`` is the text of the effect/1, empty of a withdrawal, ``effect_sha256`` its hash; append-only.
+    ``definition`` is the text of the effect/1, empty of a withdrawal, ``effect_sha256`` its hash.
     """
 
     __tablename__ = "effect_events"
@@ -283,15 +277,13 @@ class EffectEventRow(Base):
     effect_sha256: Mapped[str] = mapped_column(SHA256, index=True)
     definition: Mapped[str] = mapped_column(Text)
     recorded_utc: Mapped[datetime]
-    previous: Mapped[str] = mapped_column(SHA256, unique=True)
-    sha256: Mapped[str] = mapped_column(SHA256, unique=True)
 
 
-class JournalRow(Base):
+class JournalRow(Chained, Base):
     """What became of a row of any other table, written with it: ``event`` carry, insert, update or delete.
 
     ``content`` has the row's columns as `fixtures_db.journal` writes them, empty of a deletion. The numbers
-    ``id`` are without a gap; append-only.
+    ``id`` are without a gap.
     """
 
     __tablename__ = "journal"
@@ -301,5 +293,3 @@ class JournalRow(Base):
     event: Mapped[str]
     content: Mapped[str] = mapped_column(Text)
     recorded_utc: Mapped[datetime]
-    previous: Mapped[str] = mapped_column(SHA256, unique=True)
-    sha256: Mapped[str] = mapped_column(SHA256, unique=True)

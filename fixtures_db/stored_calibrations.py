@@ -14,10 +14,10 @@ import numpy as np
 from sqlalchemy import Select, select
 from sqlalchemy.orm import Session, joinedload
 
-from fixtures_db.append_only_rows import newest_hash, verify_rows
+from fixtures_db.append_only_rows import chained, newest_hash, verify_rows
 from fixtures_db.campaigns import campaign, imu, known_campaign, manifest_heads
 from fixtures_db.errors import AlreadyStored, LimitsChanged, NotInDatabase
-from fixtures_db.hash_chain import ChainFault, canonical, digest, utc_text
+from fixtures_db.hash_chain import ChainFault, canonical, utc_text
 from fixtures_db.imu_models import Limit, limits_of
 from fixtures_db.journal import journal_head
 from fixtures_db.journal_verification import used_now
@@ -151,14 +151,11 @@ def accept_calibration(
     campaign_id = None if campaign_folder is None else campaign(session, campaign_folder).id
     session.flush()  # so that the journal's head is that of the rows used
     document |= grounds_now(session, facts, campaign_id)
-    text = canonical(document)
     row = CalibrationRow(
         imu=unit, campaign_id=campaign_id, accepted_utc=facts.accepted_utc, code_version=facts.software,
-        inputs=dict(facts.inputs), document=text, previous=previous, sha256=digest(text),
+        inputs=dict(facts.inputs), document=canonical(document),
     )  # fmt: skip
-    session.add(row)
-    session.flush()
-    return row
+    return chained(session, row)
 
 
 def grounds_now(session: Session, facts: CalibrationFacts, campaign_id: int | None) -> dict[str, Any]:

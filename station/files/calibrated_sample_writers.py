@@ -159,19 +159,30 @@ MAX_NAME = 63  # characters
 _INT8, _INT32, _UINT32, _DOUBLE, _MATRIX, _CLASS = 1, 5, 6, 9, 14, 6  # data types, and the class of doubles
 
 
-class MatSamples:
-    """Writes a MATLAB file; one beyond 2 GB is refused before it is begun."""
+class _SpooledSamples:
+    """Keeps the columns until all rows are there."""
 
     def __init__(self, path: Path, columns: SampleColumns) -> None:
-        if (size := 8 * columns.rows * len(columns.names)) > LARGEST:
-            found = f"{size / 1e9:.1f} GB of samples"
-            raise DataRefused(path, None, found, "at most 2 GB in a .mat", "name it .npz or .parquet")
         self._path, self._names = path, columns.names
         self._spool = SpooledColumns(path, len(columns.names))
 
     def write(self, columns: list[FloatArray]) -> None:
         """Write rows, columns (n,) in the units of their names."""
         self._spool.write(columns)
+
+    def abandon(self) -> None:
+        """Release the columns."""
+        self._spool.close()
+
+
+class MatSamples(_SpooledSamples):
+    """Writes a MATLAB file; one beyond 2 GB is refused before it is begun."""
+
+    def __init__(self, path: Path, columns: SampleColumns) -> None:
+        if (size := 8 * columns.rows * len(columns.names)) > LARGEST:
+            found = f"{size / 1e9:.1f} GB of samples"
+            raise DataRefused(path, None, found, "at most 2 GB in a .mat", "name it .npz or .parquet")
+        super().__init__(path, columns)
 
     def finish(self) -> None:
         """Put the columns together, on the disk."""
@@ -190,21 +201,9 @@ class MatSamples:
             sync_file(stream)
         self._spool.close()
 
-    def abandon(self) -> None:
-        """Release the columns."""
-        self._spool.close()
 
-
-class NpzSamples:
+class NpzSamples(_SpooledSamples):
     """Writes an archive of arrays of doubles."""
-
-    def __init__(self, path: Path, columns: SampleColumns) -> None:
-        self._path, self._names = path, columns.names
-        self._spool = SpooledColumns(path, len(columns.names))
-
-    def write(self, columns: list[FloatArray]) -> None:
-        """Write rows, columns (n,) in the units of their names."""
-        self._spool.write(columns)
 
     def finish(self) -> None:
         """Put the columns together, on the disk."""
@@ -216,10 +215,6 @@ class NpzSamples:
                         np.lib.format.write_array_header_1_0(member, header)
                         self._spool.copy(i, member)
             sync_file(stream)
-        self._spool.close()
-
-    def abandon(self) -> None:
-        """Release the columns."""
         self._spool.close()
 
 

@@ -16,6 +16,8 @@ from drivers.errors import DriverError
 from station.errors import DataRefused
 from station.files.atomic_file import add_rows
 from station.files.mcap_files.gnss_file import Record
+from station.files.mcap_files.reader import topic_messages
+from station.files.mcap_files.schemas import MESSAGES, RAW
 from station.stream.live.live_feed import ChunkSource
 from station.stream.reader import Chunk, StreamGap
 from station.stream.reader.messages import LOST
@@ -132,6 +134,68 @@ class LiveCompanion(Generic[T]):
             return f"{name}: {self._away}; it is tried again and again: {remedy}"
         is_silent = self._clock() - self._bytes_at >= SILENT_S
         return f"{name}: no bytes for {SILENT_S:g} s, expected {expected}" if is_silent else ""
+
+
+class DecodedCompanion(LiveCompanion[T]):
+    """One whose bytes are all its readings; a subclass says what is wrong with bytes that hold none, ``unread``.
+
+    ``kind`` is what it is, ``lacks`` what comes from none and what to do; ``faults`` counts readings lost and bad.
+    """
+
+    def __init__(
+        self, source: CompanionSource, most: int, clock: Callable[[], float],
+        feed: Callable[[bytes, int], list[T]], *, kind: str, lacks: str, unread: str,
+        faults: Callable[[], tuple[int, int]],
+    ) -> None:  # fmt: skip
+        super().__init__(source, most, clock)
+        self._feed, self._name, self._faults = feed, f"{kind} {self.address.name}", faults
+        self._lacks, self._unread = lacks, unread
+        self._seen: deque[float] = deque()
+        self._heard_at = clock()
+        self.readings = 0
+
+    def _hear(self, items: Sequence[Chunk | StreamGap]) -> None:
+        for item in items:
+            found = [] if isinstance(item, StreamGap) else self._feed(item.data, item.host_ns)
+            if found or isinstance(item, StreamGap):
+                self._heard_at = self._clock()
+            self._seen.extend([self._heard_at] * len(found))
+            self._waiting.extend(found)
+            self.readings += len(found)
+
+    @property
+    def trouble(self) -> str:
+        """What is wrong, and what to do; empty if nothing is."""
+        if gone := self._gone(self._lacks):
+            return gone
+        is_unread = self._clock() - self._heard_at >= SILENT_S
+        return f"{self.address.name}: {self._unread}" if is_unread else ""
+
+    def stream(self) -> StreamState:
+        """Return its health."""
+        now, (lost, bad) = self._clock(), self._faults()
+        while self._seen and self._seen[0] < now - RATE_NS / 1e9:
+            self._seen.popleft()
+        rate = len(self._seen) / (RATE_NS / 1e9)
+        return StreamState(
+            self._name, rate, now - self._heard_at, self.readings, 0, lost, bad, trouble=self.trouble
+        )
+
+
+def recorded_readings(
+    folder: Path, session: str, topic: str, new_feed: Callable[[], Callable[[bytes, int], list[T]]]
+) -> Iterator[T]:
+    """Yield what the bytes of all sessions of that name in a folder say, in order; each is decoded by itself.
+
+    Raises
+    ------
+    DataRefused
+        If a file is damaged; one cut short is read as far as it goes.
+    """
+    for path in sorted(folder.glob(f"{session}_*.mcap")):
+        feed = new_feed()
+        for raw in topic_messages(path, {topic: MESSAGES[RAW].FromString}):
+            yield from feed(raw.data, raw.host_ns)
 
 
 class RecordedCompanion(Generic[T]):

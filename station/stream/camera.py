@@ -5,8 +5,7 @@ are put on the IMU's clock.
 """
 
 import time
-from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,14 +27,11 @@ from station.files.atomic_file import replace_file
 from station.files.fusion_folder.fusion_schema import LensTable
 from station.files.fusion_folder.fusion_tables import lens_of
 from station.files.fusion_folder.fusion_writing import CameraTracks
-from station.files.mcap_files.reader import topic_messages
-from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC, MESSAGES, RAW
+from station.files.mcap_files.schemas import CAMERA_RAW_TOPIC
 from station.files.toml_file import line_of, read_tables, read_text_file
-from station.stream.auxiliary import SILENT_S, LiveCompanion
+from station.stream.auxiliary import DecodedCompanion, recorded_readings
 from station.stream.gnss_fix_times import FixTimes
-from station.stream.reader import Chunk, StreamGap
 from station.stream.reader.reader import RestartingReader
-from station.stream.stream_events import StreamState
 from station.text import plural
 
 FeaturePositions = tuple[IntArray, FloatArray]
@@ -102,38 +98,20 @@ def read_description(path: Path) -> CameraDescription:
 
 
 CAMERA_SESSION = "camera_session"
-RATE_WINDOW_S = 5.0
 MAX_WAITING_IMAGES = 300  # images that are not taken
 
 
-class CameraFeed(LiveCompanion[CameraImage]):
+class CameraFeed(DecodedCompanion[CameraImage]):
     """One camera, read and decoded; call `advance` often."""
 
     def __init__(self, reader: RestartingReader, clock: Callable[[], float] = time.monotonic) -> None:
-        super().__init__(reader, MAX_WAITING_IMAGES, clock)
         self.decoder = CameraDecoder()
-        self._seen: deque[float] = deque()
-        self._image_at = clock()
-
-    def _hear(self, items: Sequence[Chunk | StreamGap]) -> None:
-        for item in items:
-            if isinstance(item, StreamGap):
-                self._image_at = self._clock()
-                continue
-            for image in self.decoder.feed(item.data, item.host_ns):
-                self._image_at = self._clock()
-                self._seen.append(self._image_at)
-                self._waiting.append(image)
-
-    @property
-    def trouble(self) -> str:
-        """What is wrong, and what to do; empty if nothing is."""
-        if gone := self._gone("images; check the camera"):
-            return gone
-        if self._clock() - self._image_at < SILENT_S:
-            return ""
-        wrong = "bytes hold no whole image, expected JPEG; check the camera's format and the link"
-        return f"{self.address.name}: {wrong}"
+        counters = self.decoder.counters
+        super().__init__(
+            reader, MAX_WAITING_IMAGES, clock, self.decoder.feed, kind="camera", lacks="images; check the camera",
+            unread="bytes hold no whole image, expected JPEG; check the camera's format and the link",
+            faults=lambda: (counters.cut, counters.not_jpeg),
+        )  # fmt: skip
 
     @property
     def summary(self) -> str:
@@ -143,17 +121,6 @@ class CameraFeed(LiveCompanion[CameraImage]):
             f"camera {self.address.name}: {plural(counters.images, 'image')}, {counters.cut} cut, "
             f"{counters.not_jpeg} no JPEG, {plural(counters.skipped_bytes, 'byte')} in no image"
         )
-
-    def stream(self) -> StreamState:
-        """Return its health."""
-        now, counters = self._clock(), self.decoder.counters
-        while self._seen and self._seen[0] < now - RATE_WINDOW_S:
-            self._seen.popleft()
-        return StreamState(
-            name=f"camera {self.address.name}", rate_hz=len(self._seen) / RATE_WINDOW_S,
-            age_s=now - self._image_at, samples=counters.images, gaps=0, lost=counters.cut, bad=counters.not_jpeg,
-            trouble=self.trouble,
-        )  # fmt: skip
 
 
 @contextmanager
@@ -175,17 +142,8 @@ def open_camera(
 
 
 def recorded_images(folder: Path) -> Iterator[CameraImage]:
-    """Yield the images of all sessions in a folder, in order.
-
-    Raises
-    ------
-    DataRefused
-        If a file is damaged; one cut short is read as far as it goes.
-    """
-    for path in sorted(folder.glob(f"{CAMERA_SESSION}_*.mcap")):
-        decoder = CameraDecoder()
-        for raw in topic_messages(path, {CAMERA_RAW_TOPIC: MESSAGES[RAW].FromString}):
-            yield from decoder.feed(raw.data, raw.host_ns)
+    """Yield the images of all sessions in a folder; raises as `recorded_readings`."""
+    return recorded_readings(folder, CAMERA_SESSION, CAMERA_RAW_TOPIC, lambda: CameraDecoder().feed)
 
 
 def recorded_tracks(folder: Path, marks: Iterable[tuple[int, float]]) -> CameraTracks | None:

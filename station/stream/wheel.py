@@ -4,8 +4,7 @@
 """
 
 import time
-from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,14 +23,11 @@ from procedures.fusion.fusion_records import WheelSpeeds
 from station.errors import DataRefused
 from station.files.atomic_file import replace_file
 from station.files.fusion_folder.fusion_schema import WheelMountTable
-from station.files.mcap_files.reader import topic_messages
-from station.files.mcap_files.schemas import MESSAGES, RAW, WHEEL_RAW_TOPIC
+from station.files.mcap_files.schemas import WHEEL_RAW_TOPIC
 from station.files.toml_file import line_of, read_tables, read_text_file
-from station.stream.auxiliary import SILENT_S, LiveCompanion
+from station.stream.auxiliary import DecodedCompanion, recorded_readings
 from station.stream.gnss_fix_times import FixTimes
-from station.stream.reader import Chunk, StreamGap
 from station.stream.reader.reader import RestartingReader
-from station.stream.stream_events import StreamState
 from station.text import plural
 
 WHEEL_FILE, DBC_FILE = "wheel.toml", "wheel.dbc"  # in a folder that is recorded
@@ -84,62 +80,31 @@ def read_description(path: Path, kept: Path | None = None) -> WheelDescription:
 
 
 WHEEL_SESSION = "wheel_session"
-RATE_WINDOW_S = 5.0
 MAX_WAITING_READINGS = 20_000
 
 
-class WheelFeed(LiveCompanion[WheelReading]):
+class WheelFeed(DecodedCompanion[WheelReading]):
     """One wheel, read and decoded; call `advance` often."""
 
     def __init__(
         self, reader: RestartingReader, described: WheelDescription, clock: Callable[[], float] = time.monotonic
     ) -> None:
-        super().__init__(reader, MAX_WAITING_READINGS, clock)
-        self.decoder, self._name = WheelDecoder(described.signal), described.table.signal
-        self._seen: deque[float] = deque()
-        self._heard_at = clock()
-        self.readings = 0
-
-    def _hear(self, items: Sequence[Chunk | StreamGap]) -> None:
-        for item in items:
-            if isinstance(item, StreamGap):
-                self._heard_at = self._clock()
-                continue
-            for reading in self.decoder.feed(item.data, item.host_ns):
-                self._heard_at = self._clock()
-                self._seen.append(self._heard_at)
-                self._waiting.append(reading)
-                self.readings += 1
-
-    @property
-    def trouble(self) -> str:
-        """What is wrong, and what to do; empty if nothing is."""
-        if gone := self._gone("CAN frames; check bit rate, cable and ignition"):
-            return gone
-        if self._clock() - self._heard_at < SILENT_S:
-            return ""
-        wrong = f"frames contain no {self._name}, expected a speed; check dbc and signal, or its sensor"
-        return f"{self.address.name}: {wrong}"
+        of, self._signal = WheelDecoder(described.signal), described.table.signal
+        self.decoder = of
+        super().__init__(
+            reader, MAX_WAITING_READINGS, clock, of.feed, kind="wheel", faults=lambda: (of.refused, of.bad),
+            lacks="CAN frames; check bit rate, cable and ignition",
+            unread=f"frames contain no {self._signal}, expected a speed; check dbc and signal, or its sensor",
+        )  # fmt: skip
 
     @property
     def summary(self) -> str:
         """What came, in a line."""
         of = self.decoder
         return (
-            f"wheel {self.address.name}: {plural(self.readings, 'speed')} by {self._name}, "
+            f"wheel {self.address.name}: {plural(self.readings, 'speed')} by {self._signal}, "
             f"{of.refused} without a value, {of.bad} damaged"
         )
-
-    def stream(self) -> StreamState:
-        """Return its health."""
-        now = self._clock()
-        while self._seen and self._seen[0] < now - RATE_WINDOW_S:
-            self._seen.popleft()
-        return StreamState(
-            name=f"wheel {self.address.name}", rate_hz=len(self._seen) / RATE_WINDOW_S,
-            age_s=now - self._heard_at, samples=self.readings, gaps=0, lost=self.decoder.refused,
-            bad=self.decoder.bad, trouble=self.trouble,
-        )  # fmt: skip
 
 
 @contextmanager
@@ -163,17 +128,8 @@ def open_wheel(
 
 
 def recorded_wheel(folder: Path, described: WheelDescription) -> Iterator[WheelReading]:
-    """Yield the readings of all sessions in a folder, in order.
-
-    Raises
-    ------
-    DataRefused
-        If a file is damaged; one cut short is read as far as it goes.
-    """
-    for path in sorted(folder.glob(f"{WHEEL_SESSION}_*.mcap")):
-        decoder = WheelDecoder(described.signal)
-        for raw in topic_messages(path, {WHEEL_RAW_TOPIC: MESSAGES[RAW].FromString}):
-            yield from decoder.feed(raw.data, raw.host_ns)
+    """Yield the readings of all sessions in a folder; raises as `recorded_readings`."""
+    return recorded_readings(folder, WHEEL_SESSION, WHEEL_RAW_TOPIC, lambda: WheelDecoder(described.signal).feed)
 
 
 def described_in(folder: Path) -> WheelDescription | None:

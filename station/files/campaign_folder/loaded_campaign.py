@@ -4,7 +4,7 @@ Effects are those that the folder lists and those that a command names.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,20 +14,13 @@ from procedures.counts.reference_time import ClockRate
 from procedures.errors import ErrorCode
 from procedures.units import PPM_PER_ONE
 from station.errors import DataRefused
-from station.files.campaign_folder.campaign_schema import CampaignTable, StepTable
+from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML, CampaignTable, EffectsTable, StepTable
 from station.files.campaign_folder.sample_series import WARN_PERIOD_DEVIATION, StepData
-
-if TYPE_CHECKING:
-    from station.files.effect_file import EffectFile  # few campaigns list effects
-from dataclasses import replace
-
-from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML, EffectsTable
 from station.files.opening import open_inside
 from station.files.toml_file import Key, line_of
 
 if TYPE_CHECKING:
     from station.files.effect_file import EffectFile  # with the catalogue: a solve without effects does without
-
 
 MAX_PERIOD_DEVIATION = 1e-2  # relative, docs/how-to/campaign-folder.md
 
