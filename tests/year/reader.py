@@ -7,7 +7,7 @@ from drivers.addresses import DeviceAddress
 from drivers.errors import DriverError, LinkLost
 from station.errors import CannotWrite, cannot_write
 from station.files.mcap_files.schemas import RAW, RAW_TOPIC, SCHEMA
-from station.files.mcap_files.writer import new_channel, new_file
+from station.files.mcap_files.writer import GrowingFile, new_channel
 from station.stream.reader.messages import Item
 from station.stream.reader.raw_recording import SESSION, RawRecording
 from tests.year.machine import Machine
@@ -17,12 +17,12 @@ class InlineRecording(RawRecording):
     """A recording that is written where it is told, without a thread; what the dead hold back stays unwritten."""
 
     def __init__(self, path: Path, machine: Machine) -> None:
-        self.path, self._machine = path, machine
-        self._stream, self._writer = new_file(path)
+        GrowingFile.__init__(self, path)
+        self._machine = machine
         try:
             self._writer.add_metadata(SESSION, {"url": "simulated"})
             self._raw = new_channel(self._writer, RAW_TOPIC, RAW, SCHEMA)
-            self._flush(sync=True)
+            self.flush()
         except OSError as error:
             raise cannot_write(path, error) from error
 
@@ -30,16 +30,10 @@ class InlineRecording(RawRecording):
         """Write it."""
         self._write(item)
 
-    def flush(self) -> None:
-        """Put what was taken on the disk."""
-        self._flush(sync=True)
-
     def close(self) -> None:
         """Finish the file, if there is somebody to do it."""
         if not self._machine.disk.is_dead:
-            self._flush(sync=True)
-            self._writer.finish()  # type: ignore[no-untyped-call]
-            self._flush(sync=True)
+            self.finish()
         self._stream.close()
 
 

@@ -1,6 +1,7 @@
 """A GNSS receiver's MCAP file: its protobuf messages, written and read; a field that is unknown is absent."""
 
-import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import fields
 from functools import partial
 from pathlib import Path
@@ -8,13 +9,12 @@ from typing import Any
 
 from google.protobuf.descriptor_pb2 import FieldDescriptorProto, FileDescriptorProto
 
-from fixtures_db.folder_on_disk import sync_folder
 from procedures.gnss_records import AirData, FixType, GnssFix, TimeMark
 from station.errors import cannot_write
 from station.files.atomic_file import FlushInterval
 from station.files.mcap_files.reader import topic_messages
 from station.files.mcap_files.schemas import built
-from station.files.mcap_files.writer import new_channel, new_file
+from station.files.mcap_files.writer import GrowingFile, new_channel
 
 TOPICS = {GnssFix: "/gnss/fix", TimeMark: "/gnss/time", AirData: "/gnss/air"}
 
@@ -53,16 +53,14 @@ FIX_MESSAGES: dict[type[Any], Any] = {kind: _CLASSES[f"station.{kind.__name__}"]
 
 
 FLUSH_PERIOD_S = 0.5
-GAP = "station.gap"
 
 
-class FixWriter:
-    """Writes records as they come; a file is never overwritten."""
+class FixWriter(GrowingFile):
+    """Writes records as they come; each call raises `CannotWrite` if the disk refuses."""
 
     def __init__(self, path: Path) -> None:
-        self.path = path
-        self.fixes, self._is_named = 0, False  # its name is on the disk
-        self._stream, self._writer = new_file(path)
+        super().__init__(path)
+        self.fixes = 0
         self._channels = {
             kind: new_channel(self._writer, topic, f"station.{kind.__name__}", FIX_SCHEMA)
             for kind, topic in TOPICS.items()
@@ -70,48 +68,33 @@ class FixWriter:
         self._pace = FlushInterval(FLUSH_PERIOD_S)
 
     def write(self, record: GnssFix | TimeMark | AirData) -> None:
-        """Write one; raise `CannotWrite` if the disk refuses."""
+        """Write one."""
         known = {f.name: value for f in fields(record) if (value := getattr(record, f.name)) is not None}
         content = FIX_MESSAGES[type(record)](**known).SerializeToString()
         self.fixes += isinstance(record, GnssFix)
-        try:
-            channel, host_ns = self._channels[type(record)], record.host_ns
-            self._writer.add_message(channel, log_time=host_ns, data=content, publish_time=host_ns)
+        with self._refused():
+            self.add(self._channels[type(record)], record.host_ns, content)
             if self._pace.is_due:
-                self._flush()
-        except OSError as error:
-            raise cannot_write(self.path, error) from error
+                with self._pace.flushing():
+                    self.flush()
 
     def mark(self, host_ns: int, reason: str, *, is_open: bool) -> None:
-        """Write that something may be missing from here on, as a metadata record; raise `CannotWrite`."""
-        try:
-            self._writer.add_metadata(
-                GAP, {"host_ns": str(host_ns), "reason": reason, "is_open": str(is_open).lower()}
-            )
-            self._flush()
-        except OSError as error:
-            raise cannot_write(self.path, error) from error
+        """Write that something may be missing from here on."""
+        with self._refused(), self._pace.flushing():
+            self.add_gap(host_ns, reason, is_open=is_open)
+            self.flush()
 
     def close(self) -> None:
         """Finish the file on the disk; a second call changes nothing."""
-        if self._stream.closed:
-            return
+        with self._refused():
+            self.finish()
+
+    @contextmanager
+    def _refused(self) -> Iterator[None]:
         try:
-            self._flush()  # the data before the end: a file that has its end has all of them
-            self._writer.finish()  # type: ignore[no-untyped-call]
-            self._flush()
+            yield
         except OSError as error:
             raise cannot_write(self.path, error) from error
-        finally:
-            self._stream.close()
-
-    def _flush(self) -> None:
-        with self._pace.flushing():
-            self._writer.flush()  # type: ignore[no-untyped-call]
-            os.fsync(self._stream.fileno())
-            if not self._is_named:
-                sync_folder(self.path.parent)
-                self._is_named = True
 
 
 Record = GnssFix | TimeMark | AirData
