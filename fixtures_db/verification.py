@@ -225,8 +225,8 @@ def _other_forms(connection: Connection, table: Table) -> Iterator[ChainFault]:
 _HEADS: dict[str, type[Any]] = {
     "calibration": CalibrationRow,
     "certificate": FaceCertificateRow,
-    "level": SlabLevelRow,
     "measurement": CubeMeasurementRow,
+    "level": SlabLevelRow,
     "issued": IssuedCertificateRow,
     "signed": SignedFileRow,
     "effect": EffectEventRow,
@@ -311,6 +311,13 @@ def _is_read(connection: Connection, table: Table, *which: ColumnElement[bool]) 
     return True
 
 
+def _chains() -> Iterator[tuple[str, type[Any], Callable[..., list[ChainFault]]]]:
+    """Yield the chained tables by their name in an anchor, with the check of each."""
+    own = {CalibrationRow: verify_chain, IssuedCertificateRow: verify_issued, EffectEventRow: verify_effects}
+    for name, table in _HEADS.items():
+        yield name, table, own.get(table) or partial(verify_rows, table=table)
+
+
 CHAINED = tuple(ROW_TITLES)
 Check = Callable[[Session], list[ChainFault]]
 _EVERY = tuple(mapper.class_ for mapper in Base.registry.mappers)
@@ -325,13 +332,7 @@ def alterations(session: Session, anchor: Anchor | None = None) -> list[ChainFau
     if lost := missing_tables(session.connection()):
         return lost
     checks: tuple[tuple[Check, tuple[Any, ...]], ...] = (
-        (partial(verify_chain, expected_head=kept.calibration), (CalibrationRow,)),
-        (partial(verify_rows, table=FaceCertificateRow, expected_head=kept.certificate), (FaceCertificateRow,)),
-        (partial(verify_rows, table=CubeMeasurementRow, expected_head=kept.measurement), (CubeMeasurementRow,)),
-        (partial(verify_rows, table=SlabLevelRow, expected_head=kept.level), (SlabLevelRow,)),
-        (partial(verify_issued, expected_head=kept.issued), (IssuedCertificateRow,)),
-        (partial(verify_rows, table=SignedFileRow, expected_head=kept.signed), (SignedFileRow,)),
-        (partial(verify_effects, expected_head=kept.effect), (EffectEventRow,)),
+        *((partial(check, expected_head=getattr(kept, name)), (table,)) for name, table, check in _chains()),
         (verify_dates, (CubeRow, SlabRow)),
         (verify_steps, (CampaignRow, StepRow)),
         (partial(missing_manifests, manifests=kept.manifests), (CampaignRow, StepRow)),

@@ -16,7 +16,7 @@ from station.files.sha256sums import append_hash
 from station.monitor.view import MonitorView
 from station.stream.auxiliary import note_late_messages
 from station.stream.recorder.sample_buffer import SampleBuffer
-from station.stream.recorder.sample_times import PulseAges, RowTimes, Utc
+from station.stream.recorder.sample_times import RowTimes, StepRows, Utc
 from station.stream.stream_events import EVENTS_FILE
 
 FILTERS_FILE = "laws.csv"
@@ -42,7 +42,7 @@ class MonitorRecording:
         """Begin a file and return its name."""
         path = free_path(self._folder, "recording")
         self._writer, self.name = StepWriter(path, BY_OUTPUT[self._wire.output]), path.name
-        self._pulses = PulseAges(self._wire.pulse)
+        self._rows = StepRows(self._writer, self._times, self._wire.pulse)
         return self.name
 
     def take(self, buffer: SampleBuffer, first: int, last: int, kind: FrameKind) -> None:
@@ -61,12 +61,7 @@ class MonitorRecording:
             self._times.reset()
         try:
             for chunk, block in buffer.recording([(first, last)]):
-                writer.write_raw(chunk.host_ns, chunk.data)
-                age = self._pulses.of(chunk.data, block)
-                if len(block):
-                    at = float(block.device_time[-1])
-                    utc_s = self._times.of(chunk.host_ns, at, age)
-                    writer.write_block(chunk.host_ns, block, kind.triads, utc_s)
+                self._rows.write(chunk, block, kind.triads)
             if self._pace.is_due:
                 with self._pace.flushing():
                     writer.flush()

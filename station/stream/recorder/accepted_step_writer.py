@@ -46,7 +46,7 @@ from station.files.mcap_files import BY_OUTPUT, StepWriter
 from station.files.sha256sums import append_hash
 from station.stream.connected_unit import Unit
 from station.stream.recorder.sample_buffer import SampleBuffer, SampleRun
-from station.stream.recorder.sample_times import PulseAges, RowTimes, Utc
+from station.stream.recorder.sample_times import RowTimes, StepRows, Utc
 
 TOML = "campaign.toml"
 _REPEAT = re.compile(r"dwell_\d+_repeat(\d*)(?:_\d+)?\.")
@@ -193,16 +193,13 @@ def write_runs(
     pulse: PulseForm | None,
 ) -> str:  # fmt: skip
     """Write the samples of runs to a new file of messages ``output``, with reference time; return its SHA-256."""
-    writer, times, pulses = StepWriter(path, output), RowTimes(utc), PulseAges(pulse)
+    writer, times = StepWriter(path, output), RowTimes(utc)
+    rows = StepRows(writer, times, pulse)
     try:
         for run in runs:
             times.reset()  # between two the device's clock may have gone elsewhere
             for chunk, block in buffer.recording([run]):
-                writer.write_raw(chunk.host_ns, chunk.data)
-                age = pulses.of(chunk.data, block)
-                if len(block):
-                    utc_s = times.of(chunk.host_ns, float(block.device_time[-1]), age)
-                    writer.write_block(chunk.host_ns, block, utc_s=utc_s)
+                rows.write(chunk, block)
         return writer.close()
     except OSError as error:
         writer.abandon()

@@ -12,7 +12,7 @@ from station.files.atomic_file import FlushInterval
 from station.files.mcap_files import BY_OUTPUT, StepWriter
 from station.files.sha256sums import append_hash
 from station.stream.live.live_feed import LiveFeed
-from station.stream.recorder.sample_times import PulseAges, RowTimes
+from station.stream.recorder.sample_times import RowTimes, StepRows
 
 if TYPE_CHECKING:
     from station.stream.gnss_feed import GnssFeed
@@ -47,7 +47,7 @@ def record(
     """
     decoder, times = feed.stream.decoder, RowTimes(gnss.utc if gnss else None)
     writer, pace = StepWriter(folder / RECORDING_FILE, BY_OUTPUT[decoder.wire.output]), FlushInterval(FLUSH_S)
-    period, samples, pulses = 0.0, 0, PulseAges(decoder.wire.pulse)
+    period, samples, rows = 0.0, 0, StepRows(writer, times, decoder.wire.pulse)
 
     def advance() -> None:
         if gnss is not None:
@@ -57,15 +57,10 @@ def record(
     with _the_disk_refusing(writer.path):
         try:
             for piece in feed.pieces(advance):
-                writer.write_raw(piece.chunk.host_ns, piece.chunk.data)
                 if piece.restart_at is not None:
                     times.reset()
-                age = pulses.of(piece.chunk.data, piece.block)
-                if len(piece.block):
-                    at = float(piece.block.device_time[-1])
-                    utc_s = times.of(piece.chunk.host_ns, at, age)
-                    writer.write_block(piece.chunk.host_ns, piece.block, decoder.kind.triads, utc_s)
-                    samples += len(piece.block)
+                rows.write(piece.chunk, piece.block, decoder.kind.triads)
+                samples += len(piece.block)
                 if pace.is_due:
                     with pace.flushing():
                         writer.flush()

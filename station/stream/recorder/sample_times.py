@@ -9,10 +9,12 @@ replaced as soon as UTC is known. `SampleMoments` gives when a sample was taken 
 """
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 
 from drivers.wire import PulseForm
 from procedures.counts.sample_records import SampleBlock
+from station.files.mcap_files import StepWriter
+from station.stream.reader import Chunk
 
 MAX_FRAME = 1024  # bytes: more than any format's frame
 
@@ -33,14 +35,8 @@ class PulseAges:
 
 
 Utc = Callable[[int], float | None]
-
-
 MIN_INTERVAL_NS = 50_000_000  # at most 20 rows a second
-
-
 PULSED_NS = 3 * 10**9  # so long after a pulse nothing less is taken for a reference
-
-
 MAX_PULSE_JITTER_S = 0.05  # s by which seconds may lie off each other by the device's own time
 
 
@@ -95,11 +91,27 @@ class RowTimes:
         return second + passed
 
 
+class StepRows:
+    """Writes chunks in order: bytes, and the rows that they completed, with UTC where it is known.
+
+    ``pulse`` reads reference pulses of the device; None where its format reports none.
+    """
+
+    def __init__(self, writer: StepWriter, times: RowTimes, pulse: PulseForm | None) -> None:
+        self._writer, self._times, self._pulses = writer, times, PulseAges(pulse)
+
+    def write(self, chunk: Chunk, block: SampleBlock, triads: Collection[str] = ("gyro", "accel")) -> None:
+        """Write a chunk; ``block`` holds the rows that it completed."""
+        self._writer.write_raw(chunk.host_ns, chunk.data)
+        age = self._pulses.of(chunk.data, block)
+        if len(block):
+            utc_s = self._times.of(chunk.host_ns, float(block.device_time[-1]), age)
+            self._writer.write_block(chunk.host_ns, block, triads, utc_s)
+
+
 LAG_TICKS = 600
 FEWEST_TICKS = 50
-PERIOD_MISMATCH = (
-    0.02  # a clock is a thousand times better: the device's sample period is not the one that it states
-)
+PERIOD_MISMATCH = 0.02  # a clock is a thousand times better: the device's sample period is not the stated one
 
 
 class SampleMoments:
