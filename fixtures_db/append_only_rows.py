@@ -39,14 +39,10 @@ Chained = TypeVar(
     EffectEventRow,
 )  # fmt: skip
 ROW_TITLES: dict[type[Any], str] = {
-    CalibrationRow: "calibration",
-    IssuedCertificateRow: "issued certificate",
-    SignedFileRow: "signed file",
-    FaceCertificateRow: "face certificate",
-    CubeMeasurementRow: "cube measurement",
-    SlabLevelRow: "slab level",
+    CalibrationRow: "calibration", IssuedCertificateRow: "issued certificate", SignedFileRow: "signed file",
+    FaceCertificateRow: "face certificate", CubeMeasurementRow: "cube measurement", SlabLevelRow: "slab level",
     EffectEventRow: "effect",
-}
+}  # fmt: skip
 NOT_HASHED = frozenset({"id", "sha256"})
 HASHED_WHERE_GIVEN = frozenset({"dcc", "dcc_sha256"})  # columns younger than rows that were hashed without them
 

@@ -20,13 +20,8 @@ from fixtures_db.hash_chain import GENESIS, canonical, digest
 from fixtures_db.schema import Base, JournalRow
 
 UNREADABLE = (  # bytes that are no text, text that is no date or JSON, JSON of another shape
-    SQLAlchemyError,
-    ValueError,
-    TypeError,
-    AttributeError,
-    LookupError,
-    RecursionError,
-)
+    SQLAlchemyError, ValueError, TypeError, AttributeError, LookupError, RecursionError,
+)  # fmt: skip
 
 
 def journalled_tables() -> tuple[Table, ...]:

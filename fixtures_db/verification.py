@@ -223,14 +223,9 @@ def _other_forms(connection: Connection, table: Table) -> Iterator[ChainFault]:
 
 
 _HEADS: dict[str, type[Any]] = {
-    "calibration": CalibrationRow,
-    "certificate": FaceCertificateRow,
-    "measurement": CubeMeasurementRow,
-    "level": SlabLevelRow,
-    "issued": IssuedCertificateRow,
-    "signed": SignedFileRow,
-    "effect": EffectEventRow,
-}
+    "calibration": CalibrationRow, "certificate": FaceCertificateRow, "measurement": CubeMeasurementRow,
+    "level": SlabLevelRow, "issued": IssuedCertificateRow, "signed": SignedFileRow, "effect": EffectEventRow,
+}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)

@@ -37,32 +37,11 @@ SPELLED = {  # as headers and people write units
 
 
 _SPELLED_OUT = {  # in brackets or as an option: behind ``_`` they may be words
-    "degrees": "deg",
-    "degree": "deg",
-    "radians": "rad",
-    "radian": "rad",
-    "°": "deg",
-    "º": "deg",
-    "mps": "m/s",
-    "gee": "g",
-    "gees": "g",
-    "gs": "g",
-    "g0": "g",
-    "gn": "g",
-    "gravity": "g",
-    "g-force": "g",
-    "gforce": "g",
-    "milli-g": "mg",
-    "millig": "mg",
-    "milligee": "mg",
-    "mgee": "mg",
-    "microg": "ug",
-    "gal": "cm/s2",
-    "digit": RAW,
-    "digits": RAW,
-    "codes": RAW,
-    "adu": RAW,
-}
+    "degrees": "deg", "degree": "deg", "radians": "rad", "radian": "rad", "°": "deg", "º": "deg", "mps": "m/s",
+    "gee": "g", "gees": "g", "gs": "g", "g0": "g", "gn": "g", "gravity": "g", "g-force": "g", "gforce": "g",
+    "milli-g": "mg", "millig": "mg", "milligee": "mg", "mgee": "mg", "microg": "ug", "gal": "cm/s2", "digit": RAW,
+    "digits": RAW, "codes": RAW, "adu": RAW,
+}  # fmt: skip
 _WRITTEN = (  # parts of units of sensors, in the order in which they are replaced
     (r"_", ""), (r"[·*\u22c5]", ""), (r"[µμ]", "u"), (r"[°º]", "deg"), (r"²", "2"), (r"⁻", "-"), (r"¹", "1"),
     (r"per", "/"), (r"milli-?", "m"), (r"degrees?", "deg"), (r"radians?", "rad"), (r"met(?:er|re)s?", "m"),

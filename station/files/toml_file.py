@@ -17,6 +17,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstra
 from pydantic_core import ErrorDetails
 
 from fixtures_db.hash_chain import utc_text
+from procedures.errors import ErrorCode
 from station.errors import DataRefused
 from station.files.opening import MAX_LINE, open_inside
 
@@ -94,9 +95,14 @@ def read_folder_toml(folder: Path, name: str, kind: type[T]) -> tuple[T, dict[Ke
     Raises
     ------
     DataRefused
-        With the line of the first key that is wrong, unknown or missing.
+        If there is no such folder; with the line of the first key that is wrong, unknown or missing.
     """
     path = folder / name
+    if not folder.is_dir():
+        raise DataRefused(
+            folder, None, "no such folder", f"a folder with a {name}", f"name a {path.stem} folder",
+            ErrorCode.FILE_MISSING,
+        )  # fmt: skip
     with open_inside(folder, name, folder, None) as stream:
         content = stream.read(MAX_LINE + 1)
     if len(content) > MAX_LINE:

@@ -22,7 +22,6 @@ from procedures.campaign.campaign import (
     SoakRecord,
     TurnRecord,
 )
-from procedures.errors import ErrorCode
 from procedures.geodesy import normal_gravity
 from procedures.positions import TURN_START
 from procedures.units import RAD_PER_ARCSEC, RAD_S_PER_DEG_H, STANDARD_GRAVITY
@@ -75,11 +74,6 @@ def read_campaign(folder: Path, *, moves: bool = True) -> LoadedCampaign:
     DataRefused
         If the folder breaks a rule of docs/how-to/campaign-folder.md: with file, line, found and expected.
     """
-    if not folder.is_dir():
-        raise DataRefused(
-            folder, None, "no such folder", f"a folder with a {CAMPAIGN_TOML}", "name a campaign folder",
-            code=ErrorCode.FILE_MISSING,
-        )  # fmt: skip
     tables, lines, content = read_campaign_toml(folder)
     files = {CAMPAIGN_TOML: hashlib.sha256(content).hexdigest()}
     steps = list[LoadedStep]()

@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.errors import ErrorCode
 from procedures.fusion.feature_tracks import FeatureTracks, PinholeCamera
 from procedures.fusion.fusion_records import GnssFixes, ImuNoise, ImuSeries, Trajectory, WheelSpeeds
 from procedures.geodesy import normal_gravity
@@ -122,11 +121,6 @@ def read_fusion(folder: Path) -> FusionLog:
 
 def read_fusion_toml(folder: Path) -> tuple[FusionTable, dict[Key, int]]:
     """Return the tables of a folder, and the line of each key; refuse what breaks a rule."""
-    if not folder.is_dir():
-        raise DataRefused(
-            folder, None, "no such folder", f"a folder with a {FUSION_TOML}", "name a fusion folder",
-            code=ErrorCode.FILE_MISSING,
-        )  # fmt: skip
     tables, lines, _ = read_folder_toml(folder, FUSION_TOML, FusionTable)
     return tables, lines
 

@@ -4,6 +4,7 @@ Other clocks of the same rows are evidence too; where one contradicts the time, 
 """
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from datetime import UTC, datetime
 
 import numpy as np
@@ -139,7 +140,7 @@ def unit_of_time(
         return SECOND
     if found.winner is None:
         if stamps_of is not None:
-            found = decide(_with_stamps(evidence, _finite(stamps_of(time, True))))
+            found = decide(replace(evidence, stamps=_finite(stamps_of(time, True))))
         raise TimeUnitAsked(
             table.file, time, [(r.unit.name, r.rate_hz, r.duration_s) for r in found.readings[:MOST_OFFERED]]
         )
@@ -162,10 +163,6 @@ def duration_in_words(seconds: float) -> str:
 
 def _finite(stamps: FloatArray) -> FloatArray:
     return stamps[np.isfinite(stamps)]
-
-
-def _with_stamps(evidence: TimeEvidence, stamps: FloatArray) -> TimeEvidence:
-    return TimeEvidence(stamps, evidence.named, evidence.scale_s, evidence.second_clock_s, evidence.rate_hz)
 
 
 def _stated(table: Table, time: str, stated: str, stamps: FloatArray) -> TimeUnit:

@@ -26,15 +26,8 @@ from station.files.tables.table import Table
 
 T = TypeVar("T")
 DAMAGE = (
-    McapError,
-    DecodeError,
-    zstandard.ZstdError,
-    struct.error,
-    ValueError,
-    KeyError,
-    OverflowError,
-    MemoryError,
-)
+    McapError, DecodeError, zstandard.ZstdError, struct.error, ValueError, KeyError, OverflowError, MemoryError,
+)  # fmt: skip
 
 
 def read_step(path: Path) -> StepContents:
