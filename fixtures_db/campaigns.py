@@ -112,10 +112,7 @@ def is_expired(due: date | None, on: date) -> bool:
 def remove_campaign(session: Session, folder: str) -> None:
     """Delete a campaign, its steps, and its IMU if nothing else names it: as if it had never been started.
 
-    Raises
-    ------
-    CampaignInUse
-        If a calibration was stored from it.
+    Raise `CampaignInUse` if a calibration was stored from it.
     """
     row = campaign(session, folder)
     unit, is_stored = row.imu, select(CalibrationRow.id).where(CalibrationRow.campaign_id == row.id)

@@ -225,10 +225,7 @@ def _begin(connection: Connection) -> None:
 def postgresql_engine(url: URL, busy_timeout_s: float) -> Engine:
     """Return an engine whose writers take the lock at their beginning and wait ``busy_timeout_s`` for it.
 
-    Raises
-    ------
-    ImportError
-        If psycopg, the extra ``postgres``, is not installed.
+    Raise `ImportError` if psycopg, the extra ``postgres``, is not installed.
     """
     if url.drivername == "postgresql":
         url = url.set(drivername="postgresql+psycopg")

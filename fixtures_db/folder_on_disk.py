@@ -8,10 +8,7 @@ from typing import IO, Any
 def make_folder(folder: Path) -> None:
     """Make a folder and those above it that are missing, each on the disk with its name when this returns.
 
-    Raises
-    ------
-    OSError
-        If one of them cannot be made; one that is there is left as it is.
+    Raise `OSError` if one of them cannot be made; one that is there is left as it is.
     """
     missing = [each for each in (folder, *folder.parents) if not each.exists()]
     folder.mkdir(parents=True, exist_ok=True)

@@ -27,12 +27,7 @@ ADD, WITHDRAW = "add", "withdraw"
 def add_effect(session: Session, name: str, definition: str, model: str, serial: str | None) -> EffectEventRow:
     """Put an effect/1 in force for a model or, with ``serial``, one unit; it takes the place of one of its name.
 
-    Call it in `fixtures_db.database.Database.write`.
-
-    Raises
-    ------
-    InForceAlready
-        If the same text is in force there.
+    Call it in `fixtures_db.database.Database.write`. Raise `InForceAlready` if the same text is in force there.
     """
     now, sha256 = _newest(session, model, serial).get(name), digest(definition)
     if now is not None and (now.event, now.effect_sha256) == (ADD, sha256):
@@ -44,10 +39,7 @@ def add_effect(session: Session, name: str, definition: str, model: str, serial:
 def withdraw_effect(session: Session, name: str, model: str, serial: str | None) -> EffectEventRow:
     """Take an effect out of force; its row stays. Call it in `fixtures_db.database.Database.write`.
 
-    Raises
-    ------
-    NotInForce
-        If there is none in force there.
+    Raise `NotInForce` if there is none in force there.
     """
     known = _newest(session, model, serial)
     now = known.get(name)
@@ -168,10 +160,7 @@ def each_axis(limit: Limit) -> tuple[Limit, ...]:
 def set_limits(session: Session, model: str, limits: Sequence[Limit]) -> None:
     """Put these limits in the place of all that a model had; a name without an axis means all axes.
 
-    Raises
-    ------
-    ValueError
-        If a parameter is limited twice.
+    Raise `ValueError` if a parameter is limited twice.
     """
     rows = [one for limit in limits for one in each_axis(limit)]
     names = [row.parameter for row in rows]

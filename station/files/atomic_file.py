@@ -23,10 +23,7 @@ from station.errors import CannotWrite, cannot_write
 def replace_file(path: Path, content: bytes) -> None:
     """Put ``content`` at ``path``, on the disk when this returns; what stood there is kept until then.
 
-    Raises
-    ------
-    CannotWrite
-        If the place cannot be written.
+    Raise `CannotWrite` if the place cannot be written.
     """
     try:
         if path.exists() and not path.is_file():  # /dev/stdout, a pipe: nothing to replace
@@ -48,12 +45,8 @@ def replace_file(path: Path, content: bytes) -> None:
 def replace_files(contents: Mapping[Path, bytes]) -> None:
     """Put several files of one folder in their places: all are on the disk before the first is renamed.
 
-    The folder is made if what it stands in is there.
-
-    Raises
-    ------
-    CannotWrite
-        If a place cannot be written; then none is.
+    The folder is made if what it stands in is there. Raise `CannotWrite` if a place cannot be written; then none
+    is.
     """
     aside = {path: path.with_name(f".{path.name}.{secrets.token_hex(6)}.tmp") for path in contents}
     path = next(iter(contents)).parent
@@ -97,10 +90,7 @@ def write_json(path: Path, document: Mapping[str, Any]) -> None:
 def refuse_own(outputs: Iterable[Path | None], inputs: Iterable[Path]) -> None:
     """Refuse to write over a file that is read, or one result over another, by whatever path it is named.
 
-    Raises
-    ------
-    CannotWrite
-        If an output is one of the inputs, or another output.
+    Raise `CannotWrite` if an output is one of the inputs, or another output.
     """
     read = {path.resolve() for path in inputs if path.is_file()}
     written = set[Path]()
@@ -118,11 +108,7 @@ def write_file_pair(out: Path, second: Path) -> Iterator[tuple[Path, Path]]:
 
     At the end they are put in their places, unless something is raised. What stood next to ``out`` goes first, and
     its companion comes last: one that is cut off leaves a file that nothing is stated of, none that it is not of.
-
-    Raises
-    ------
-    CannotWrite
-        If a place cannot be written, or is a folder.
+    Raise `CannotWrite` if a place cannot be written, or is a folder.
     """
     for path in (out, second):
         if path.is_dir():
@@ -151,12 +137,7 @@ def new_folder(
     """Make a folder; take it away again, with all that came into it, if no file named ``sign`` did.
 
     One that is there already must be empty, or ``is_free`` says of the names in it that they are what a killed
-    program had begun with; such a one is not taken away.
-
-    Raises
-    ------
-    CannotWrite
-        If it cannot be made or is not empty.
+    program had begun with; such a one is not taken away. Raise `CannotWrite` if it cannot be made or is not empty.
     """
     try:
         make_folder(folder)

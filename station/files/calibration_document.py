@@ -196,11 +196,8 @@ def parsed_calibration(content: bytes | str, where: str) -> Mapping[str, Any]:
 def checked_calibration(document: Any, where: str) -> Mapping[str, Any]:
     """Return a parsed calibration/1 that came from ``where``, if it is one; what is null in it is omitted.
 
-    Raises
-    ------
-    DataRefused
-        If it is of another format, or what is applied or stated of it is not there, or is not what the station
-        writes: a triad, its numbers and their unit, effects, times, temperatures.
+    Raise `DataRefused` if it is of another format, or what is applied or stated of it is not there, or is not what
+    the station writes: a triad, its numbers and their unit, effects, times, temperatures.
     """
     found = document.get("format") if isinstance(document, dict) else None
     if not isinstance(document, dict) or found != FORMAT:

@@ -157,10 +157,8 @@ def seal_of(path: Path) -> tuple[bytes, str]:
 def write_csv(folder: Path, rows: Rows) -> None:
     """Write a file for each table that has rows, and their hashes.
 
-    Raises
-    ------
-    CannotWrite
-        If the folder cannot be made, or is not empty: an older export's file would stay in the new one.
+    Raise `CannotWrite` if the folder cannot be made, or is not empty: an older export's file would stay in the new
+    one.
     """
     try:
         make_folder(folder)

@@ -125,10 +125,7 @@ def read_effect(path: Path) -> EffectFile:
 def each_once(found: Sequence[tuple[Path, EffectFile]]) -> tuple[EffectFile, ...]:
     """Return effects that were read from paths, those of the same bytes once.
 
-    Raises
-    ------
-    DataRefused
-        If two that differ have one name.
+    Raise `DataRefused` if two that differ have one name.
     """
     by_name = dict[str, EffectFile]()
     for path, one in found:
@@ -157,10 +154,7 @@ def effect_in(content: bytes, path: Path) -> EffectFile:
 def stored_effect(definition: str, sha256: str, name: str) -> EffectFile:
     """Return the `effect/1` whose text a solution or a calibration holds under ``name``.
 
-    Raises
-    ------
-    DataRefused
-        If it is none, or has another hash or name than was stored.
+    Raise `DataRefused` if it is none, or has another hash or name than was stored.
     """
     found = effect_in(definition.encode(), Path(f"effects.{name}.definition"))
     if (found.sha256, found.name) != (sha256, name):

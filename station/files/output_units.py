@@ -84,13 +84,7 @@ def unit_named(text: str) -> str:
 
 
 def time_unit(text: str) -> TimeUnit:
-    """Return a unit of time as people spell it.
-
-    Raises
-    ------
-    ValueError
-        If it is none; says what is expected.
-    """
+    """Return a unit of time as people spell it; raise `ValueError` if it is none; says what is expected."""
     if (unit := unit_called(unit_named(text))) is None:
         raise ValueError(
             f"found unit {text!a}, expected one of {', '.join(BY_NAME)}, or tick:SECONDS as in tick:1e-4"
@@ -101,12 +95,8 @@ def time_unit(text: str) -> TimeUnit:
 def outputs_per_unit(unit: str, known: Mapping[str, float]) -> float | None:
     """Return how many outputs 1 deg/s or 1 g is, None of ``raw``.
 
-    ``unit`` is one of ``known``, or ``N/(deg/s)``, ``N/g``: so many outputs.
-
-    Raises
-    ------
-    ValueError
-        If it is none; says what is expected.
+    ``unit`` is one of ``known``, or ``N/(deg/s)``, ``N/g``: so many outputs. Raise `ValueError` if it is none;
+    says what is expected.
     """
     name = unit_named(unit)
     if name == RAW:

@@ -18,11 +18,7 @@ def append_hash(folder: Path, name: str, sha256: str) -> None:
     """Record the hash of an accepted file; it is on the disk when this returns.
 
     A name that has a line, as ``campaign.toml`` of a growing campaign has, is given the new hash in its place.
-
-    Raises
-    ------
-    CannotWrite
-        If the folder cannot be written.
+    Raise `CannotWrite` if the folder cannot be written.
     """
     line = f"{sha256}  {name}\n"
     if not _LINE.fullmatch(line[:-1]):
@@ -35,10 +31,7 @@ def append_hash(folder: Path, name: str, sha256: str) -> None:
 def read_hashes(folder: Path) -> dict[str, tuple[str, int]]:
     """Return the recorded hash and its line number by file name; of a file recorded twice the last counts.
 
-    Raises
-    ------
-    DataRefused
-        If there is no readable ``SHA256SUMS``.
+    Raise `DataRefused` if there is no readable ``SHA256SUMS``.
     """
     if not (folder / SHA256SUMS).exists():
         raise DataRefused(folder, None, f"no {SHA256SUMS}", "a folder that the station recorded", "name one")

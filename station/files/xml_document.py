@@ -28,10 +28,8 @@ def read_document(path: Path) -> bytes:
 def parse_xml(content: bytes, where: str | Path) -> Any:
     """Return the root element of a document.
 
-    Raises
-    ------
-    DataRefused
-        If it is no XML, no UTF-8, or has a DTD: entities are how a document reads files, hosts, or grows.
+    Raise `DataRefused` if it is no XML, no UTF-8, or has a DTD: entities are how a document reads files, hosts, or
+    grows.
     """
     try:
         text = content.decode("utf-8-sig")

@@ -32,10 +32,7 @@ LateMessages = dict[int, int]  # by the moment of reading [ns], the moment of th
 def note_late_messages(folder: Path, stream: str, read_ns: Iterable[int], counted_ns: int) -> None:
     """Add what was read at some moments [ns] and counts from a later tick on.
 
-    Raises
-    ------
-    CannotWrite
-        If the disk refuses.
+    Raise `CannotWrite` if the disk refuses.
     """
     add_rows(folder / LATE_MESSAGES_FILE, COLUMNS, ((stream, read, counted_ns) for read in read_ns))
 
@@ -43,12 +40,7 @@ def note_late_messages(folder: Path, stream: str, read_ns: Iterable[int], counte
 def read_late_messages(folder: Path, stream: str) -> LateMessages:
     """Return the late messages of a stream in the run that a folder holds; nothing where all came in time.
 
-    A row that a kill cut short is not used.
-
-    Raises
-    ------
-    DataRefused
-        If there is a table that cannot be read.
+    A row that a kill cut short is not used. Raise `DataRefused` if there is a table that cannot be read.
     """
     path = folder / LATE_MESSAGES_FILE
     try:
@@ -187,10 +179,7 @@ def recorded_readings(
 ) -> Iterator[T]:
     """Yield what the bytes of all sessions of that name in a folder say, in order; each is decoded by itself.
 
-    Raises
-    ------
-    DataRefused
-        If a file is damaged; one cut short is read as far as it goes.
+    Raise `DataRefused` if a file is damaged; one cut short is read as far as it goes.
     """
     for path in sorted(folder.glob(f"{session}_*.mcap")):
         feed = new_feed()

@@ -80,10 +80,8 @@ class CameraDescription:
 def read_description(path: Path) -> CameraDescription:
     """Read a camera's file.
 
-    Raises
-    ------
-    DataRefused
-        If there is none, a key is missing, unknown or out of range, or its address is none of a camera.
+    Raise `DataRefused` if there is none, a key is missing, unknown or out of range, or its address is none of a
+    camera.
     """
     content = read_text_file(path)
     table, lines = read_tables(content, path, CameraTable)

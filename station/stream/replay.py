@@ -40,10 +40,7 @@ def read_recorded_fixes(file: Path) -> list[Record]:
 def recorded_choice(file: Path, event: str) -> str:
     """Return what a recording was monitored with, "aid" or "laws", empty where its folder does not say.
 
-    Raises
-    ------
-    DataRefused
-        If the folder's table of events cannot be read.
+    Raise `DataRefused` if the folder's table of events cannot be read.
     """
     path = file.parent / EVENTS_FILE
     try:

@@ -61,10 +61,7 @@ class SampleRate:
     def look(self) -> None:
         """Take the newest sample; say what is wrong in ``warning``.
 
-        Raises
-        ------
-        DataRefused
-            If the rate is surely more than 1 % off.
+        Raise `DataRefused` if the rate is surely more than 1 % off.
         """
         self._take()
         now = self.clock()

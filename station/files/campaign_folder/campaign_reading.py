@@ -69,10 +69,8 @@ _STEP_KINDS = ("dwell", "turn", "move", "sequence", "rate", "soak", "monitor")
 def read_campaign(folder: Path, *, moves: bool = True) -> LoadedCampaign:
     """Read a ``campaign/1`` folder; every file it names is read and checked; moves only if ``moves``.
 
-    Raises
-    ------
-    DataRefused
-        If the folder breaks a rule of docs/how-to/campaign-folder.md: with file, line, found and expected.
+    Raise `DataRefused` if the folder breaks a rule of docs/how-to/campaign-folder.md: with file, line, found and
+    expected.
     """
     tables, lines, content = read_campaign_toml(folder)
     files = {CAMPAIGN_TOML: hashlib.sha256(content).hexdigest()}
@@ -95,12 +93,8 @@ def loaded_campaign(
 ) -> LoadedCampaign:  # fmt: skip
     """Put the steps of a campaign together, wherever they were read from; ``files`` has each file's sha256.
 
-    ``lines`` has the line of each key of ``campaign.toml``, where there is one.
-
-    Raises
-    ------
-    DataRefused
-        If two steps overlap in time.
+    ``lines`` has the line of each key of ``campaign.toml``, where there is one. Raise `DataRefused` if two steps
+    overlap in time.
     """
     refuse_loose_moves(folder, steps, lines)
     warnings = [

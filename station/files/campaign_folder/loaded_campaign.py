@@ -164,10 +164,7 @@ def check_for_solve(loaded: LoadedCampaign) -> None:
 def folder_effects(folder: Path, table: EffectsTable | None, lines: dict[Key, int]) -> "dict[str, EffectFile]":
     """Return the `effect/1` files that a folder lists, by their names in it.
 
-    Raises
-    ------
-    DataRefused
-        If one leads outside, is no `effect/1`, or has another hash than is stated.
+    Raise `DataRefused` if one leads outside, is no `effect/1`, or has another hash than is stated.
     """
     if table is None:
         return {}
@@ -189,10 +186,7 @@ def folder_effects(folder: Path, table: EffectsTable | None, lines: dict[Key, in
 def with_effects(campaigns: Sequence[LoadedCampaign], files: Sequence[Path]) -> list[LoadedCampaign]:
     """Return campaigns with effects from files alongside their own; their hashes stand with those of all files.
 
-    Raises
-    ------
-    DataRefused
-        If a file is no `effect/1`, or two that differ have one name.
+    Raise `DataRefused` if a file is no `effect/1`, or two that differ have one name.
     """
     if not files and not any(one.effects for one in campaigns):
         return list(campaigns)

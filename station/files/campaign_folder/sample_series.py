@@ -39,10 +39,8 @@ class StepData:
 def step_data(table: Table, imu: CampaignImuTable) -> StepData:
     """Give a step's columns their meaning.
 
-    Raises
-    ------
-    DataRefused
-        If ``t_s`` does not increase, or counts leave their word, add up beyond 2^62 or are too few.
+    Raise `DataRefused` if ``t_s`` does not increase, or counts leave their word, add up beyond 2^62 or are too
+    few.
     """
     t = table.columns["t_s"]
     refuse_time_backwards(table, np.diff(t))

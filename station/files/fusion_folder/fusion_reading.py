@@ -95,10 +95,7 @@ class FusionLog:
 def read_fusion(folder: Path) -> FusionLog:
     """Read a ``fusion/1`` folder.
 
-    Raises
-    ------
-    DataRefused
-        If the folder breaks a rule of docs/how-to/locate.md: with file, line, found and expected.
+    Raise `DataRefused` if the folder breaks a rule of docs/how-to/locate.md: with file, line, found and expected.
     """
     table, lines = read_fusion_toml(folder)
     fixes = _fixes(folder, table.gnss, lines)

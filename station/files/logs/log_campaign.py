@@ -70,10 +70,8 @@ class LogCampaign:
 def campaign_of_logs(files: Sequence[Path], stated: LogOptions) -> LogCampaign:
     """Read logs of one unit as a campaign.
 
-    Raises
-    ------
-    DataRefused
-        If one of them cannot be read or their units differ: with file, place, found, expected and what to do.
+    Raise `DataRefused` if one of them cannot be read or their units differ: with file, place, found, expected and
+    what to do.
     """
     read = [read_table(file) for file in files]
     if not stated.kinds:

@@ -87,12 +87,8 @@ def choose_columns(
 ) -> LogColumns:
     """Return what a log's columns hold.
 
-    Of a log that is streamed, ``stamps_of`` returns the first rows (n,) of a column, as of `unit_of_time`.
-
-    Raises
-    ------
-    DataRefused
-        If a column that was stated is not there, none is an output, or there is neither time nor rate.
+    Of a log that is streamed, ``stamps_of`` returns the first rows (n,) of a column, as of `unit_of_time`. Raise
+    `DataRefused` if a column that was stated is not there, none is an output, or there is neither time nor rate.
     """
     names, guesses = list(table.columns), list[str]()
     free = _not_stated(table, stated)

@@ -52,10 +52,7 @@ def rates_of_angle(
 ) -> dict[str, FloatArray]:
     """Return a rate table's columns, a row a block, of a log with an ``angle`` (n,) [deg] alongside it.
 
-    Raises
-    ------
-    DataRefused
-        If there are too few rows, or the angle does not move.
+    Raise `DataRefused` if there are too few rows, or the angle does not move.
     """
     if len(angle) < LEAST_ROWS or not np.ptp(angle):
         what = f"{len(angle)} rows" if np.ptp(angle) else f"{found.reference} that never changes"
@@ -103,12 +100,8 @@ def log_data(found: LogColumns, rate_hz: float | None, name: str) -> tuple[Table
     Between them is the time [s] at which ``t_s`` is 0 by the log's own clock, None where that is not known.
 
     Rows whose outputs or time are empty or no number are omitted: the samples are lost. A channel that never
-    changes is no channel.
-
-    Raises
-    ------
-    DataRefused
-        If time goes back, a cell of a column that is used is no number, or fewer than `MIN_ROWS` rows are left.
+    changes is no channel. Raise `DataRefused` if time goes back, a cell of a column that is used is no number, or
+    fewer than `MIN_ROWS` rows are left.
     """
     table, notes = found.table, list(found.table.notes)
     found = _without_empty(found, notes)

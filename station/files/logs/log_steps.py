@@ -122,12 +122,8 @@ def step_of_log(
     """Return a log's step, the columns of its file, and what was guessed of it as text.
 
     ``ends`` is by how much a reference angle grew that was read at both ends alone, as `angle_at_ends` has it.
-
-    Raises
-    ------
-    DataRefused
-        If no gyroscope follows the reference of a rate table, and nobody stated which it turned; if the angle of a
-        turn is unknown.
+    Raise `DataRefused` if no gyroscope follows the reference of a rate table, and nobody stated which it turned;
+    if the angle of a turn is unknown.
     """
     if ends is not None:
         step, guesses = _turned_by(columns, kind, imu, *ends)
@@ -241,12 +237,8 @@ def _agreed(
     """Return by which angle [deg] a log turned, and whether its reference counts the other way than the gyroscope.
 
     ``read`` is by how much the reference grew, but for whole turns where it ``wraps``; ``turned`` is what the
-    gyroscope says. A direction that ``is_stated`` stays.
-
-    Raises
-    ------
-    DataRefused
-        If no angle agrees with both, or more than one does.
+    gyroscope says. A direction that ``is_stated`` stays. Raise `DataRefused` if no angle agrees with both, or more
+    than one does.
     """
     if wraps:
         along, against = (true_angle(turned, each, UNCALIBRATED, END_DEG) for each in (read, -read))

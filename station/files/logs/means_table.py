@@ -59,11 +59,8 @@ def is_means_table(table: Table, stated: ColumnOptions) -> bool:
 def means_of(table: Table, stated: ColumnOptions) -> MeansTable:
     """Return a log as a table of means.
 
-    Raises
-    ------
-    DataRefused
-        If no column is an output, a cell of one is no number, or there is a single row; if a row that is used
-        has no number of samples, or no standard deviation, where there is a column of them.
+    Raise `DataRefused` if no column is an output, a cell of one is no number, or there is a single row; if a row
+    that is used has no number of samples, or no standard deviation, where there is a column of them.
     """
     found, stds, count = _columns(table, stated)
     triads = {"accel": outputs(found, found.accel), "gyro": outputs(found, found.gyro)}

@@ -47,10 +47,7 @@ def compare_clocks(
 ) -> Iterator[str]:
     """Yield in words which of the clocks ``others`` contradict ``time``, which the user stated.
 
-    Raises
-    ------
-    ClocksContradict
-        If one does, and nobody stated which of them is the time.
+    Raise `ClocksContradict` if one does, and nobody stated which of them is the time.
     """
     for name in others:
         seconds = seconds_of_clock(table, name, table.columns[name][:CLOCK_ROWS])

@@ -206,12 +206,8 @@ def temperature_column(
 ) -> tuple[str | None, str]:
     """Return the column of temperature, None where there is none, and its unit (`TEMPERATURE_UNITS`).
 
-    A guess among the columns ``free`` is added to ``guesses``.
-
-    Raises
-    ------
-    DataRefused
-        If the column that was stated is in a unit that is none of a temperature, or holds what is none in degC.
+    A guess among the columns ``free`` is added to ``guesses``. Raise `DataRefused` if the column that was stated
+    is in a unit that is none of a temperature, or holds what is none in degC.
     """
     name = guessed_temperature(free) if stated is None else table.name_of(stated) if stated else None
     if name is None:

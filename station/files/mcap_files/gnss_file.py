@@ -103,10 +103,7 @@ Record = GnssFix | TimeMark | AirData
 def read_fixes(path: Path) -> list[Record]:
     """Read what `FixWriter` wrote; a file cut short is read as far as it goes.
 
-    Raises
-    ------
-    DataRefused
-        If a checksum, a record or a message is wrong.
+    Raise `DataRefused` if a checksum, a record or a message is wrong.
     """
     return list(topic_messages(path, _KINDS))
 

@@ -39,10 +39,8 @@ def read_step(path: Path) -> StepContents:
 def read_stream(stream: BufferedReader, file: Path) -> StepContents:
     """Read the samples and raw bytes of a step; ``damage`` says so where the file ends too early.
 
-    Raises
-    ------
-    DataRefused
-        If a checksum, a record or a message is wrong, or messages are missing from a complete file.
+    Raise `DataRefused` if a checksum, a record or a message is wrong, or messages are missing from a complete
+    file.
     """
     sha256 = hashlib.file_digest(stream, "sha256").hexdigest()
     stream.seek(0)
@@ -69,12 +67,8 @@ def topic_messages(
 ) -> Generator[T]:
     """Yield each message of the topics in ``kinds``, as these read it; a file cut short goes as far as it goes.
 
-    ``cut`` is called with a description of an end that comes too early.
-
-    Raises
-    ------
-    DataRefused
-        If a checksum, a record or a message is wrong.
+    ``cut`` is called with a description of an end that comes too early. Raise `DataRefused` if a checksum, a
+    record or a message is wrong.
     """
     topics, count = dict[int, str](), 0
     try:
@@ -96,12 +90,8 @@ def topic_messages(
 def sample_messages(path: Path, cut: Callable[[str], None] = _unheard) -> Generator[tuple[Any, float]]:
     """Yield each message of ``/imu/counts``, and the share of the file that has been read with it.
 
-    ``cut`` is called with a description of an end that comes too early.
-
-    Raises
-    ------
-    DataRefused
-        If a checksum, a record or a message is wrong; an end that comes too early is the end.
+    ``cut`` is called with a description of an end that comes too early. Raise `DataRefused` if a checksum, a
+    record or a message is wrong; an end that comes too early is the end.
     """
     schemas, parsers, count = dict[int, str](), dict[int, Any](), 0
     size = max(path.stat().st_size, 1)
@@ -129,10 +119,8 @@ def _short(error: Exception) -> str:
 def read_table(stream: BufferedReader, file: Path, *, counts: bool) -> Table:
     """Read a step's file as columns; a line of the table is a message of ``/imu/counts``.
 
-    Raises
-    ------
-    DataRefused
-        If the file is damaged, holds no sample, or rates where counts are reported, or the other way round.
+    Raise `DataRefused` if the file is damaged, holds no sample, or rates where counts are reported, or the other
+    way round.
     """
     step = read_stream(stream, file)
     if not len(step):

@@ -83,12 +83,8 @@ def open_npz(file: Path) -> TableReader:
 def open_mat(file: Path) -> TableReader:
     """Open a ``.mat`` of MATLAB up to version 7, or a table of text that is called so, as imu_tk's are.
 
-    Fields of structures are named ``imu.acc``.
-
-    Raises
-    ------
-    DataRefused
-        If it is neither, is of version 7.3 or holds no numbers.
+    Fields of structures are named ``imu.acc``. Raise `DataRefused` if it is neither, is of version 7.3 or holds no
+    numbers.
     """
     with file.open("rb") as stream:
         head = stream.read(MAT_HEAD_BYTES)

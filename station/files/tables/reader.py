@@ -29,10 +29,8 @@ T = TypeVar("T")
 def open_table(file: Path) -> TableReader:
     """Open a table.
 
-    Raises
-    ------
-    DataRefused
-        If the file cannot be read or holds no table: with file, place, found, expected and what to do.
+    Raise `DataRefused` if the file cannot be read or holds no table: with file, place, found, expected and what to
+    do.
     """
     return _accessed(file, TABLE_FORMATS.get(file.suffix.lower(), open_text))
 

@@ -101,10 +101,7 @@ def _refuse_part(groups: Iterable[tuple[str, ...]], names: list[str], file: Path
 def read_header(header: bytes, file: Path, kind: NamedColumns | SampleColumns) -> dict[str, str]:
     """Return the columns of a header line in their order, each with what its cells hold.
 
-    Raises
-    ------
-    DataRefused
-        If a column is unknown, missing or double.
+    Raise `DataRefused` if a column is unknown, missing or double.
     """
     expected = f"columns out of {','.join(kind.columns)}"
     if header.startswith(b"\xef\xbb\xbf"):

@@ -80,10 +80,7 @@ class Table:
     def name_of(self, key: str) -> str:
         """Return the name of the column that ``key`` names, or numbers from 1.
 
-        Raises
-        ------
-        DataRefused
-            If there is none or more than one.
+        Raise `DataRefused` if there is none or more than one.
         """
         names = list(self.columns)
         bare = {name: _UNIT_IN_BRACKETS.sub("", name) for name in names}
@@ -105,10 +102,7 @@ class Table:
     def column(self, key: str) -> FloatArray:
         """Return a column (n,), in the table's own unit.
 
-        Raises
-        ------
-        DataRefused
-            If there is none, or a cell of it is no number: names the first.
+        Raise `DataRefused` if there is none, or a cell of it is no number: names the first.
         """
         name = self.name_of(key)
         if name in self.unreadable:

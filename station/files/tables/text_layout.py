@@ -164,10 +164,7 @@ def cells_of(line: str, delimiter: str | None) -> list[str]:
 def layout_of(lines: Sequence[str], file: Path) -> Layout:
     """Return the layout of lines with the most numbers, text counted against it.
 
-    Raises
-    ------
-    DataRefused
-        If no lines make a table, or commas part cells and decimals alike.
+    Raise `DataRefused` if no lines make a table, or commas part cells and decimals alike.
     """
     found = [layout for each in DELIMITERS for layout in _layouts(lines, each)]
     if not found:

@@ -98,10 +98,7 @@ class Damage:
     def note(self, layout: Layout, line_of: Callable[[int], int], file: Path) -> tuple[str, ...]:
         """Return in words what is lost; ``line_of`` gives a row's line.
 
-        Raises
-        ------
-        DataRefused
-            If more than `MAX_DAMAGED` of the rows are damaged: names the first.
+        Raise `DataRefused` if more than `MAX_DAMAGED` of the rows are damaged: names the first.
         """
         if not (found := self.descriptions(layout)):
             return ()

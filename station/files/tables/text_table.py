@@ -174,10 +174,7 @@ class TextForm:
 def open_text(file: Path) -> TableReader:
     """Open a table of text.
 
-    Raises
-    ------
-    DataRefused
-        If it holds no table; where it is read, also if too many rows are damaged.
+    Raise `DataRefused` if it holds no table; where it is read, also if too many rows are damaged.
     """
     with closing(_texts(file)) as texts:
         text, done = next(texts, ("", 1.0))

@@ -123,12 +123,8 @@ class LiveFeed:
     def identify(self, model: str | None = None, serial: str | None = None, *, has_begun: bool = False) -> Unit:
         """Wait until it is known which unit this is; see `unit_of` for what it raises.
 
-        The wait for a serial number is of the device's time, so that a replay ends in what the live run did.
-
-        Raises
-        ------
-        DataRefused
-            If a replayed file ends before it is known how often samples come.
+        The wait for a serial number is of the device's time, so that a replay ends in what the live run did. Raise
+        `DataRefused` if a replayed file ends before it is known how often samples come.
         """
         decoder, kind = self.stream.decoder, self.wire.identity
         is_identity = kind is not None and kind is not self.wire.imu

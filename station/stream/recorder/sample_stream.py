@@ -184,10 +184,7 @@ _ROUNDING_NS = 1
 def check_raw_bytes(path: Path, wire: WireFormat) -> int:
     """Decode the raw bytes of a step's file again and return how many samples they give, equal to its counts.
 
-    Raises
-    ------
-    Altered
-        If a count, counter, time, temperature or status differs.
+    Raise `Altered` if a count, counter, time, temperature or status differs.
     """
     recorded = read_step(path)
     again = SampleStream(wire).take(Chunk(0, b"".join(data for _, data in recorded.raw))).block
