@@ -21,7 +21,7 @@ from procedures.arrays import FloatArray
 from procedures.optional_libraries import ExtraMissing
 from station.errors import DataRefused, cannot_write
 from station.files.mcap_files.schemas import SAMPLE, TOPIC, built, numbered, sample_message
-from station.files.mcap_files.writer import new_channel, new_file
+from station.files.mcap_files.writer import GrowingFile, new_channel
 
 NS_PER_S = 1e9
 
@@ -221,12 +221,11 @@ class NpzSamples(_SpooledSamples):
 WIRE_64 = 1  # the wire type of doubles
 
 
-class McapSamples:
+class McapSamples(GrowingFile):
     """Writes MCAP; the log time is ``t_s`` in ns. A message has all columns, nan where one is not known."""
 
     def __init__(self, path: Path, columns: SampleColumns) -> None:
-        self._path = path
-        self._stream, self._writer = new_file(path)
+        super().__init__(path)
         names = ["temperature_c" if name == "temp_c" else name for name in columns.names]
         self._channel = new_channel(self._writer, TOPIC, SAMPLE, built(sample_message(names))[0])
         keys = [_varint(number << 3 | WIRE_64) for number in numbered(names).values()]
@@ -239,25 +238,18 @@ class McapSamples:
         """Write rows, columns (n,) in the units of their names."""
         at = np.rint(columns[0] * NS_PER_S)
         if len(at) and at[0] < 0:
-            raise DataRefused(self._path, None, f"t_s {columns[0][0]:.9g}", "times from 0 on in an MCAP file")
+            raise DataRefused(self.path, None, f"t_s {columns[0][0]:.9g}", "times from 0 on in an MCAP file")
         rows = np.zeros(len(at), self._row)
         for i, (key, column) in enumerate(zip(self._keys, columns, strict=True)):
             rows[f"{i}k"], rows[f"{i}v"] = key, column
         size, content = self._row.itemsize, rows.tobytes()
         for i, now in enumerate(at.astype(np.int64).tolist()):
-            data = content[i * size : (i + 1) * size]
-            self._writer.add_message(self._channel, now, data, publish_time=now, sequence=self._count & 0xFFFFFFFF)
+            self.add(self._channel, now, content[i * size : (i + 1) * size], self._count & 0xFFFFFFFF)
             self._count += 1
-
-    def finish(self) -> None:
-        """Put the file on the disk."""
-        self._writer.finish()  # type: ignore[no-untyped-call]
-        sync_file(self._stream)
-        self._stream.close()
 
     def abandon(self) -> None:
         """Release the file."""
-        self._stream.close()
+        self.let_go()
 
 
 def _varint(number: int) -> bytes:

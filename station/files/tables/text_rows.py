@@ -78,7 +78,7 @@ class Damage:
         return {names[i]: next(iter(cells.kept.items())) for i, cells in common.items()}
 
     def without_misprints(self, values: FloatArray) -> FloatArray:
-        """Return the rows' numbers (n, columns), nan where other decimals than usual are rare."""
+        """Return the rows' numbers ``values`` (n, columns), nan where other decimals than usual are rare."""
         for i, cells in self.misprinted.items():
             if self.is_rare(cells.count):
                 values[list(cells.kept), i] = np.nan

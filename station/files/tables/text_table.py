@@ -128,7 +128,7 @@ class TextForm:
         return Part([before + i + 1 for i in kept], values, damage, len(again), notes)
 
     def columns(self, values: FloatArray) -> dict[str, FloatArray]:
-        """Return rows (n, columns) by column."""
+        """Return the rows' numbers ``values`` (n, columns) by column."""
         return {name: np.ascontiguousarray(values[:, i]) for i, name in enumerate(self.scales.names)}
 
     def table(self, parts: Iterable[Part], *, is_whole: bool) -> Table:
