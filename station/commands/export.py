@@ -1,19 +1,21 @@
 """``station export``: a stored calibration for those who apply it."""
 
+from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
 from station.commands import Database
 from station.commands._options import argument, flag, option
+from station.exports import EXPORTS, PREFIX, Request, export_paths
+
+Target = StrEnum("Target", [(one.name, one.name) for one in EXPORTS])  # type: ignore[misc]
 
 
 def export(
     calibration: Annotated[Path, argument("CALIBRATION", "A calibration.json.")],
-    to: Annotated[
-        Literal["c", "matlab", "px4", "ardupilot", "kalibr", "imu_calib"], option("", "The target program.")
-    ],
+    to: Annotated[Target, option("", "The target program.")],
     out: Annotated[Path | None, option("DIR|FILE", "Where to write; else stdout, if it is one file.")] = None,
     nominal_accel: Annotated[float | None, option("COUNT/(G S)", "The driver's scale factor.")] = None,
     nominal_gyro: Annotated[float | None, option("COUNT/DEG", "The driver's scale factor.")] = None,
@@ -32,22 +34,21 @@ def export(
 
     Example: station export calibration.json --to px4 --out imu.params
     """
+    target = next(one for one in EXPORTS if one.name == to)
     for name, value in (("--nominal-accel", nominal_accel), ("--nominal-gyro", nominal_gyro)):
         if value is not None and not 0 < value < float("inf"):
             raise typer.BadParameter(f"{name} {value}: expected a positive number")
-        if value is not None and to in {"c", "matlab"}:
+        if value is not None and target.is_program:
             raise typer.BadParameter(f"{name}: --to {to} uses counts; omit it")
-    if single is not None and to != "c":
+    if single is not None and not target.has_float:
         raise typer.BadParameter(f"--float, --double: only for --to c, not for {to}")
-    from station.exports import EXPORTS, PREFIX, Request, export_paths
     from station.files.atomic_file import refuse_own, replace_file, replace_files
 
-    one = next(each for each in EXPORTS if each.name == to)
-    if out is None and len(one.ends) > 1:
-        raise typer.BadParameter(f"--to {to} writes {len(one.ends)} files: name a folder or a file by --out")
-    name, paths = (PREFIX, {}) if out is None else export_paths(one, out)
+    if out is None and len(target.ends) > 1:
+        raise typer.BadParameter(f"--to {to} writes {len(target.ends)} files: name a folder or a file by --out")
+    name, paths = (PREFIX, {}) if out is None else export_paths(target, out)
     refuse_own(paths.values(), [calibration])
-    files = one.files(Request(calibration, nominal_accel, nominal_gyro, name, bool(single)))
+    files = target.files(Request(calibration, nominal_accel, nominal_gyro, name, bool(single)))
     if out is None:
         typer.echo(next(iter(files.values())).decode(), nl=False)
         return

@@ -1,20 +1,17 @@
 """A calibration written for other programs; one line in `EXPORTS` adds a format.
 
-A receiver's file makes texts of a `Correction`, offset and scale about a driver's nominal scale factor, or of the
-whole `StoredCalibration`. What it cannot carry it says in comments.
+A receiver's file has a function of a `Correction`, offset and scale about a driver's nominal scale factor, which
+returns its text; a program has one of the whole `StoredCalibration` and a `Request`, which returns its files. What
+it cannot carry it says in comments.
 """
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 
 from station.errors import CannotWrite
-from station.exports import c99, matlab
-from station.exports.correction import Correction, NominalScale, read_correction
-from station.exports.exported_calibration import read_stored
-from station.exports.flight_stacks import ardupilot_text, px4_text
-from station.exports.ros import imu_calib_text, kalibr_text
 
 PREFIX = "fog_imu"  # of the names in a program
 
@@ -32,37 +29,39 @@ class Request:
 
 @dataclass(frozen=True, slots=True)
 class Export:
-    """A receiver: its name on the command line, who it is, and its files by the end of their names."""
+    """A receiver: its name on the command line, ``file.function`` that writes it, and the ends of its files.
+
+    A program turns counts into results, of double or, where it ``has_float``, of float; any other file corrects
+    what a driver made of them.
+    """
 
     name: str
-    title: str
+    function: str
     ends: tuple[str, ...]
-    files: Callable[[Request], Mapping[str, bytes]]
+    is_program: bool = False
+    has_float: bool = False
 
+    def files(self, asked: Request) -> Mapping[str, bytes]:
+        """Return its files by the end of their names; raise `DataRefused` where it can take none."""
+        from station.exports.correction import read_correction  # numerics: not for the list of names
+        from station.exports.exported_calibration import read_stored
 
-def _corrected(end: str, text: Callable[[Correction], str]) -> Callable[[Request], Mapping[str, bytes]]:
-    return lambda asked: {end: text(read_correction(asked.path, asked.accel, asked.gyro)).encode()}
-
-
-def _c99(asked: Request) -> Mapping[str, bytes]:
-    found = c99.sources(read_stored(asked.path), asked.prefix, is_float=asked.is_float)
-    return {end: text.encode() for end, text in found.items()}
-
-
-def _matlab(asked: Request) -> Mapping[str, bytes]:
-    return matlab.files(read_stored(asked.path), asked.prefix)
+        module, _, function = self.function.partition(".")
+        make = getattr(import_module(f"station.exports.{module}"), function)
+        if self.is_program:
+            found: Mapping[str, bytes] = make(read_stored(asked.path), asked)
+            return found
+        return {self.ends[0]: make(read_correction(asked.path, asked.accel, asked.gyro)).encode()}
 
 
 EXPORTS = (
-    Export("ardupilot", "ArduPilot parameters, NAME,VALUE", (".parm",), _corrected(".parm", ardupilot_text)),
-    Export("px4", "PX4 parameters as QGroundControl loads them", (".params",), _corrected(".params", px4_text)),
-    Export("kalibr", "Kalibr's imu.yaml, scale-misalignment", (".yaml",), _corrected(".yaml", kalibr_text)),
-    Export("imu_calib", "imu_calib of ROS: accelerometers", (".yaml",), _corrected(".yaml", imu_calib_text)),
-    Export("c", "C99: a header and a source", (".h", ".c"), _c99),
-    Export("matlab", "MATLAB and GNU Octave: a function and its numbers", (".m", ".mat"), _matlab),
+    Export("c", "c99.files", (".h", ".c"), is_program=True, has_float=True),
+    Export("matlab", "matlab.files", (".m", ".mat"), is_program=True),
+    Export("px4", "flight_stacks.px4_text", (".params",)),
+    Export("ardupilot", "flight_stacks.ardupilot_text", (".parm",)),
+    Export("kalibr", "ros.kalibr_text", (".yaml",)),
+    Export("imu_calib", "ros.imu_calib_text", (".yaml",)),
 )
-
-__all__ = ["EXPORTS", "PREFIX", "Correction", "Export", "NominalScale", "Request", "read_correction"]
 
 
 _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,30}", re.ASCII)

@@ -15,6 +15,7 @@ from procedures.frames import TRIADS
 from procedures.units import RAD_PER_DEG, STANDARD_GRAVITY
 from station.calibrated.applied_effects import AppliedEffect
 from station.calibrated.correction_inputs import KEPT, KEPT_S, MIN_SLOPE_S, SLOPE_S
+from station.exports import Request
 from station.exports.exported_calibration import StoredCalibration, carried_effects
 from station.exports.expressions import CExpressions, c_functions, c_number
 from station.exports.known_samples import AUXILIARY, MAGNETIC_UT, Sample, known_samples, rounds_needed
@@ -33,26 +34,28 @@ from station.exports.program_text import (
 WANTED = {False: 1e-15, True: 3e-8}  # of the input's length, that rounds may leave: what rounding does anyway
 LIMIT = {False: "1e-12", True: "1e-6"}  # of the self-test
 DIGITS = {False: "double, to 1e-12 of a vector's length", True: "float, to about 1e-6 of a vector's length"}
-_FILES = {"h": "header", "c": "source"}
+_FILES = {".h": "header", ".c": "source"}
 
 
-def sources(stored: StoredCalibration, prefix: str, *, is_float: bool) -> dict[str, str]:
-    """Return the text of the header and of the source, by suffix.
+def files(stored: StoredCalibration, asked: Request) -> dict[str, bytes]:
+    """Return the header and the source by suffix.
 
     Raises
     ------
     DataRefused
         If an effect is not what was stored, has no finite value, or does not settle.
     """
+    is_float = asked.is_float
     effects, left = carried_effects(stored)
     rounds = rounds_needed(stored, effects, WANTED[is_float])
     samples = known_samples(stored, effects, is_float=is_float)
     context = _context(stored, effects, is_float) | {
-        "prefix": prefix, "about": about(stored, effects, left, rounds, DIGITS[is_float]),
+        "prefix": asked.prefix, "about": about(stored, effects, left, rounds, DIGITS[is_float]),
         "limit": LIMIT[is_float], "rounds": rounds.number, "residual": str(rounds),
         "vectors": [_vector(one, is_float) for one in samples],
     }  # fmt: skip
-    return {f".{end}": templates().get_template(f"c_{name}.jinja").render(context) for end, name in _FILES.items()}
+    texts = {end: templates().get_template(f"c_{name}.jinja") for end, name in _FILES.items()}
+    return {end: text.render(context).encode() for end, text in texts.items()}
 
 
 def _context(stored: StoredCalibration, effects: tuple[AppliedEffect, ...], is_float: bool) -> dict[str, object]:

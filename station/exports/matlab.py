@@ -14,6 +14,7 @@ from procedures.effects.temperature_history import REVERSAL_K
 from procedures.frames import TRIADS
 from procedures.units import RAD_PER_DEG, STANDARD_GRAVITY
 from station.calibrated.correction_inputs import KEPT_S, MIN_SLOPE_S, SLOPE_S
+from station.exports import Request
 from station.exports.c99 import DIGITS, WANTED
 from station.exports.exported_calibration import StoredCalibration, carried_effects
 from station.exports.expressions import MatlabExpressions
@@ -30,7 +31,7 @@ from station.exports.program_text import (
 )
 
 
-def files(stored: StoredCalibration, prefix: str) -> dict[str, bytes]:
+def files(stored: StoredCalibration, asked: Request) -> dict[str, bytes]:
     """Return the bytes of the function and of the .mat by suffix; raises `DataRefused` as the program in C."""
     effects, left = carried_effects(stored)
     rounds = rounds_needed(stored, effects, WANTED[False])
@@ -40,7 +41,7 @@ def files(stored: StoredCalibration, prefix: str) -> dict[str, bytes]:
         name: terms_of(effects, name, write, "calibration.{table}(:, {next})", ".*") for name in stored.triads
     }
     context = {
-        "prefix": prefix, "about": about(stored, effects, left, rounds, DIGITS[False]),
+        "prefix": asked.prefix, "about": about(stored, effects, left, rounds, DIGITS[False]),
         "inputs": inputs_of(effects),
         "triads": [
             {

@@ -18,7 +18,7 @@ from fixtures_db.imu_models import UNITS, Limit, limited_models, limits_of
 from fixtures_db.schema import CubeRow, SiteRow, SlabRow
 from procedures.campaign.plan_steps import Step
 from station.errors import megabytes
-from station.files.campaign_folder.campaign_schema import GRAVITY_STD
+from station.files.campaign_folder.campaign_schema import GRAVITY_STD, NORMAL_GRAVITY_STD
 from station.files.campaign_setup import Setup
 from station.guide.campaign.folder_recorder import disk_free, disk_needed
 from station.guide.setup_view import PortCheck, Readiness, ReadyLine, ReadyState
@@ -184,7 +184,7 @@ def _fixture(kind: str, name: str, known: PriorKnowledge) -> StateAndText:
 
 def _site(setup: Setup, known: PriorKnowledge) -> StateAndText:
     if setup.gravity_m_s2 is None:
-        return "note", "gravity from latitude and height, known to 5e-4 m/s2: not a survey"
+        return "note", f"gravity from latitude and height, known to {NORMAL_GRAVITY_STD:g} m/s2: not a survey"
     if setup.latitude_deg is None:
         return "note", "its survey is looked up when the receiver gives the latitude"
     if (survey := _survey(setup, known)) is None:

@@ -5,7 +5,6 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import get_args
 
 import numpy as np
 import pytest
@@ -21,7 +20,6 @@ from procedures.geodesy import earth_rate_n
 from procedures.positions import face_normal, face_of, nominal_C_lb
 from procedures.units import STANDARD_GRAVITY
 from station import cli
-from station.commands.export import export
 from station.exports import EXPORTS, Export, Request
 from tests.fixtures_db.factory import facts
 
@@ -165,8 +163,3 @@ def test_the_command_writes_the_file(export: Export, tmp_path: Path, capsys: pyt
     printed = capsys.readouterr().out
     assert cli.run([*command, "--out", str(tmp_path / "out")]) == 0
     assert (tmp_path / "out").read_text() == printed == text_of(export, path, 1000.0)
-
-
-def test_the_command_offers_every_export() -> None:
-    (choices,) = (each for each in get_args(export.__annotations__["to"]) if get_args(each))
-    assert set(get_args(choices)) == {each.name for each in EXPORTS}
