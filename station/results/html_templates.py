@@ -4,6 +4,7 @@ import re
 from functools import cache
 
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined, Template
+from markupsafe import Markup, escape
 
 from station.text import unit_in_words
 
@@ -11,7 +12,7 @@ FOLDERS = ("report", "diagnosis", "history", "certificate")
 
 
 def html_template(name: str) -> Template:
-    """Return a template; ``typeset`` is a filter of it."""
+    """Return a template; ``typeset``, ``led`` and ``symbols`` are filters of it."""
     return _environment().get_template(name)
 
 
@@ -21,9 +22,20 @@ def _environment() -> Environment:
     made = Environment(
         loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    made.filters["typeset"] = _typeset
+    made.filters |= {"typeset": _typeset, "led": _led, "symbols": _symbols}
     made.globals["unit_in_words"] = unit_in_words
     return made
+
+
+def _led(text: str) -> Markup:
+    """Return text with what leads up to its first colon or full stop in bold."""
+    lead, mark, rest = re.split("([:.])", text, maxsplit=1)
+    return Markup("<b>{}{}</b>{}").format(lead, mark, rest)
+
+
+def _symbols(text: str) -> Markup:
+    """Return text with the symbols of quantities in italics."""
+    return Markup(re.sub(r"\b(r u|[kruwU])\b", r'<i class="symbol">\1</i>', str(escape(text))))
 
 
 def _typeset(text: str) -> str:

@@ -1,6 +1,6 @@
 """What a certificate is made from, and its numbers: one source for HTML and XML, so that they cannot disagree.
 
-Fixed sentences stand in `templates/certificate.html` and, in two languages, in `dcc.statements`.
+Its fixed sentences are those of `sentences`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,6 +13,7 @@ from fixtures_db.hash_chain import GENESIS
 from fixtures_db.verification import Anchor
 from station.results.certificate import model_statement
 from station.results.certificate.conformity import AsFound, Conformity, as_found, conformity, greatest_risk
+from station.results.certificate.dcc.names import Bilingual
 from station.results.certificate.laboratory import Laboratory
 from station.results.certificate.missing_statements import COMMIT
 from station.results.certificate.model_statement import is_simulated, is_timed, residual_in_words
@@ -63,10 +64,12 @@ class Certificate:
         return stated
 
     @property
-    def title(self) -> str:
+    def title(self) -> Bilingual:
         """What it is."""
-        name = "Measurement report" if self.reasons else "Calibration certificate"
-        return f"{name} of a simulated unit" if is_simulated(self.document) else name
+        certificate = Bilingual("Calibration certificate", "Kalibrierschein")
+        name = Bilingual("Measurement report", "Messbericht") if self.reasons else certificate
+        of = Bilingual(" of a simulated unit", " eines simulierten Geräts")
+        return name + of if is_simulated(self.document) else name
 
 
 def expired(document: Mapping[str, Any]) -> list[str]:

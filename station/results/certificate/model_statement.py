@@ -13,7 +13,6 @@ NAMES = {
     "fixture.parallelism": "cube parallelism",
 }
 SLAB_RANGE_DEG = 0.29  # procedures.twelve_positions.bench_parameters.SLAB_TILT_RANGE_RAD, 5e-3 rad
-TAKEN_AS_ZERO = "Not determined by these steps; assumed zero, or equal to that of the cube's mean faces"
 SIMULATED = "SIM-"  # how every model of drivers.simulated begins
 PROGRAM = "run `station"  # in a warning that speaks to the operator
 

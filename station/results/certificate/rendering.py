@@ -13,9 +13,9 @@ from pathlib import Path
 
 from fixtures_db.schema import IssuedCertificateRow
 from station.errors import NoPdf
-from station.results.certificate import model_statement
+from station.results.certificate import model_statement, sentences
 from station.results.certificate.conformity import AS_FOUND_K, printed
-from station.results.certificate.content import CertificateContent, conditions, greatest_risks, minute
+from station.results.certificate.content import CertificateContent, conditions, minute
 from station.results.certificate.printed_results import result_groups, sources_in_words
 from station.results.html_templates import html_template
 
@@ -31,9 +31,9 @@ def render(content: CertificateContent) -> str:
         effects=model_statement.effect_rows(document),
         conformity_rows=[] if found is None else printed(found.against),
         as_found_k=f"{AS_FOUND_K:g}",
-        risks="" if found is None else greatest_risks(found),
         conditions=conditions(content.certificate),
-        taken_as_zero_title=model_statement.TAKEN_AS_ZERO,
+        content=content,
+        say=sentences,
         minute=minute,
         files=sorted(document["inputs"].items()),
     )

@@ -3,18 +3,13 @@
 import re
 
 from station.results.certificate.content import Certificate, CertificateContent
-from station.results.certificate.dcc.elements import LANGUAGES, Bilingual, Element, Text, dcc, worded
+from station.results.certificate.dcc.elements import Element, Text, dcc, worded
+from station.results.certificate.dcc.names import LANGUAGES, Bilingual
 from station.results.certificate.dcc.statements import statements
+from station.results.certificate.sentences import ITEM, SIMULATED_ITEM
 
 VERSION = re.compile(r"^(?P<name>\S+) (?P<release>\d{1,3}(?:\.\d{1,3}){0,3})")
 NOT_STATED = Bilingual("not stated", "nicht angegeben")
-ITEM = Bilingual(
-    "Inertial measurement unit with fibre-optic gyroscopes and accelerometers",
-    "Inertialmesseinheit mit faseroptischen Kreiseln und Beschleunigungsmessern",
-)
-SIMULATED = Bilingual(
-    " (simulated device: no hardware was measured)", " (simuliertes Gerät: keine Hardware gemessen)"
-)
 
 
 def administrative_data(content: CertificateContent) -> Element:
@@ -99,7 +94,7 @@ def _items(content: CertificateContent) -> Element:
         "items",
         dcc(
             "item",
-            worded("name", ITEM + SIMULATED if content.is_simulated else ITEM),
+            worded("name", SIMULATED_ITEM if content.is_simulated else ITEM),
             worded("description", condition),
             dcc("manufacturer", worded("name", item.manufacturer or NOT_STATED)),
             dcc("model", text=str(document["model"])),

@@ -1,4 +1,4 @@
-"""Elements of a digital calibration certificate: XML, bilingual texts, and quantities of the D-SI in its units.
+"""Elements of a digital calibration certificate: XML, and quantities of the D-SI in its units.
 
 Every number is written as its shortest exact decimal, so that a reader has the same bits. All units of a
 calibration but g are units of the SI or accepted for use with it, and their values pass unchanged; g is 9.80665
@@ -14,25 +14,13 @@ from typing import TypeAlias
 from lxml import etree
 
 from procedures.units import PPM_PER_ONE, STANDARD_GRAVITY
+from station.results.certificate.dcc.names import LANGUAGES, Bilingual
 
 DCC, SI = "https://ptb.de/dcc", "https://ptb.de/si"
 SCHEMA_VERSION = "3.1.2"
-LANGUAGES = ("en", "de")
 NOT_IN_XML = {code: " " for code in (*range(0x20), 0x7F, 0xFFFE, 0xFFFF) if code not in {0x09, 0x0A}}
 
 Element: TypeAlias = etree._Element  # noqa: SLF001  lxml has no other name for it
-
-
-@dataclass(frozen=True, slots=True)
-class Bilingual:
-    """A text in both languages of the certificate."""
-
-    en: str
-    de: str
-
-    def __add__(self, other: "Bilingual") -> "Bilingual":
-        """Return this followed by another text, both languages."""
-        return Bilingual(self.en + other.en, self.de + other.de)
 
 
 Text = Bilingual | str
@@ -55,12 +43,6 @@ def worded(name: str, text: Text, **attributes: str | None) -> Element:
         return dcc(name, dcc("content", text=text), **attributes)
     both = (dcc("content", text=getattr(text, lang), lang=lang) for lang in LANGUAGES)
     return dcc(name, *both, **attributes)
-
-
-def joined(texts: Iterable[Bilingual], between: str = "\n") -> Bilingual:
-    """Return several texts as one: an element holds one text of each language."""
-    several = list(texts)
-    return Bilingual(*(between.join(getattr(one, lang) for one in several) for lang in LANGUAGES))
 
 
 def _made(

@@ -14,19 +14,17 @@ from station.results.certificate.dcc.elements import (
     METRE_PER_S2,
     MILLIMETRE,
     PERCENT,
-    Bilingual,
     DsiUnit,
     Element,
     Expanded,
     dcc,
-    joined,
     no_quantity,
     of_normal,
     quantity,
     real,
     worded,
 )
-from station.results.certificate.dcc.names import as_written
+from station.results.certificate.dcc.names import Bilingual, as_written, joined
 from station.results.certificate.dcc.results import (
     budget_result,
     covariance_results,
@@ -34,7 +32,7 @@ from station.results.certificate.dcc.results import (
     parameter_results,
     result,
 )
-from station.results.certificate.model_statement import TAKEN_AS_ZERO
+from station.results.certificate.sentences import DEVIATIONS, STATED, TAKEN_AS_ZERO
 
 TITLE = Bilingual("Records, SHA-256", "Aufzeichnungen, SHA-256")
 HEADS = Bilingual("Heads of the chains", "Köpfe der Ketten")
@@ -282,13 +280,10 @@ def measurement_result(content: CertificateContent) -> Element:
 def _remarks(content: CertificateContent) -> list[Element]:
     none = Bilingual("none", "keine")
     several = (
-        ("fog_deviations", Bilingual("Deviations from the procedure", "Abweichungen vom Verfahren"),
-         content.deviations),
-        ("fog_takenAsZero", Bilingual(TAKEN_AS_ZERO, "In diesen Schritten nicht bestimmt und null gesetzt oder "
-         "gleich denen des mittleren Würfels"), content.taken_as_zero),
-        ("fog_stated", Bilingual("Stated, not measured here", "Angegeben, hier nicht gemessen"),
-         [f"{label}: {text}" for label, text in content.stated]),
-    )  # fmt: skip
+        ("fog_deviations", DEVIATIONS, content.deviations),
+        ("fog_takenAsZero", TAKEN_AS_ZERO, content.taken_as_zero),
+        ("fog_stated", STATED, [f"{label}: {text}" for label, text in content.stated]),
+    )
     diagnosis = joined(map(as_written, content.diagnosis), " ")  # whole sentences, the first of which is its title
     remarks = [
         (ref_type, title + Bilingual(": ", ": ") + (joined(map(as_written, wording), "; ") if wording else none))

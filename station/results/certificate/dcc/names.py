@@ -1,14 +1,36 @@
-"""Names of parameters, sources and references in both languages, and the station's sentences in German.
+"""Texts in both languages: names of parameters, sources and references, and the station's sentences in German.
 
 Sentences that are stored with a calibration are in English alone. One is translated if each of its clauses is
 known; names of steps and effects pass unchanged.
 """
 
 import re
+from collections.abc import Iterable
+from dataclasses import dataclass
 
 from procedures.uncertainty import sources
-from station.results.certificate.dcc.elements import Bilingual
 from station.results.parameters_by_name import title_of
+
+LANGUAGES = ("en", "de")
+
+
+@dataclass(frozen=True, slots=True)
+class Bilingual:
+    """A text in both languages of the certificate."""
+
+    en: str
+    de: str
+
+    def __add__(self, other: "Bilingual") -> "Bilingual":
+        """Return this followed by another text, both languages."""
+        return Bilingual(self.en + other.en, self.de + other.de)
+
+
+def joined(texts: Iterable[Bilingual], between: str) -> Bilingual:
+    """Return several texts as one: an element holds one text of each language."""
+    several = list(texts)
+    return Bilingual(*(between.join(getattr(one, lang) for one in several) for lang in LANGUAGES))
+
 
 PARTED = (("; ", "; "), (" with ", " mit "), (" and ", " und "))  # what joins clauses, coarsest first
 VERDICTS = {
@@ -169,4 +191,4 @@ def source_name(source: str) -> Bilingual:
 
 def as_written(text: str) -> Bilingual:
     """Return a sentence that is stored in English alone: in German if it is known, else marked as English."""
-    return Bilingual(text, in_german(text) or f"(englisch) {text}")
+    return Bilingual(text, in_german(text) or f"{ENGLISH} {text}")

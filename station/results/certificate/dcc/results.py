@@ -10,11 +10,11 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from procedures.frames import TRIADS
+from station.results.certificate import sentences
 from station.results.certificate.conformity import AS_FOUND_K, LimitComparison, Shift, sigmas
 from station.results.certificate.content import CertificateContent
 from station.results.certificate.dcc.elements import (
     ONE,
-    Bilingual,
     DsiUnit,
     Element,
     Expanded,
@@ -28,7 +28,14 @@ from station.results.certificate.dcc.elements import (
     real,
     worded,
 )
-from station.results.certificate.dcc.names import PART_NAMES, TRIAD_NAMES, as_written, parameter_name, source_name
+from station.results.certificate.dcc.names import (
+    PART_NAMES,
+    TRIAD_NAMES,
+    Bilingual,
+    as_written,
+    parameter_name,
+    source_name,
+)
 from station.results.certificate.dcc.statements import CONFORMITY
 from station.results.certificate.printed_results import MeasuredParameter
 
@@ -186,10 +193,7 @@ def _kind_name(kind: str) -> Bilingual:
     return TRIAD_NAMES[triad] + Bilingual(" ", ", ") + PART_NAMES[part]
 
 
-EFFECTS = Bilingual(
-    "Error terms in the model in addition to K, E and D, standard uncertainty u",
-    "Fehlerterme im Modell neben K, E und D, Standardunsicherheit u",
-)
+EFFECTS = sentences.EFFECTS + Bilingual(", standard uncertainty u", ", Standardunsicherheit u")
 AS_FOUND = Bilingual(
     "As found: errors with the previous parameters", "Eingangszustand: Abweichungen der vorigen Parameter"
 )
