@@ -139,6 +139,7 @@ def _say(
 ) -> None:  # fmt: skip
     from station.results.diagnosis.diagnosis_json import noise_and_widened
     from station.results.diagnosis.diagnosis_text import diagnosis_text
+    from station.results.solution_json import solution_document
     from station.results.solution_text import NOT_SOLVED, triad_lines
     from station.text import WIDTH, unit_in_words
 
@@ -152,11 +153,11 @@ def _say(
     imu = loaded[0].tables.imu
     unit = unit_in_words(imu.model, imu.serial, (name for one in loaded for name in one.files))
     text = diagnosis_text(document)
-    if "solution" in document and not any(one.campaign.dwells for one in loaded):  # of rests and moves: no `solve`
-        lines = triad_lines(document["solution"])
-        if document["solution"].get(
-            "rate_tables"
-        ):  # a gyroscope is solved there, and other triads are not asked for
+    is_at_rest = any(one.campaign.dwells for one in loaded)
+    if found is not None and "solution" in document and not is_at_rest:  # of rests and moves: no `solve`
+        solved = solution_document(found.solution, loaded, to_keep=False)
+        lines = triad_lines(solved.triads, solved.not_observable)
+        if found.on_table:  # a gyroscope is solved there, and other triads are not asked for
             lines = [line for line in lines if not line.endswith(NOT_SOLVED)]
         text += "".join(f"\n{line}" for line in ([""] if lines else []) + lines)
     write_result(document, text, json, f"diagnosis of {unit}, diagnosis/2")

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -12,6 +12,7 @@ from station.commands._options import argument, option, write_result
 
 if TYPE_CHECKING:
     from station.files.campaign_folder.loaded_campaign import LoadedCampaign
+    from station.results.report.noise_document import NoiseDocument
 
 
 def noise(
@@ -35,8 +36,9 @@ def noise(
     """
     document = _document(_loaded(recordings, log))
     from station.results.report.noise_document import noise_text
+    from station.results.result_formats import document_of
 
-    write_result(document, noise_text(document), json, "noise/1")
+    write_result(document_of(document), noise_text(document), json, document.format)
     if html is not None:
         from station.results.report.noise_page import write_noise_page
 
@@ -45,7 +47,7 @@ def noise(
     if png is not None:
         from station.results.report.noise_page import write_noise_png
 
-        write_noise_png(png, document["channels"])
+        write_noise_png(png, document.channels)
         typer.echo(f"{png}: Allan deviation and spectrum")
 
 
@@ -61,7 +63,7 @@ def _loaded(recordings: Sequence[Path], log: LogOptions) -> "list[LoadedCampaign
     return loaded
 
 
-def _document(loaded: "Sequence[LoadedCampaign]") -> dict[str, Any]:
+def _document(loaded: "Sequence[LoadedCampaign]") -> "NoiseDocument":
     from procedures.calibration.joint_calibration import solve
     from procedures.errors import NotObservable, ProcedureError
     from station.results.report.noise_document import noise_document
@@ -71,7 +73,7 @@ def _document(loaded: "Sequence[LoadedCampaign]") -> dict[str, Any]:
     except ProcedureError:
         solution = None  # then in the units specified, or in outputs
     document = noise_document(loaded, solution)
-    if not document["channels"]:
+    if not document.channels:
         raise NotObservable(
             "the noise of any channel", ("64 samples at rest without a gap, of a channel that changes",)
         )

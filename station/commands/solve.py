@@ -35,6 +35,7 @@ def solve(
     from station.files.atomic_file import write_json
     from station.files.campaign_folder.campaign_reading import read_for_solve
     from station.files.campaign_folder.loaded_campaign import with_effects
+    from station.results.result_formats import document_of
     from station.results.solution_json import solution_document
     from station.results.solution_text import solution_text
 
@@ -43,7 +44,7 @@ def solve(
     if json is None:
         typer.echo(solution_text(document))
     else:
-        write_json(json, document)
+        write_json(json, document_of(document))
 
 
 def _solved(
@@ -153,10 +154,10 @@ def report(
 
     refined = refine_model(loaded)
     document = solution_document(refined.solution, loaded, refined.effects)
-    origin = document["provenance"]
+    origin = document.provenance
     target = campaigns[0] / "report.html" if out is None else out
     found, budgets = reported_diagnosis(refined, NO_LIMITS), refined.budgets()
     write_report(
         target, calibration_report(refined.solution, refined.fits.campaigns, document, budgets, diagnosis=found)
     )
-    typer.echo(f"{target}: calibration report of {origin['model']} {origin['serial']}")
+    typer.echo(f"{target}: calibration report of {origin.model} {origin.serial}")

@@ -38,8 +38,9 @@ class CampaignResults:
 
     ``status`` is ``measured`` where cube or slab or a certificate of theirs lacked, or one had expired, when the
     campaign was recorded; ``status_reason`` says which. ``calibration_file`` is there once `store` was called.
-    ``diagnosis`` is the `diagnosis/2`, ``effects`` what the calibration carries of it. ``doubt`` says why the
-    calibration is not to be relied on, whatever the limits say; empty if nothing speaks against it.
+    ``document`` is the `solution/1`, ``diagnosis`` the `diagnosis/2`, ``effects`` what the calibration carries of
+    it. ``doubt`` says why the calibration is not to be relied on, whatever the limits say; empty if nothing speaks
+    against it.
     """
 
     folder: Path
@@ -75,11 +76,13 @@ def make_results(
     )
     from station.results.diagnosis.model_refinement import refine_model
     from station.results.report.report import calibration_report, reported_diagnosis, write_report
+    from station.results.result_formats import document_of
     from station.results.solution_json import solution_document
 
     into = folder if into is None else into
     closed = refine_model([loaded])
-    document = solution_document(closed.solution, [loaded], closed.effects)
+    solved = solution_document(closed.solution, [loaded], closed.effects)
+    document = document_of(solved)
     with database.read() as session:
         limits = limits_of(session, loaded.tables.imu.model)
         reasons = _why_measured(session, str(folder.resolve()))
@@ -94,7 +97,7 @@ def make_results(
     status_reason = "; ".join(reasons)
     status: Literal["calibrated", "measured"] = "measured" if reasons else "calibrated"
     report = calibration_report(
-        closed.solution, [loaded.campaign], document, budgets, verdict=outcome, truth=truth,
+        closed.solution, [loaded.campaign], solved, budgets, verdict=outcome, truth=truth,
         bench={"Status": f"{status}: {status_reason}" if reasons else status},
         diagnosis=reported_diagnosis(closed, outcome, doubt),
     )  # fmt: skip

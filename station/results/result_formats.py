@@ -10,15 +10,22 @@ from types import MappingProxyType
 from typing import Any
 
 IS_KEY = MappingProxyType({"is_key": True})  # metadata of a field that is the key under which its value stands
+IS_NULLABLE = MappingProxyType({"is_nullable": True})  # metadata of a field that is null where it is None
 
 
 def document_of(result: Any) -> Any:
     """Return a typed result as JSON has it: its fields by name, without those that are None or `IS_KEY`."""
     if is_dataclass(result):
-        found = ((one.name, getattr(result, one.name)) for one in fields(result) if one.metadata != IS_KEY)
-        return {name: document_of(one) for name, one in found if one is not None}
+        found = ((one, getattr(result, one.name)) for one in fields(result) if one.metadata != IS_KEY)
+        return {
+            one.name: document_of(value)
+            for one, value in found
+            if value is not None or one.metadata == IS_NULLABLE
+        }
     if isinstance(result, Mapping):
         return {key: document_of(one) for key, one in result.items()}
+    if hasattr(result, "tolist"):  # an array
+        return result.tolist()
     return [document_of(one) for one in result] if isinstance(result, list | tuple) else result
 
 

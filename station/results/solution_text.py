@@ -1,16 +1,16 @@
-"""A `solution/1` document as text to read: every value with its standard uncertainty and unit."""
+"""A `solution/1` as text to read: every value with its standard uncertainty and unit."""
 
 from collections.abc import Mapping, Sequence
-from itertools import groupby
 from math import floor, log10
-from operator import itemgetter
 from typing import Any
 
 import numpy as np
 
+from procedures.calibration.solution_values import Estimate
 from procedures.frames import AXES
 from procedures.units import ARCSEC_PER_RAD
-from station.results.parameters_by_name import KINDS, Parameter, parameters
+from station.results.parameters_by_name import KINDS
+from station.results.solution_json import Residual, SolutionDocument, SolvedTriad
 from station.text import plural, unit_in_words
 
 TOO_LONG = 1e12  # to be read digit by digit
@@ -20,28 +20,22 @@ NOT_SOLVED = "not solved"
 USED_HOW = "(u is of the fit alone; when you use a value, use the expanded uncertainty U of `station report`)"
 
 
-def solution_text(document: Mapping[str, Any]) -> str:
+def solution_text(document: SolutionDocument) -> str:
     """Return the summary that ``station solve`` prints; +- is the standard uncertainty u."""
-    origin = document["provenance"]
-    who, files = unit_in_words(origin["model"], origin["serial"]), plural(len(origin["files"]), "file")
-    lines = [f"{who}: {files}, +- is the standard uncertainty u"]
-    lines += [USED_HOW] if "accelerometer" in document or "gyroscope" in document else []
-    lines += triad_lines(document)
-    lines += [line for effect in document.get("effects", ()) for line in effect_lines(effect)]
-    lines += _bench(document) + _residual(document.get("residual", {}))
-    for key, title in (
-        ("not_observable", "not observable"),
-        ("warnings", "warning"),
-        ("unused_steps", "checked but not used"),
-    ):
-        lines += [f"{title}: {text}" for text in document[key]]
-    return "\n".join(lines)
+    origin, triads = document.provenance, document.triads
+    who, files = unit_in_words(origin.model, origin.serial), plural(len(origin.files), "file")
+    lines = [f"{who}: {files}, +- is the standard uncertainty u", *([USED_HOW] if any(triads.values()) else [])]
+    lines += triad_lines(triads, document.not_observable)
+    lines += [line for effect in document.effects or () for line in effect_lines(effect)]
+    lines += [*_bench(document), *_residual(document.residual)]
+    lines += [f"not observable: {text}" for text in document.not_observable]
+    lines += [f"warning: {text}" for text in document.warnings]
+    return "\n".join([*lines, *(f"checked but not used: {text}" for text in document.unused_steps)])
 
 
-def triad_lines(document: Mapping[str, Any]) -> list[str]:
+def triad_lines(triads: Mapping[str, SolvedTriad | None], not_observable: Sequence[str]) -> list[str]:
     """Return the calibration of both triads, +- u; what is not solved is listed as such."""
-    unseen = document.get("not_observable", ())
-    return [line for name in ("accelerometer", "gyroscope") for line in _triad(name, document.get(name), unseen)]
+    return [line for name, triad in triads.items() for line in _triad(name, triad, not_observable)]
 
 
 def measured(value: float, std: float, unit: str = "") -> str:
@@ -57,33 +51,35 @@ def measured(value: float, std: float, unit: str = "") -> str:
     return f"{value:z.{digits}f} +- {std:.{digits}f} {unit}".rstrip()
 
 
-def _triad(name: str, part: Mapping[str, Any] | None, unseen: Sequence[str]) -> list[str]:
-    if part is None:
+def _triad(name: str, triad: SolvedTriad | None, unseen: Sequence[str]) -> list[str]:
+    if triad is None:
         return [f"{name}: {NOT_SOLVED}"]
-    vectors = {field: one for field, one in part.items() if field != "misalignment"}
-    titles = {kind.field: kind.name + kind.method for kind in KINDS}
-    rows = [
-        (titles[one.name.split(".")[1]], one.name[-1], _measured(one))
-        for one in parameters({name: vectors}).values()
-    ]
-    lines = [name, *(f"  {title:<21} {axis}  {text}" for title, axis, text in rows)]
-    if misalignment := part.get("misalignment"):
-        lines.append("  misalignment minus identity, row = sensor [1e-6]")
-        excess = np.array(misalignment["value"]) - np.eye(3)
-        for axis, values, stds in zip(AXES, excess * 1e6, np.array(misalignment["std"]) * 1e6, strict=True):
-            row = [
-                measured(v, s) if s > EXACT else measured(round(v, 2), 0.0)
-                for v, s in zip(values, stds, strict=True)
-            ]
-            for i, other in enumerate(AXES):
-                if any(each.startswith(f"{name}.misalignment.{axis}{other} ") for each in unseen):
-                    row[i] = "not observable"
-            lines.append(f"    {axis}  {'   '.join(row)}")
+    lines = [name]
+    for kind in KINDS:
+        if (one := getattr(triad, kind.field)) is not None and one is not triad.misalignment:
+            title = f"  {kind.name + kind.method:<21}"
+            lines += [f"{title} {axis}  {text}" for axis, text in zip(AXES, _all_measured(one), strict=True)]
+    if triad.misalignment is None:
+        return lines
+    lines.append("  misalignment minus identity, row = sensor [1e-6]")
+    excess = (triad.misalignment.value - np.eye(3)) * 1e6
+    for axis, values, stds in zip(AXES, excess.tolist(), (triad.misalignment.std * 1e6).tolist(), strict=True):
+        row = [
+            "not observable"
+            if any(each.startswith(f"{name}.misalignment.{axis}{other} ") for each in unseen)
+            else measured(v, s)
+            if s > EXACT
+            else measured(round(v, 2), 0.0)
+            for other, v, s in zip(AXES, values, stds, strict=True)
+        ]
+        lines.append(f"    {axis}  {'   '.join(row)}")
     return lines
 
 
-def _measured(one: Parameter, scale: float = 1.0, unit: str | None = None) -> str:
-    return measured(scale * one.value, scale * (one.std or 0.0), one.unit if unit is None else unit)
+def _all_measured(one: Estimate, scale: float = 1.0, unit: str | None = None) -> list[str]:
+    """Return every value of an estimate (n,), row by row, in its own unit or times ``scale`` in another."""
+    pairs = zip((one.value.ravel() * scale).tolist(), (one.std.ravel() * scale).tolist(), strict=True)
+    return [measured(value, std, one.unit if unit is None else unit) for value, std in pairs]
 
 
 def effect_rows(effect: Mapping[str, Any]) -> tuple[str, list[tuple[str, str]]]:
@@ -102,31 +98,29 @@ def effect_lines(effect: Mapping[str, Any]) -> list[str]:
     return [title, *(f"  {name:<23} {value}" for name, value in rows)]
 
 
-def _bench(document: Mapping[str, Any]) -> list[str]:
+def _bench(document: SolutionDocument) -> list[str]:
     """Return the tilt of the surface plate and the parallelism of the cube's faces, in arcsec."""
-    found = parameters(document)
-    in_arcsec = {name: _measured(one, ARCSEC_PER_RAD, "") for name, one in found.items() if one.unit == "rad"}
-    tilt = [
-        f"{name.removeprefix('slab.tilt.')} {text} arcsec"
-        for name, text in in_arcsec.items()
-        if name.startswith("slab.tilt.")
-    ]
-    lines = [f"surface plate tilt      {', '.join(tilt)}"] if tilt else []
-    faces = [(*name.split(".")[2:], text) for name, text in in_arcsec.items() if name.startswith("fixture.")]
-    lines += ["parallelism of the cube's faces, sum of a pair [arcsec]"] if faces else []
-    for pair, group in groupby(faces, itemgetter(0)):
-        lines.append(f"    {pair} faces: {', '.join(f'along {axis} {text}' for _, axis, text in group)}")
+    lines = list[str]()
+    if document.slab is not None:
+        east, north = _all_measured(document.slab["tilt_rad"], ARCSEC_PER_RAD, "arcsec")
+        lines.append(f"surface plate tilt      east {east}, north {north}")
+    if document.fixture is not None:
+        lines.append("parallelism of the cube's faces, sum of a pair [arcsec]")
+        texts = iter(_all_measured(document.fixture["parallelism_rad"], ARCSEC_PER_RAD, ""))
+        for pair in AXES:
+            along = [f"along {axis} {next(texts)}" for axis in AXES if axis != pair]
+            lines.append(f"    {pair} faces: {', '.join(along)}")
     return lines
 
 
-def _residual(residual: Mapping[str, Any]) -> list[str]:
+def _residual(residual: Residual) -> list[str]:
     text = []
-    if (rms := residual.get("accelerometer_rms_g")) is not None:
+    if (rms := residual.accelerometer_rms_g) is not None:
         text.append(f"accelerometer {rms:.3g} g rms")
-    if (rms := residual.get("gyroscope_rms_deg_h")) is not None:
+    if (rms := residual.gyroscope_rms_deg_h) is not None:
         text.append(f"gyroscope {rms:.3g} deg/h rms")
-    if "chi2" in residual:
-        text.append(f"chi2 {residual['chi2']:.1f} of {residual['dof']} degrees of freedom")
-    if "p_value" in residual:
-        text.append(f"p {residual['p_value']:.3g}")
+    if residual.chi2 is not None:
+        text.append(f"chi2 {residual.chi2:.1f} of {residual.dof} degrees of freedom")
+    if residual.p_value is not None:
+        text.append(f"p {residual.p_value:.3g}")
     return [f"residual: {', '.join(text)}"] if text else []

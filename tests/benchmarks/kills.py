@@ -29,6 +29,7 @@ from station.guide.campaign.folder_lock import folder_lock
 from station.guide.campaign.folder_recorder import FolderRecorder
 from station.guide.campaign.interrupted_campaigns import reopen
 from station.guide.view import CalibrationView
+from station.results.result_formats import document_of
 from station.results.solution_json import solution_document
 from station.stream.live.live_feed import open_feed
 from station.stream.recorder.accepted_step_writer import CampaignRecorder, open_campaign
@@ -81,7 +82,7 @@ def solved(target: Path) -> dict[str, object]:
     A file that a kill orphaned keeps its name, so that the step has another one.
     """
     loaded = read_campaign(target)
-    document = dict(solution_document(solve([loaded.campaign]), [loaded]))
+    document = document_of(solution_document(solve([loaded.campaign]), [loaded]))
     files = document["provenance"]["files"]
     recorded = sorted(sha256 for file, sha256 in files.items() if file.endswith(".mcap"))
     document["provenance"] = {"files": recorded}

@@ -42,6 +42,7 @@ from station.results.diagnosis.finding_wording import (
 )
 from station.results.diagnosis.uncalibrated import rests_and_moves_lines, turns_lines
 from station.results.parameters_by_name import Parameter, shown, shown_sigma, title_of
+from station.results.report.noise_document import NoiseChannel, read_channel
 from station.results.solution_text import effect_rows, measured
 
 ROUNDING = 1e-9  # ug, deg/h ..: no error of an instrument is as small
@@ -136,7 +137,7 @@ class DiagnosisDocument:
     plan_hint: str
     searched: str
     sections: tuple[Table | Lines, ...]
-    noise: Sequence[Mapping[str, Any]]
+    noise: Sequence[NoiseChannel]
     not_observable: str
     warnings: tuple[str, ...]
 
@@ -157,7 +158,7 @@ def document_of(found: Mapping[str, Any]) -> DiagnosisDocument:
         plan_hint=PLAN_HINT if found["next_measurement"] and has_steps else "",
         searched=searched_in_words(found),
         sections=tuple(each for each in _sections(found) if each),
-        noise=found.get("noise", ()),
+        noise=tuple(map(read_channel, found.get("noise", ()))),
         not_observable=", ".join(found.get("not_observable", ())),
         warnings=(*not_looked_at(found), *warnings_of(found.get("solution", found))),
     )

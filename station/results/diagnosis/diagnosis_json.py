@@ -36,7 +36,8 @@ from station.results.diagnosis.uncalibrated import (
     without_solution,
 )
 from station.results.parameters_by_name import parameters, shifts
-from station.results.report.noise_document import channel_document
+from station.results.report.noise_document import noise_channel
+from station.results.result_formats import document_of
 from station.results.solution_json import solution_document
 
 
@@ -80,9 +81,10 @@ def diagnosis_json(
     validated: Mapping[str, Sequence[ResidualRms]] | None = None,
 ) -> dict[str, Any]:
     """Return a diagnosis of ``campaigns`` as `diagnosis/2`; ``validated`` are the errors made on other folders."""
-    before = solution_document(diagnosis.solution_before, campaigns)
+    before = document_of(solution_document(diagnosis.solution_before, campaigns))
     files = effects_of(campaigns)
-    after = solution_document(diagnosis.solution, campaigns, effect_entries(diagnosis.declared, files))
+    declared = effect_entries(diagnosis.declared, files)
+    after = document_of(solution_document(diagnosis.solution, campaigns, declared))
     if any(temperature_effect(finding.effect) for finding in diagnosis.findings):
         after["reference_temperature_c"] = REFERENCE_C
     if diagnosis.on_table:
@@ -271,7 +273,8 @@ def noise_and_widened(campaigns: Sequence[LoadedCampaign], found: Diagnosis | No
     """Return ``noise``, as the channels of `noise/1`, and ``widened``; each absent where there is none."""
     bare = [one.campaign for one in campaigns]
     scales = known_scales(bare, None if found is None else found.solution)
-    noise = [channel_document(each, output_unit(campaigns, each.triad)) for each in channel_noise(bare, scales)]
+    found_noise = channel_noise(bare, scales)
+    noise = [document_of(noise_channel(each, output_unit(campaigns, each.triad))) for each in found_noise]
     widened = [] if found is None else _widened(found)
     return {name: part for name, part in (("noise", noise), ("widened", widened)) if part}
 

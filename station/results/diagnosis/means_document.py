@@ -5,8 +5,9 @@ from typing import Any
 import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.calibration.solution_values import Estimate
 from procedures.errors import ErrorCode
-from procedures.frames import AXES
+from procedures.frames import AXES, TRIADS
 from procedures.free_positions.norm_fit import Undetermined
 from procedures.free_positions.pose_means import MeansCalibration, calibrate_means, gyro_bias
 from procedures.units import STANDARD_GRAVITY
@@ -15,6 +16,7 @@ from station.files.campaign_folder.campaign_reading import ANY_EARTH_RATE_DEG_H,
 from station.files.campaign_folder.campaign_schema import SiteTable
 from station.files.logs.means_table import MeansTable
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW, outputs_per_unit
+from station.results.solution_json import SolvedTriad
 from station.results.solution_text import triad_lines
 
 FEW_FREE = 4.0  # degrees of freedom, below which a sigma from the scatter is itself known to no better than 35 %
@@ -135,8 +137,7 @@ def means_text(document: dict[str, Any]) -> str:
     lines = [
         f"{document['file']}: a table of means of {document['poses']} poses, +- is the standard uncertainty u"
     ]
-    shown = {key: _filled(part) for key, part in document.items() if key in {"accelerometer", "gyroscope"}}
-    lines += [line for line in triad_lines(shown) if not line.endswith("not solved")]
+    lines += triad_lines({name: _estimates(document[name]) for name in TRIADS if name in document}, ())
     if part := document.get("accelerometer"):
         lines.append(
             f"residual: {part['residual_rms_mg']:.3g} mg rms, {part['degrees_of_freedom']:g} degrees of freedom"
@@ -151,14 +152,10 @@ def means_text(document: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def _filled(part: dict[str, Any]) -> dict[str, Any]:
-    """Return a triad's part with 0 for a sigma that is not known, which is then not shown."""
-    found = dict[str, Any]()
-    for key, estimate in part.items():
-        if isinstance(estimate, dict) and "std" in estimate:
-            std = [
-                [each or 0.0 for each in row] if isinstance(row, list) else row or 0.0 for row in estimate["std"]
-            ]
-            estimate = {**estimate, "std": std}
-        found[key] = estimate
-    return found
+def _estimates(part: dict[str, Any]) -> SolvedTriad:
+    """Return a triad's estimates with 0 for a sigma that is not known, which is then not shown."""
+    stated = {key: one for key, one in part.items() if isinstance(one, dict)}
+    return SolvedTriad(**{
+        key: Estimate(np.array(one["value"]), np.nan_to_num(np.array(one["std"], float)), one.get("unit", ""))
+        for key, one in stated.items()
+    })  # fmt: skip

@@ -19,6 +19,7 @@ from procedures.statistics.line_fits import CorrelatedLine
 from procedures.units import DEG_H_PER_DEG_S, S_PER_H, UG_PER_G
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.files.effect_file import stored_effect
+from station.results.result_formats import document_of
 from station.results.solution_json import provenance
 from station.results.solution_text import measured
 
@@ -33,7 +34,7 @@ def without_solution(campaigns: Sequence[LoadedCampaign]) -> dict[str, Any]:
     return {
         "not_observable": [f"{triad}.{part}" for triad in TRIADS for part in PARTS],
         "warnings": warnings,
-        "provenance": provenance(campaigns),
+        "provenance": document_of(provenance(campaigns)),
     }
 
 

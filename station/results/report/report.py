@@ -5,7 +5,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from markupsafe import Markup
@@ -31,7 +30,7 @@ from station.results.diagnosis.model_refinement import ModelRefinement, budget_d
 from station.results.html_templates import html_template
 from station.results.measurement_circumstances import procedure_name
 from station.results.parameters_by_name import ParameterKind
-from station.results.report.noise_document import channel_document
+from station.results.report.noise_document import noise_channel
 from station.results.report.noise_page import noise_section
 from station.results.report.result_tables import (
     LIMIT_SIGMAS,
@@ -46,6 +45,8 @@ from station.results.report.result_tables import (
     triad_results,
 )
 from station.results.report.svg import AXIS_STYLE, INK, PALE, RULE, draw_svg
+from station.results.result_formats import document_of
+from station.results.solution_json import SolutionDocument
 from station.results.verdict import LimitVerdict, what_to_do
 from station.text import MINUS, decimals, fixed, plural, significant
 
@@ -166,7 +167,7 @@ class CalibrationReport:
 def calibration_report(
     solution: Solution,
     campaigns: Sequence[Campaign],
-    document: Mapping[str, Any],
+    document: SolutionDocument,
     budgets: Sequence[ParameterBudget] = (),
     *,
     verdict: LimitVerdict = NO_LIMITS,
@@ -174,34 +175,34 @@ def calibration_report(
     bench: Mapping[str, str] | None = None,
     diagnosis: ReportedDiagnosis = ReportedDiagnosis(),
 ) -> CalibrationReport:
-    """Return the report of a solution; ``document`` is its `solution/1`, which has the folders' own warnings.
+    """Return the report of a solution; its ``document`` has the folders' own warnings.
 
     ``truth`` (simulated campaigns) is keyed as `Solution.names`, in the units of files; ``bench`` adds conditions.
     """
-    origin, known = document["provenance"], truth or {}
+    origin, known, stated = document.provenance, truth or {}, document_of(document)
     found = channel_noise(campaigns, known_scales(campaigns, solution))
-    noise = [channel_document(one) for one in found]
+    noise = [noise_channel(one) for one in found]
     return CalibrationReport(
-        model=origin["model"],
-        serial=origin["serial"],
-        created_utc=origin["created_utc"],
-        software=origin["software"],
-        files=sorted(origin["files"].items()),
+        model=origin.model,
+        serial=origin.serial,
+        created_utc=origin.created_utc,
+        software=origin.software or "",
+        files=sorted(origin.files.items()),
         verdict=verdict,
         summary=_summary(campaigns, diagnosis),
         facts=_facts(solution),
-        triads=triad_results(document, known, {one.name: one.expanded for one in budgets}),
-        bench=bench_groups(document, known),
-        budgets=result_groups(measured({**document, "uncertainty": budget_document(budgets)})),
+        triads=triad_results(stated, known, {one.name: one.expanded for one in budgets}),
+        bench=bench_groups(stated, known),
+        budgets=result_groups(measured({**stated, "uncertainty": budget_document(budgets)})),
         residual_tables=residual_tables(solution.residuals),
         residual_plots=residual_plots(solution.residuals),
         diagnosis=Markup(diagnosis.section),
         noise=Markup(noise_section(noise)),
         conditions=[*condition_lines(campaigns, solution), *(bench or {}).items()],
         seating=_detectable_seating(solution.undetectable_tilts),
-        not_observable=document["not_observable"],
-        warnings=document["warnings"],
-        unused_steps=document["unused_steps"],
+        not_observable=document.not_observable,
+        warnings=document.warnings,
+        unused_steps=document.unused_steps,
         correlations=correlations(solution),
         is_simulated=bool(known),
     )

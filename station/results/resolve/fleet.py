@@ -102,16 +102,15 @@ def resolve_one(task: SolveTask) -> dict[str, Any]:
                               f"{expected} as a moment ago", "let nobody write there, then repeat")  # fmt: skip
     from procedures.calibration.joint_calibration import solve
     from station.results.diagnosis.model_refinement import added_effects, refine_model
+    from station.results.result_formats import document_of
     from station.results.solution_json import solution_document
 
     closed = refine_model([loaded])
     is_with_effects = bool(loaded.effects or added_effects(loaded.folder))
     solution = closed.solution if is_with_effects else solve([loaded.campaign])
     diagnosis = {name: part for name, part in closed.document.items() if name != "solution"}
-    return {
-        "solution": solution_document(solution, [loaded], closed.effects if is_with_effects else ()),
-        "diagnosis": diagnosis,
-    }
+    found = solution_document(solution, [loaded], closed.effects if is_with_effects else ())
+    return {"solution": document_of(found), "diagnosis": diagnosis}
 
 
 def _inputs(folder: Path) -> list[str]:

@@ -17,6 +17,7 @@ from procedures.uncertainty.budget import budget
 from station.files.campaign_folder.campaign_schema import CampaignTable
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.results.diagnosis.model_refinement import budget_document
+from station.results.result_formats import document_of
 from station.results.solution_json import solution_document
 from station.results.solution_text import measured
 
@@ -59,7 +60,9 @@ def loaded(folder: str, serial: str = "S1") -> LoadedCampaign:
 
 
 def document(solution: Solution = SOLUTION, *folders: str) -> dict[str, Any]:
-    return solution_document(solution, [loaded(folder) for folder in folders or ("a",)])
+    campaigns = [loaded(folder) for folder in folders or ("a",)]
+    found: dict[str, Any] = document_of(solution_document(solution, campaigns))
+    return found
 
 
 def test_all_parts_stand_under_their_names() -> None:

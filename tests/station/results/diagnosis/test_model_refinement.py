@@ -16,6 +16,7 @@ from station.calibrated.correction_inputs import Surroundings
 from station.files.campaign_folder.campaign_reading import read_for_solve
 from station.results.diagnosis import model_refinement
 from station.results.diagnosis.model_refinement import refine_model
+from station.results.result_formats import document_of
 from station.results.solution_json import solution_document
 from tests.station.results.diagnosis.conftest import Diagnosed, simulated
 from tests.stored.small_campaigns import CASES, campaigns_of, some_effects
@@ -32,7 +33,7 @@ def test_counts_at_another_temperature_come_out_right(warmed: Diagnosed) -> None
     assert dwell.accel is not None
     rate = dwell.accel.mean(axis=0, keepdims=True) / dwell.period
     around = Surroundings(temperature=dwell.temperature.mean(keepdims=True))
-    calibration = {**solution_document(closed.solution, loaded), "effects": closed.effects}
+    calibration = {**document_of(solution_document(closed.solution, loaded)), "effects": closed.effects}
     up = truth.local_gravity / STANDARD_GRAVITY
     f = calibrated_inputs(calibration, rate, None, around).f
     assert f is not None

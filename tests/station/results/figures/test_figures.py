@@ -24,6 +24,15 @@ from station.results.history.population import (
     UnitDeviation,
     UnitValue,
 )
+from station.results.report.noise_document import (
+    AllanCurve,
+    MeanOutput,
+    NoiseChannel,
+    NoiseLine,
+    SpectrumCurve,
+    Term,
+    TermBelow,
+)
 from station.results.report.noise_page import noise_svg
 from station.results.report.report import residual_svg
 
@@ -88,20 +97,19 @@ def of_terms(q: float, n: float, b: float, k: float, r: float) -> np.ndarray[Any
 
 def channel(
     name: str, unit: str, deviation: np.ndarray[Any, Any], terms: dict[str, float], steep: bool = False
-) -> dict[str, Any]:
+) -> NoiseChannel:
     hertz = np.geomspace(0.01, 50.0, 12)
     steepest = np.geomspace(30.5 ** (2 / 1.1), 1.0, 12)  # with margins its axis shows a little more than 30 times
     density = 4.0 * steepest if steep else 4.0 + 1 / hertz
     density[5] = 0.0
-    return {
-        "channel": name, "lines": [{"hertz": 2.0}, {"hertz": hertz[5]}],
-        "allan": {
-            "unit": unit, "tau_s": TAU.tolist(), "deviation": deviation.tolist(),
-            "low": (0.8 * deviation).tolist(), "high": (1.3 * deviation).tolist(),
-        },
-        "spectrum": {"hertz": hertz.tolist(), "density": density.tolist()},
-        "terms": {key: {"value": value} for key, value in terms.items()} | {"rate_ramp": {"below": 1.0}},
-    }  # fmt: skip
+    low, high = (0.8 * deviation).tolist(), (1.3 * deviation).tolist()
+    return NoiseChannel(
+        name, "", 0.0, 0.0, MeanOutput(0.0, unit),
+        {key: Term("", "", "", value) for key, value in terms.items()} | {"rate_ramp": TermBelow("", "", "", 1.0)},
+        0.0, (), AllanCurve(TAU.tolist(), unit, TAU.tolist(), deviation.tolist(), low, high),
+        SpectrumCurve(hertz.tolist(), density.tolist(), ""),
+        [NoiseLine(at, 0.0, 0.0, 0.0, "", 0.0, 0.0) for at in (2.0, hertz[5])],
+    )  # fmt: skip
 
 
 def noise() -> str:

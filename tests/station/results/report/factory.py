@@ -16,7 +16,7 @@ from procedures.uncertainty.sources import SourceCell
 from station.files.campaign_folder.campaign_schema import CampaignTable
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.results.report.report import CalibrationReport, calibration_report
-from station.results.solution_json import solution_document
+from station.results.solution_json import Provenance, SolutionDocument, solution_document
 from station.results.verdict import LimitVerdict
 
 K_ACCELEROMETER = np.array([1020.0, 1015.0, 1018.0])
@@ -127,7 +127,7 @@ def truth() -> dict[str, float]:
 def document(
     solved: Solution, measured: Campaign, files: dict[str, str] | None = None,
     software: str = "fog-station 0.1.0 (081380b)",
-) -> dict[str, Any]:  # fmt: skip
+) -> SolutionDocument:  # fmt: skip
     """Return solution/1 with a time of its own."""
     tables = CampaignTable.model_validate(
         {
@@ -137,11 +137,8 @@ def document(
         }
     )
     made = solution_document(solved, [LoadedCampaign(Path("c"), tables, measured, (), FILES, (), ())])
-    made["provenance"] = {
-        "model": measured.model, "serial": measured.serial, "files": files or FILES, "software": software,
-        "created_utc": "2026-03-04 12:00 UTC",
-    }  # fmt: skip
-    return made
+    origin = Provenance(files or FILES, measured.model, measured.serial, software, "2026-03-04 12:00 UTC")
+    return replace(made, provenance=origin)
 
 
 FILES = {f"dwell_{p:02d}.csv": f"{p * 7919:064x}" for p in range(1, 13)} | {"campaign.toml": "5f" * 32}
@@ -149,7 +146,7 @@ VERDICT = LimitVerdict("PASS", (), "all 24 parameters within the limits of FOG-3
 
 
 def report(
-    solved: Solution | None = None, measured: Campaign | None = None, *, made_of: dict[str, Any] | None = None,
+    solved: Solution | None = None, measured: Campaign | None = None, *, made_of: SolutionDocument | None = None,
     **more: Any,
 ) -> CalibrationReport:  # fmt: skip
     solved, measured = solved or solution(), measured or campaign()

@@ -11,17 +11,17 @@ from drivers.simulated.truth import Truth
 from procedures.samples.channel_noise import channel_noise
 from procedures.statistics.spectrum import Line
 from procedures.units import DEG_H_PER_DEG_S
-from station.results.report.noise_document import averaged, channel_document, units_of
+from station.results.report.noise_document import averaged, noise_channel, units_of
 
 
 def test_a_line_is_in_micro_g_and_its_chance_a_power_of_ten() -> None:
     campaign = simulate_campaign(Truth.example(5), 7, dwell_s=60.0, positions=(1,), turns=())
     noise = channel_noise([campaign], {"accelerometer": np.full(3, 1000.0)})[0]
     line = Line(12.5, 0.01, 3e-6, 1e-7, 6 * math.log(0.1), 0.25)
-    [found] = channel_document(replace(noise, lines=(line,)), "output")["lines"]
-    assert found["log10_p"] == pytest.approx(-6.0)
-    assert (found["amplitude"], found["amplitude_std"]) == (pytest.approx(3.0), pytest.approx(0.1))
-    assert (found["hertz"], found["unit"], found["share"]) == (12.5, "ug", 0.25)
+    [found] = noise_channel(replace(noise, lines=(line,)), "output").lines
+    assert found.log10_p == pytest.approx(-6.0)
+    assert (found.amplitude, found.amplitude_std) == (pytest.approx(3.0), pytest.approx(0.1))
+    assert (found.hertz, found.unit, found.share) == (12.5, "ug", 0.25)
 
 
 def test_a_spectrum_is_averaged_evenly_in_the_logarithm_and_keeps_its_power() -> None:

@@ -24,6 +24,7 @@ from station.files.campaign_folder.campaign_reading import read_for_solve
 from station.files.sha256sums import append_hash
 from station.results.resolve.parallel_map import open_engine
 from station.results.resolve.work_item import code_hash
+from station.results.result_formats import document_of
 from station.results.solution_json import solution_document
 from tests.fixtures_db.factory import NOON
 from tests.station.campaign_writing import write_campaign
@@ -44,7 +45,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
         for name, sha256 in loaded.files.items():
             append_hash(folder, name, sha256)
         if seed == 2:
-            document = solution_document(solve([loaded.campaign]), [loaded])
+            document = document_of(solution_document(solve([loaded.campaign]), [loaded]))
             document["warnings"] = []
             document["accelerometer"]["bias"]["value"][1] += SIGMAS * document["accelerometer"]["bias"]["std"][1]
             write_json(folder / "solution.json", document)
