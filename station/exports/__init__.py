@@ -79,10 +79,7 @@ def export_paths(export: Export, out: Path) -> tuple[str, dict[str, Path]]:
 
     ``out`` is a folder, made if it is not there, or a file whose name without its end is taken.
 
-    Raises
-    ------
-    CannotWrite
-        If several files would be one, or a program would have a name that C does not take.
+    Raise `CannotWrite` if several files would be one, or a program would have a name that C does not take.
     """
     if len(export.ends) == 1 and not out.is_dir():
         return PREFIX, {export.ends[0]: out}

@@ -40,10 +40,7 @@ _FILES = {".h": "header", ".c": "source"}
 def files(stored: StoredCalibration, asked: Request) -> dict[str, bytes]:
     """Return the header and the source by suffix.
 
-    Raises
-    ------
-    DataRefused
-        If an effect is not what was stored, has no finite value, or does not settle.
+    Raise `DataRefused` if an effect is not what was stored, has no finite value, or does not settle.
     """
     is_float = asked.is_float
     effects, left = carried_effects(stored)

@@ -185,10 +185,7 @@ class Correction:
 def read_correction(path: Path, accel: float | None = None, gyro: float | None = None) -> Correction:
     """Read a calibration/1; ``accel`` and ``gyro`` are nominal scale factors in its units, else of its own mean.
 
-    Raises
-    ------
-    DataRefused
-        If the file is no calibration/1.
+    Raise `DataRefused` if the file is no calibration/1.
     """
     stored = read_stored(path)
     document, (carried, _) = stored.document, carried_effects(stored)

@@ -85,10 +85,7 @@ class NotExported:
 def carried_effects(stored: StoredCalibration) -> tuple[tuple[AppliedEffect, ...], tuple[NotExported, ...]]:
     """Return the effects that a sample and what is remembered of the temperature determine, and the others.
 
-    Raises
-    ------
-    DataRefused
-        If the definition of an effect of one's own is not what was stored.
+    Raise `DataRefused` if the definition of an effect of one's own is not what was stored.
     """
     carried, left = list[AppliedEffect](), list[NotExported]()
     for entry in stored.effects:

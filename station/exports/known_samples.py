@@ -84,10 +84,7 @@ class Rounds:
 def rounds_needed(stored: StoredCalibration, effects: Sequence[AppliedEffect], wanted: float) -> Rounds:
     """Return how many rounds leave less than ``wanted`` of the input's length, or the most that are taken.
 
-    Raises
-    ------
-    DataRefused
-        If an effect has no finite value within the range.
+    Raise `DataRefused` if an effect has no finite value within the range.
     """
     rate = _range_deg_s(effects)
     if not effects:

@@ -59,13 +59,7 @@ _WARNINGS = (
 
 
 def imu_calib_text(correction: Correction) -> str:
-    """Return an imu_calib.yaml.
-
-    Raises
-    ------
-    DataRefused
-        If the accelerometers are not calibrated.
-    """
+    """Return an imu_calib.yaml; raise `DataRefused` if the accelerometers are not calibrated."""
     if (triad := correction.accelerometer) is None:
         raise DataRefused("--to imu_calib", None, "no accelerometer", "one: it corrects no gyroscope", "take c")
     SM = np.linalg.inv(triad.matrix)

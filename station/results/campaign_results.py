@@ -123,12 +123,8 @@ def store(results: CampaignResults, database: Database) -> str:
 
     It is written out, read back and compared, and the report then names its hash.
 
-    Raises
-    ------
-    AlreadyStored
-        If the same campaign's calibration with the same numbers is there; its file is written all the same.
-    NotInDatabase
-        If the database does not know the campaign.
+    Raise `AlreadyStored` if the same campaign's calibration with the same numbers is there; its file is written
+    all the same; `NotInDatabase` if the database does not know the campaign.
     """
     key = str(results.folder.resolve())
     try:

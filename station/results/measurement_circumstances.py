@@ -30,10 +30,7 @@ def circumstances(
 ) -> dict[str, Any]:
     """Return ``procedure``, ``site`` and ``references`` of a calibration; ``document`` is its solution/1.
 
-    Raises
-    ------
-    NotInDatabase
-        If the database does not know the campaign.
+    Raise `NotInDatabase` if the database does not know the campaign.
     """
     row, used = campaign(session, folder), references(session, folder)
     survey = next((one.get("source") for one in used if one["kind"] == "site"), None)

@@ -54,10 +54,7 @@ class KnownNoise:
 def known_noise(database: Database, model: str | None, serial: str | None, folders: Sequence[Path]) -> KnownNoise:
     """Return the noise that ``folders`` show where some are named, else what the database knows of a unit.
 
-    Raises
-    ------
-    DataRefused
-        If nothing is known; or as `noise_of` does.
+    Raise `DataRefused` if nothing is known; or as `noise_of` does.
     """
     known = noise_of(folders) if folders else noise_in_database(database, model, serial) if model else None
     if known is None:
@@ -182,10 +179,7 @@ NUMBER_AND_UNIT = re.compile(r"\s*(\d*\.?\d+(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
 def limits_named(database: Database, limits: str | None) -> tuple[str | None, Sequence[Limit]]:
     """Return a model and its limits: those of a limits.toml, or those stored of a model; none of None.
 
-    Raises
-    ------
-    DataRefused
-        If there are none.
+    Raise `DataRefused` if there are none.
     """
     if limits is None:
         return None, ()
@@ -240,10 +234,7 @@ def _sigma(limit: Limit, low: float, high: float, value: float | None) -> float 
 def wanted_by_name(asked: Iterable[str]) -> WantedSigmas:
     """Return the sigmas asked for as ``gyroscope.bias=0.02deg/h``, one for each axis; the smaller of two.
 
-    Raises
-    ------
-    ValueError
-        Saying what is expected.
+    Raise `ValueError` saying what is expected.
     """
     found = WantedSigmas(np.full(len(NAMES), np.inf))
     for text in asked:

@@ -83,12 +83,8 @@ def adopted(diagnosis: Path, wanted: str | None, out: Path) -> tuple[EffectFile,
 
     ``wanted`` is a finding's number in the diagnosis, from 1, or an effect's name; None: the only one with a term.
 
-    Raises
-    ------
-    DataRefused
-        If the file is no `diagnosis/2`, has no such effect, or the effect is not what its hash says.
-    CannotWrite
-        If ``out`` cannot be written.
+    Raise `DataRefused` if the file is no `diagnosis/2`, has no such effect, or the effect is not what its hash
+    says; `CannotWrite` if ``out`` cannot be written.
     """
     content = read_text_file(diagnosis, MAX_BYTES)
     document = _document(content, diagnosis)
@@ -169,10 +165,7 @@ def effect_text(name: str, in_force: Sequence[str] = ()) -> str:
 
     ``in_force`` are the names of the database, which a refusal lists.
 
-    Raises
-    ------
-    DataRefused
-        If there is neither, or the file is no `effect/1`.
+    Raise `DataRefused` if there is neither, or the file is no `effect/1`.
     """
     if (known := next((effect for effect in EFFECTS if effect.name == name), None)) is not None:
         return "\n".join([f"{name}: in the catalogue", *_lines(known)])

@@ -77,10 +77,7 @@ HASH_PREFIX = re.compile(r"[0-9a-f]{6,64}")
 def find_calibration(session: Session, name: str) -> CalibrationRow:
     """Return a calibration by its file, the serial number of its unit (the newest), or the beginning of its hash.
 
-    Raises
-    ------
-    NotInDatabase
-        If there is none, or more than one begins so.
+    Raise `NotInDatabase` if there is none, or more than one begins so.
     """
     if (path := Path(name)).is_file():
         return calibration(session, sha256_of(path))
@@ -101,14 +98,9 @@ def issue(
     ``amend`` says why again where it was done before. ``digital``: the row's ``dcc`` is the same as the XML of a
     digital calibration certificate, held against its schema before it is recorded.
 
-    Raises
-    ------
-    DataRefused
-        If the unit was received after it was measured, or in the future; if ``amend`` cannot be printed.
-    Incomplete
-        Naming all that is missing; a reason where a certificate of this calibration was issued before.
-    NotInDatabase
-        As `find_calibration`.
+    Raise `DataRefused` if the unit was received after it was measured, or in the future; if ``amend`` cannot be
+    printed; `Incomplete` naming all that is missing; a reason where a certificate of this calibration was issued
+    before; `NotInDatabase` as `find_calibration`.
     """
     amend = _checked_reason(amend)
     import scipy.special  # noqa: F401  here, so that the lock is not held while it is imported

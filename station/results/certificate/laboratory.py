@@ -122,10 +122,7 @@ class Laboratory(TomlTable):
     def given(self, table: str, values: Mapping[str, object]) -> "Laboratory":
         """Return it with what is given of a table in the place of what the file says.
 
-        Raises
-        ------
-        DataRefused
-            Naming the option whose value is empty, too long, not printable, or no such value.
+        Raise `DataRefused` naming the option whose value is empty, too long, not printable, or no such value.
         """
         known = {name: value for name, value in values.items() if value is not None}
         try:

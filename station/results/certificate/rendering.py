@@ -48,10 +48,7 @@ def pdf_of(row: IssuedCertificateRow, html: Path, is_signed: bool = False) -> by
 
     One that will be signed says so where another has the line for a signature by hand.
 
-    Raises
-    ------
-    NoPdf
-        If weasyprint or the libraries that it needs are not there.
+    Raise `NoPdf` if weasyprint or the libraries that it needs are not there.
     """
     try:
         from weasyprint import CSS, HTML, Attachment

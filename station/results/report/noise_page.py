@@ -31,13 +31,7 @@ def noise_svg(name: str, channels: Channels) -> str:
 
 
 def write_noise_png(path: Path, channels: Channels) -> None:
-    """Write the plot as PNG.
-
-    Raises
-    ------
-    CannotWrite
-        If the place cannot be written.
-    """
+    """Write the plot as PNG; raise `CannotWrite` if the place cannot be written."""
     rows = _by_triad(channels)
     replace_file(path, draw_png((WIDTH_IN, ROW_IN * max(len(rows), 1)), lambda figure: _draw(figure, rows)))
 
@@ -98,13 +92,7 @@ def _spectrum(axes: Axes, channel: NoiseChannel) -> None:
 
 
 def write_noise_page(path: Path, document: NoiseDocument) -> None:
-    """Write the noise as one self-contained HTML file.
-
-    Raises
-    ------
-    CannotWrite
-        If the place cannot be written.
-    """
+    """Write the noise as one self-contained HTML file; raise `CannotWrite` if the place cannot be written."""
     section, page = Markup(noise_section(document.channels)), html_template("noise_page.html")
     replace_file(path, page.render(origin=document.provenance, section=section, document=document).encode())
 

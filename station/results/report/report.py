@@ -211,10 +211,7 @@ def calibration_report(
 def write_report(path: str | Path, report: CalibrationReport) -> None:
     """Write the report as one self-contained HTML file, replacing an older one in one step.
 
-    Raises
-    ------
-    CannotWrite
-        If the place cannot be written.
+    Raise `CannotWrite` if the place cannot be written.
     """
     replace_file(Path(path), render(report).encode())
 

@@ -62,10 +62,7 @@ class DaskEngine:
     def run(self, function: Callable[[I], Result], items: Iterable[I]) -> Iterator[tuple[int, ItemResult]]:
         """Yield each answer as it arrives.
 
-        Raises
-        ------
-        ClusterLost
-            If the scheduler goes away, or all workers do and none comes back.
+        Raise `ClusterLost` if the scheduler goes away, or all workers do and none comes back.
         """
         code = None if self.is_local else code_hash(function.__module__)
         coming, running = enumerate(items), dict[Future, int]()
@@ -131,10 +128,7 @@ def local(workers: int) -> Iterator[DaskEngine]:
 def connected(address: str) -> Iterator[DaskEngine]:
     """Yield an engine of the workers at a scheduler's address.
 
-    Raises
-    ------
-    NoCluster
-        If nobody answers there, or it has no worker.
+    Raise `NoCluster` if nobody answers there, or it has no worker.
     """
     remedy = f"check --scheduler, or start it there: {'dask scheduler'!r} and {'dask worker ADDRESS'!r}"
     try:

@@ -62,10 +62,7 @@ def check_files(item: CheckTask) -> dict[str, Any]:
         ``inputs``: the names of what a solve reads; ``found``: name to SHA-256 of every file that is there;
         ``sums``: the same as ``SHA256SUMS`` has it, None where there is none; ``fault``: why that cannot be read.
 
-    Raises
-    ------
-    DataRefused
-        If there is no such folder here.
+    Raise `DataRefused` if there is no such folder here.
     """
     folder = Path(item.folder)
     if not folder.is_dir():
@@ -88,12 +85,8 @@ def resolve_one(task: SolveTask) -> dict[str, Any]:
 
     It is solved as its calibration was: where a diagnosis added effects, with them.
 
-    Raises
-    ------
-    DataRefused
-        If it breaks a rule of `campaign/1`, or has other bytes than whoever asks saw.
-    NotObservable
-        If neither triad can be solved.
+    Raise `DataRefused` if it breaks a rule of `campaign/1`, or has other bytes than whoever asks saw;
+    `NotObservable` if neither triad can be solved.
     """
     loaded = read_for_solve([Path(task.folder)])[0]
     for name, sha256 in loaded.files.items():

@@ -54,10 +54,7 @@ def open_engine(workers: int | None = None, scheduler: str | None = None) -> Ite
     scheduler
         The address of a Dask scheduler, ``tcp://HOST:8786``; its workers are used instead.
 
-    Raises
-    ------
-    NoCluster
-        If Dask is wanted and not installed, or nobody answers at the address.
+    Raise `NoCluster` if Dask is wanted and not installed, or nobody answers at the address.
     """
     is_there = find_spec("distributed") is not None
     if workers is None:

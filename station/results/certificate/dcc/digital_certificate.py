@@ -100,10 +100,7 @@ def load_validators() -> None:
 def checked_xml(content: CertificateContent) -> bytes:
     """Return a certificate's XML; the rules of `dcclib` are asked only where it is installed.
 
-    Raises
-    ------
-    BadXml
-        If it breaks the schema or a rule; nothing is issued then.
+    Raise `BadXml` if it breaks the schema or a rule; nothing is issued then.
     """
     written = certificate_xml(content)
     if faults := schema_faults(written) or rule_faults(written):

@@ -78,12 +78,8 @@ class _Service(TimeStamper):
 def sign_pdf(pdf: bytes, key: SigningKey, time_service: str | None = None) -> bytes:
     """Return a PDF with a signature over all of its bytes, with a time stamp where a service's address is given.
 
-    Raises
-    ------
-    DataRefused
-        If it is no PDF that can be signed, or is signed already.
-    NoTimeStamp
-        If the service gives none.
+    Raise `DataRefused` if it is no PDF that can be signed, or is signed already; `NoTimeStamp` if the service
+    gives none.
     """
     meta = PdfSignatureMetadata(
         field_name=FIELD, md_algorithm="sha256", subfilter=SigSeedSubFilter.PADES, certify=True,
@@ -134,10 +130,7 @@ def has_signature(reader: PdfFileReader) -> bool:
 def verified_pdf(content: bytes, reader: PdfFileReader) -> Signed:
     """Return what the one signature of a PDF covers: all of the file.
 
-    Raises
-    ------
-    SignatureBroken
-        If it does not hold, covers less, or there is more than one.
+    Raise `SignatureBroken` if it does not hold, covers less, or there is more than one.
     """
     with refused_as("it does not hold"):
         found = signatures_of(reader)
@@ -227,10 +220,7 @@ def _claimed(signature: EmbeddedPdfSignature) -> str:
 def attached_files(reader: PdfFileReader) -> dict[str, bytes]:
     """Return the files attached to a PDF by their names.
 
-    Raises
-    ------
-    SignatureBroken
-        If they cannot be read, or two have one name.
+    Raise `SignatureBroken` if they cannot be read, or two have one name.
     """
     found = dict[str, bytes]()
     with refused_as("the attached files cannot be read"):

@@ -39,11 +39,8 @@ class SigningKey:
 def read_signing_key(path: Path, password: bytes | None) -> SigningKey:
     """Return the key of a PKCS#12 file.
 
-    Raises
-    ------
-    DataRefused
-        If the password is wrong, the file none, its key weak or of no kind that is used, its certificate not the
-        key's, not for signatures, or not valid today.
+    Raise `DataRefused` if the password is wrong, the file none, its key weak or of no kind that is used, its
+    certificate not the key's, not for signatures, or not valid today.
     """
     content = read_text_file(path)
     try:
@@ -113,10 +110,7 @@ def key_password(
 ) -> bytes:
     """Return a key's password: from an open file descriptor, an environment variable, or asked for.
 
-    Raises
-    ------
-    DataRefused
-        If descriptor or variable is not there, or nobody can be asked: there is no terminal.
+    Raise `DataRefused` if descriptor or variable is not there, or nobody can be asked: there is no terminal.
     """
     if descriptor is not None:
         try:

@@ -44,10 +44,7 @@ class TimeStamp:
 def request_time_stamp(url: str, data: bytes) -> bytes:
     """Return a service's token over the SHA-256 of ``data``, DER.
 
-    Raises
-    ------
-    NoTimeStamp
-        If the service does not answer, refuses, or its answer is of other data or another request.
+    Raise `NoTimeStamp` if the service does not answer, refuses, or its answer is of other data or another request.
     """
     asked = TimestampRequestBuilder(data, HashAlgorithm.SHA256).build()
     token = granted(url, ask_service(url, asked.as_bytes()))
@@ -94,10 +91,8 @@ def ask_service(url: str, request: bytes) -> bytes:
 def read_time_stamp(token: bytes, data: bytes) -> TimeStamp:
     """Return what a token says of ``data``; whom its certificate belongs to is judged elsewhere.
 
-    Raises
-    ------
-    SignatureBroken
-        If it is no token, is of other data, its certificate is for other purposes, or its signature does not hold.
+    Raise `SignatureBroken` if it is no token, is of other data, its certificate is for other purposes, or its
+    signature does not hold.
     """
     with refused_as("its time stamp does not hold"):
         signed = cms.ContentInfo.load(token, strict=True)["content"]

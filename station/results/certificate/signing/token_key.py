@@ -50,10 +50,8 @@ class _OnToken:
 def open_token_key(uri: str, pin: bytes) -> SigningKey:
     """Return the key of a token, logged in to until the key is closed.
 
-    Raises
-    ------
-    DataRefused
-        If there is no such module, token or key, the PIN is wrong, or the key cannot sign a certificate.
+    Raise `DataRefused` if there is no such module, token or key, the PIN is wrong, or the key cannot sign a
+    certificate.
     """
     named = _parts(uri)
     try:

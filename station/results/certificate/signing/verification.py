@@ -188,12 +188,8 @@ def journal_finding(session: Session, found: Verified) -> list[Finding]:
 def stamped_head(file: Path, content: bytes, trust: Trust) -> tuple[Head, Verified]:
     """Return the journal's head in a certificate's XML or PDF, whose signature and time stamp hold.
 
-    Raises
-    ------
-    NotVerified
-        If signature, key or stamp does not hold.
-    DataRefused
-        If it has no stamp, or states no head: it is then no witness.
+    Raise `NotVerified` if signature, key or stamp does not hold; `DataRefused` if it has no stamp, or states no
+    head: it is then no witness.
     """
     found = (verify_pdf if file.suffix.lower() == ".pdf" else verify_xml)(content, file, trust)
     if found.faults:

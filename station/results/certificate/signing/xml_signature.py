@@ -46,12 +46,7 @@ FORMAT = XAdESDataObjectFormat("Digital calibration certificate", "text/xml")
 def sign_xml(document: bytes, key: SigningKey, time_service: str | None = None) -> bytes:
     """Return a certificate with its signature, with a time stamp where a service's address is given.
 
-    Raises
-    ------
-    DataRefused
-        If the document is no DCC, or is signed already.
-    NoTimeStamp
-        If the service gives none.
+    Raise `DataRefused` if the document is no DCC, or is signed already; `NoTimeStamp` if the service gives none.
     """
     root = parse_xml(document, "certificate")
     if root.tag != dcc("digitalCalibrationCertificate"):
@@ -149,10 +144,7 @@ def is_signed(root: Any) -> bool:
 def verified_xml(root: Any) -> Signed:
     """Return what the one signature of a document covers: all of it but the signature.
 
-    Raises
-    ------
-    SignatureBroken
-        If it does not hold, or is of another form than those on the list.
+    Raise `SignatureBroken` if it does not hold, or is of another form than those on the list.
     """
     with refused_as("it does not hold"):
         return _verified(root)
