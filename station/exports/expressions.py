@@ -1,5 +1,6 @@
 """Terms as expressions of C99, a sensor at a time, and of MATLAB, three sensors at once."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -10,12 +11,11 @@ from procedures.effects.term.inputs import AUXILIARY
 from procedures.frames import AXES
 from station.calibrated.applied_effects import VECTORS as MEASURED
 
-VECTORS = {"f": "f", "omega": "omega", "B": "state{}magnetic_ut"}
 MAX_INTEGER_POWER = 12
 
 
 @dataclass(frozen=True, slots=True)
-class Expressions:
+class Expressions(ABC):
     """Writes terms; ``lags`` are the time constants [s] whose temperatures the program follows, in their order."""
 
     lags: Sequence[float]
@@ -25,81 +25,73 @@ class Expressions:
         """Return the expression of a term of a triad's sensors, in the term's unit."""
         match node:
             case Number():
-                return self.number(node.value)
+                return self._number(node.value)
             case Name():
-                return self.name(MEASURED[triad] if node.name == "u" else node.name, triad)
+                return self._name(MEASURED[triad] if node.name == "u" else node.name, triad)
             case Operation():
-                return self.operation(node, triad)
+                return self._operation(node, self.of(node.left, triad), self.of(node.right, triad))
             case Call(name="lag", arguments=(_, Number(value=tau))):
-                return self.lagged(self.lags.index(tau))
+                return self._lagged(self.lags.index(tau))
             case Call():
                 arguments = ", ".join(self.of(each, triad) for each in node.arguments)
                 return f"{self.functions.get(node.name, node.name)}({arguments})"
 
-    def name(self, name: str, triad: str) -> str:
+    def _name(self, name: str, triad: str) -> str:
         """Return an input; a vector's is the sensor's own component, another sensor's, or its length."""
         vector, _, part = name.partition("_")
         if name.startswith(AUXILIARY):
-            return self.member(name)
-        if vector in VECTORS:
-            return self.component(VECTORS[vector], part)
+            return self._member(name)
+        if vector in {"f", "omega", "B"}:
+            return self._component(self._member("magnetic_ut") if vector == "B" else vector, part)
         if name == "out":
-            return self.component("accel_out" if triad == "accelerometer" else "gyro_out", "")
-        if name == "c":
-            return "c"
-        return {"T": "warm", "T_rate": self.member("temperature_rate"), "warming": self.member("direction")}[name]
+            return self._component("accel_out" if triad == "accelerometer" else "gyro_out", "")
+        known = {"T": "warm", "T_rate": self._member("temperature_rate"), "warming": self._member("direction")}
+        return name if name == "c" else known[name]
 
-    def number(self, value: float) -> str:
-        """Return a constant, in whatever unit it has."""
-        raise NotImplementedError
+    @abstractmethod
+    def _number(self, value: float) -> str:
+        """Return a constant with all its digits."""
 
-    def member(self, name: str) -> str:
-        """Return what the program's state holds, in its unit."""
-        raise NotImplementedError
+    @abstractmethod
+    def _member(self, name: str) -> str:
+        """Return what the program's state holds."""
 
-    def component(self, vector: str, part: str) -> str:
-        """Return a vector's own component, one of another sensor, or its length, in its unit."""
-        raise NotImplementedError
+    @abstractmethod
+    def _component(self, vector: str, part: str) -> str:
+        """Return a vector's own component (no ``part``), one of another sensor, or its length."""
 
-    def lagged(self, number: int) -> str:
+    @abstractmethod
+    def _lagged(self, number: int) -> str:
         """Return a followed temperature [K] above 25 degC."""
-        raise NotImplementedError
 
-    def operation(self, node: Operation, triad: str) -> str:
-        """Return two expressions joined, in their joint unit."""
-        raise NotImplementedError
+    @abstractmethod
+    def _operation(self, node: Operation, left: str, right: str) -> str:
+        """Return two expressions joined."""
 
 
 @dataclass(frozen=True, slots=True)
 class CExpressions(Expressions):
-    """C99 of `double`, or of `float`."""
+    """C99 of `double`, or of `float`; a small whole power is multiplied out."""
 
     is_float: bool = False
 
-    def number(self, value: float) -> str:
-        """Return a constant with all its digits, in whatever unit it has."""
+    def _number(self, value: float) -> str:
         return c_number(value, self.is_float)
 
-    def member(self, name: str) -> str:
-        """Return what the state holds, in its unit."""
+    def _member(self, name: str) -> str:
         return f"state->{name}"
 
-    def component(self, vector: str, part: str) -> str:
-        """Return a component of sensor i, in the vector's unit."""
-        vector = vector.format("->")
+    def _component(self, vector: str, part: str) -> str:
         if part == "norm":
             return f"length_of({vector})"
         if part in AXES and part:
             return f"{vector}[{AXES.index(part)}]"
-        return f"{vector}[{'(i + ' + str(int(part) - 1) + ') % 3' if part else 'i'}]"
+        return f"{vector}[{f'(i + {int(part) - 1}) % 3' if part else 'i'}]"
 
-    def lagged(self, number: int) -> str:
-        """Return a followed temperature [K] above 25 degC."""
+    def _lagged(self, number: int) -> str:
         return f"behind[{number}]"
 
-    def operation(self, node: Operation, triad: str) -> str:
-        """Return two expressions joined, in their joint unit; a small whole power is multiplied out."""
-        left, right = self.of(node.left, triad), self.of(node.right, triad)
+    def _operation(self, node: Operation, left: str, right: str) -> str:
         if node.sign != "**":
             return f"({left} {node.sign} {right})"
         match node.right:
@@ -110,33 +102,27 @@ class CExpressions(Expressions):
 
 @dataclass(frozen=True, slots=True)
 class MatlabExpressions(Expressions):
-    """MATLAB, columns of three sensors."""
+    """MATLAB, columns of three sensors, joined element by element."""
 
-    def number(self, value: float) -> str:
-        """Return a constant with all its digits, in whatever unit it has."""
+    def _number(self, value: float) -> str:
         return f"({value!r})" if value < 0 else f"{value!r}"
 
-    def member(self, name: str) -> str:
-        """Return what the state holds, in its unit."""
+    def _member(self, name: str) -> str:
         return f"state.{name}"
 
-    def component(self, vector: str, part: str) -> str:
-        """Return the column of components, in the vector's unit."""
-        vector = vector.format(".")
+    def _component(self, vector: str, part: str) -> str:
         if part == "norm":
             return f"norm({vector})"
         if part in AXES and part:
             return f"{vector}({AXES.index(part) + 1})"
         return f"{vector}([{'2 3 1' if part == '2' else '3 1 2'}])" if part else vector
 
-    def lagged(self, number: int) -> str:
-        """Return a followed temperature [K] above 25 degC."""
+    def _lagged(self, number: int) -> str:
         return f"behind({number + 1})"
 
-    def operation(self, node: Operation, triad: str) -> str:
-        """Return two expressions joined element by element, in their joint unit."""
+    def _operation(self, node: Operation, left: str, right: str) -> str:
         sign = {"*": ".*", "/": "./", "**": ".^"}.get(node.sign, node.sign)
-        return f"({self.of(node.left, triad)} {sign} {self.of(node.right, triad)})"
+        return f"({left} {sign} {right})"
 
 
 def c_number(value: float, is_float: bool) -> str:

@@ -47,32 +47,31 @@ def read_signing_key(path: Path, password: bytes | None) -> SigningKey:
         private, certificate, others = load_key_and_certificates(content, password)
     except (ValueError, TypeError) as error:
         found = "no PKCS#12 file, or another password"
-        raise DataRefused(
-            path, None, found, "a key with its certificate", "give the file's password", code=ErrorCode.KEY
-        ) from error
+        raise no_key(path, found, "a key with its certificate", "give the file's password") from error
     if certificate is None or not isinstance(private, rsa.RSAPrivateKey | ec.EllipticCurvePrivateKey):
-        raise DataRefused(
-            path, None, "no RSA or EC key with its certificate", "both in one PKCS#12 file", code=ErrorCode.KEY
-        )
+        raise no_key(path, "no RSA or EC key with its certificate", "both in one PKCS#12 file")
     key = SigningKey(private, certificate, tuple(others))
     check_signing_key(key, path)
     return key
 
 
+def no_key(where: str | Path, found: str, expected: str, remedy: str = "correct the file") -> DataRefused:
+    """Return the refusal of a key."""
+    return DataRefused(where, None, found, expected, remedy, ErrorCode.KEY)
+
+
 def refuse_no_key(path: Path) -> None:
     """Raise `DataRefused` if there is no such file."""
     if not path.is_file():
-        expected = "a PKCS#12 file with key and certificate"
-        raise DataRefused(
-            path, None, "no such file", expected, "name the one that is there", code=ErrorCode.FILE_MISSING
-        )
+        expected, remedy = "a PKCS#12 file with key and certificate", "name the one that is there"
+        raise DataRefused(path, None, "no such file", expected, remedy, ErrorCode.FILE_MISSING)
 
 
 def check_signing_key(key: SigningKey, where: str | Path) -> None:
     """Raise `DataRefused` if a key cannot sign a certificate today."""
     for found, expected in _faults(key):
         key.close()
-        raise DataRefused(where, None, found, expected, "use another key", code=ErrorCode.KEY)
+        raise no_key(where, found, expected, "use another key")
 
 
 def _faults(key: SigningKey) -> list[tuple[str, str]]:
@@ -117,17 +116,13 @@ def key_password(
             with os.fdopen(descriptor, "rb", closefd=False) as stream:
                 return stream.readline(4096).rstrip(b"\r\n")
         except (OSError, ValueError, TypeError, OverflowError) as error:  # closed, negative, beyond any descriptor
-            remedy = "open it for the station"
-            raise DataRefused(
-                path, None, f"no open descriptor {descriptor}", "one with the password", remedy, ErrorCode.KEY
-            ) from error
+            found, remedy = f"no open descriptor {descriptor}", "open it for the station"
+            raise no_key(path, found, "one with the password", remedy) from error
     if variable is not None:
         if variable not in os.environ:
-            raise DataRefused(
-                path, None, f"no variable {variable}", "the password in it", "set it", code=ErrorCode.KEY
-            )
+            raise no_key(path, f"no variable {variable}", "the password in it", "set it")
         return os.fsencode(os.environ[variable])  # the bytes as they were set
     if not sys.stdin.isatty():
         remedy = "give --password-fd or --password-env"
-        raise DataRefused(path, None, "no terminal to ask for its password", "one", remedy, code=ErrorCode.KEY)
+        raise no_key(path, "no terminal to ask for its password", "one", remedy)
     return os.fsencode(ask(f"Password of {path}: "))

@@ -13,9 +13,8 @@ from cryptography import x509
 from cryptography.hazmat.primitives import hashes
 from cryptography.hazmat.primitives.asymmetric import rsa, utils
 
-from procedures.errors import ErrorCode
 from station.errors import DataRefused, first_line
-from station.results.certificate.signing.signing_key import SigningKey, check_signing_key
+from station.results.certificate.signing.signing_key import SigningKey, check_signing_key, no_key
 
 SCHEME = "pkcs11:"
 
@@ -58,13 +57,9 @@ def open_token_key(uri: str, pin: bytes) -> SigningKey:
         token = pkcs11.lib(named["module-path"]).get_token(token_label=named["token"])
         session = token.open(user_pin=pin.decode())
     except pkcs11.exceptions.PinIncorrect as error:
-        raise DataRefused(
-            uri, None, "another PIN", "that of the token", "give it; tokens lock after a few", ErrorCode.KEY
-        ) from error
+        raise no_key(uri, "another PIN", "that of the token", "give it; tokens lock after a few") from error
     except (pkcs11.exceptions.PKCS11Error, RuntimeError, OSError, UnicodeDecodeError) as error:
-        raise DataRefused(
-            uri, None, f"no such token ({first_line(error)})", "one that can be opened", code=ErrorCode.KEY
-        ) from error
+        raise no_key(uri, f"no such token ({first_line(error)})", "one that can be opened") from error
     try:
         private = session.get_key(object_class=pkcs11.ObjectClass.PRIVATE_KEY, label=named["object"])
         certificate, others = _certificates(session, private, uri)
@@ -72,9 +67,7 @@ def open_token_key(uri: str, pin: bytes) -> SigningKey:
         session.close()
         if isinstance(error, DataRefused):
             raise
-        raise DataRefused(
-            uri, None, f"no key of that name ({first_line(error)})", "one on the token", code=ErrorCode.KEY
-        ) from error
+        raise no_key(uri, f"no key of that name ({first_line(error)})", "one on the token") from error
     on_token: Any = _OnToken(private, certificate)
     key = SigningKey(on_token, certificate, others, session.close)
     check_signing_key(key, uri)
@@ -88,14 +81,7 @@ def _parts(uri: str) -> Mapping[str, str]:
     lacking = {"token", "object", "module-path"} - parts.keys()
     if not uri.startswith(SCHEME) or lacking:
         example = "pkcs11:token=LAB;object=NAME?module-path=/usr/lib/MODULE.so"
-        raise DataRefused(
-            uri,
-            None,
-            f"no {', '.join(sorted(lacking)) or SCHEME}",
-            example,
-            "name the token so",
-            code=ErrorCode.KEY,
-        )
+        raise no_key(uri, f"no {', '.join(sorted(lacking)) or SCHEME}", example, "name the token so")
     return parts
 
 
@@ -108,7 +94,5 @@ def _certificates(session: Any, private: Any, uri: str) -> tuple[x509.Certificat
     ]
     own = [one for number, one in by_id if number == private[pkcs11.Attribute.ID]]
     if len(own) != 1:
-        raise DataRefused(
-            uri, None, f"{len(own)} certificates of the key's id on the token", "one", code=ErrorCode.KEY
-        )
+        raise no_key(uri, f"{len(own)} certificates of the key's id on the token", "one")
     return own[0], tuple(one for _, one in by_id if one != own[0])
