@@ -89,16 +89,13 @@ ARDUPILOT: Mapping[str, Listed] = {
 
 def outside(values: Mapping[str, float], listed: Mapping[str, Listed]) -> list[tuple[str, Listed]]:
     """Return the parameters whose value, in its own unit, is beyond an end; each is on the list."""
-    return [(name, listed[name]) for name, value in values.items() if not _is_inside(value, listed[name])]
+    found = [(name, value, listed[name]) for name, value in values.items()]
+    return [(name, one) for name, value, one in found if not one.low <= value <= one.high]
 
 
 def clipped(name: str, value: float, listed: Mapping[str, Listed]) -> float:
     """Return a value, in its own unit, as near as its parameter's ends let it be."""
     return min(max(value, listed[name].low), listed[name].high)
-
-
-def _is_inside(value: float, one: Listed) -> bool:
-    return one.low <= value <= one.high
 
 
 TEMP_REFERENCE = 35.0  # degC

@@ -54,9 +54,12 @@ def judged_values(judged: tuple[JudgedLimit, ...]) -> tuple[dict[str, Any], ...]
     )
 
 
+KEPT = ("effect", "confidence", "aliases")  # what a calibration keeps of a finding
+
+
 def diagnosis_kept(diagnosis: Mapping[str, Any]) -> dict[str, Any]:
     """Return what a calibration keeps of a `diagnosis/2`: verdict, findings, what each could be instead."""
-    findings = [{name: one[name] for name in ("effect", "confidence", "aliases")} for one in diagnosis["findings"]]
+    findings = [{name: one[name] for name in KEPT} for one in diagnosis["findings"]]
     return {"verdict": diagnosis["verdict"], "findings": findings}
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from fixtures_db.imu_models import UNITS
 from procedures.arrays import FloatArray
-from procedures.campaign.campaign import Campaign, DwellRecord
+from procedures.campaign.campaign import Campaign
 from procedures.frames import AXES
 from procedures.planning.campaign_design import TURNS, CampaignDesign, Placement, usual_design
 from procedures.planning.design_sigmas import IN_PLACE, NAMES, TIMES_USUAL, DesignSigmas, WantedSigmas
@@ -73,6 +73,18 @@ class PlannedSigma:
             for one in (self.wanted, self.plan, self.usual)
         )
         return (title_of(self.parameter), *numbers, unit)
+
+    @property
+    def missed(self) -> str:
+        """What is wanted and not reached."""
+        name, wanted, plan, _, unit = self.cells
+        return f"not reachable: {name} {wanted} {unit}; best possible {'nothing' if plan == '-' else plan} {unit}"
+
+    @property
+    def given_up(self) -> str:
+        """What the plan leaves worse than usual."""
+        name, _, plan, usual, unit = self.cells
+        return f"less accurate in return: {name} {'open' if plan == '-' else plan} {unit}, usually {usual}"
 
 
 FOLLOWS_GRAVITY = "accelerometer.scale_factor"  # the site's: no plan changes it
@@ -185,8 +197,8 @@ def plan_text(plan: Plan) -> str:
     lines = [
         f"{plan.minutes:.1f} min: {len(plan.steps) - turns} placements, "
         f"{f'{turns} rotations' if turns else 'no rotations'}; the usual plan takes {plan.usual_minutes:.1f} min",
-        *[f"not reachable: {_missed(*row.cells)}" for row in plan.sigmas if row.is_missed],
-        *[f"less accurate in return: {_lost(*row.cells)}" for row in plan.sigmas if row.is_given_up],
+        *[row.missed for row in plan.sigmas if row.is_missed],
+        *[row.given_up for row in plan.sigmas if row.is_given_up],
         "",
         *table_lines(steps, "><<>", ("", "x y z point", "", "for")),
         "",
@@ -198,14 +210,6 @@ def plan_text(plan: Plan) -> str:
         f"hands: {plan.hands_s['source']}",
     ]
     return "\n".join(lines)
-
-
-def _missed(name: str, wanted: str, plan: str, _: str, unit: str) -> str:
-    return f"{name} {wanted} {unit}; best possible {plan if plan != '-' else 'nothing'} {unit}"
-
-
-def _lost(name: str, _: str, plan: str, usual: str, unit: str) -> str:
-    return f"{name} {plan if plan != '-' else 'open'} {unit}, usually {usual}"
 
 
 MOST_DIGITS = 6  # of two numbers that are nearly the same
@@ -233,8 +237,13 @@ def placements_in(campaign: Campaign) -> list[tuple[str, Placement]]:
     """Return a campaign's dwells and turns by file, in the order of their times, with whether moves lead there."""
     numbers = {(step.axis, step.direction): i for i, step in enumerate(TURNS)}
     steps = [
-        (each.turn_on, float(each.series.t[0]), each.name, Placement(each.position, _seconds(each)))
-        for each in campaign.dwells
+        (
+            one.turn_on,
+            float(one.series.t[0]),
+            one.name,
+            Placement(one.position, len(one.series) * one.series.period),
+        )
+        for one in campaign.dwells
     ]
     for turn in campaign.turns:
         placement = Placement(turn.start_position, 0.0, numbers[turn.axis, turn.direction])
@@ -246,10 +255,6 @@ def placements_in(campaign: Campaign) -> list[tuple[str, Placement]]:
         (name, replace(placement, is_carried=(before[i], name) in carried))
         for i, (_, _, name, placement) in enumerate(steps)
     ]
-
-
-def _seconds(dwell: DwellRecord) -> float:
-    return len(dwell.series) * dwell.series.period
 
 
 def continued_text(found: NextPlacement, asked: WantedSigmas, whole: WantedSigmas) -> str:

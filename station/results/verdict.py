@@ -109,10 +109,12 @@ def _reason(word: VerdictWord, judged: Sequence[JudgedLimit], model: str, serial
     if missing:
         return f"{len(missing)} of {len(judged)} limited parameters of {unit} were not measured: {_names(missing)}"
     tightest = max(judged, key=lambda one: (one.share or 0.0, title_of(one.limit.parameter)))
+    band = tightest.limit.guard_band
     return (
         f"{unit} is within {'the only limit' if len(judged) == 1 else f'all {len(judged)} limits'} of its model. "
         f"Closest to its limit: {title_of(tightest.limit.parameter)}, which uses "
-        f"{100 * (tightest.share or 0.0):.0f} % of {_range_of(tightest.limit)}"
+        f"{100 * (tightest.share or 0.0):.0f} % of "
+        f"{f'the accepted range (limit minus {band:g} u)' if band else 'the allowed range'}"
     )
 
 
@@ -146,7 +148,8 @@ def _against(judged: JudgedLimit) -> str:
 def limit_in_words(limit: Limit) -> str:
     """Return a limit as people read it."""
     _, unit = shown_scale(limit.parameter, limit.unit)
-    return f"{_ends(limit, limit.low, limit.high)} {unit}".rstrip() + _guard(limit)
+    guard = f", minus {limit.guard_band:g} u" if limit.guard_band else ""
+    return f"{_ends(limit, limit.low, limit.high)} {unit}".rstrip() + guard
 
 
 def judged_in_words(judged: JudgedLimit) -> str:
@@ -167,11 +170,3 @@ def _ends(limit: Limit, low: float | None, high: float | None) -> str:
     if first is None or last is None:
         return f"at least {first}" if last is None else f"at most {last}"
     return f"+-{last}" if low == -(high or 0.0) else f"{first} to {last}"
-
-
-def _guard(limit: Limit) -> str:
-    return f", minus {limit.guard_band:g} u" if limit.guard_band else ""
-
-
-def _range_of(limit: Limit) -> str:
-    return f"the accepted range (limit minus {limit.guard_band:g} u)" if limit.guard_band else "the allowed range"

@@ -160,6 +160,10 @@ def _certificate(session: Session, row: CalibrationRow, lab: Laboratory, amend: 
     if lacking:
         raise Incomplete(what, lacking)
     check_received(document, lab, datetime.now().astimezone())
+    replaced = None
+    if earlier:
+        last = earlier[-1]
+        replaced = ReplacedCertificate(last.number, last.issued_utc, last.dcc_sha256 or last.html_sha256, amend)
     now, before = datetime.now(UTC).replace(microsecond=0), calibration_before(session, row)
     return Certificate(
         next_number(session, lab.laboratory.number_prefix, now.year),
@@ -170,9 +174,5 @@ def _certificate(session: Session, row: CalibrationRow, lab: Laboratory, amend: 
         take_anchor(session),
         None if before is None else json.loads(before.document),
         GENESIS if before is None else before.sha256,
-        _replaced(earlier[-1], amend) if earlier else None,
+        replaced,
     )
-
-
-def _replaced(row: IssuedCertificateRow, reason: str) -> ReplacedCertificate:
-    return ReplacedCertificate(row.number, row.issued_utc, row.dcc_sha256 or row.html_sha256, reason)

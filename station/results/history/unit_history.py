@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
-from typing import Any
 
 import numpy as np
 
@@ -204,7 +203,8 @@ def entries(runs: Sequence[Run]) -> list[StoredCalibration]:
                 accepted_utc=run.document["accepted_utc"],
                 status=run.document["status"],
                 verdict=run.document.get("verdict"),
-                effects=_effects(run.document) or None,
+                effects={str(e["name"]): str(e.get("sha256", "")) for e in run.document.get("effects", ())}
+                or None,
                 limited=len(run.document.get("limits", ())),
                 measured_utc=utc_text(run.ended),
                 **{kind: run.made_with.get(kind) for kind in MADE_WITH},
@@ -214,10 +214,6 @@ def entries(runs: Sequence[Run]) -> list[StoredCalibration]:
         )
         last[run.model] = found
     return made
-
-
-def _effects(document: Mapping[str, Any]) -> dict[str, str]:
-    return {str(one["name"]): str(one.get("sha256", "")) for one in document.get("effects", ())}
 
 
 def analysis(runs: Sequence[Run], limits: Sequence[Limit], asked: datetime | None) -> ModelHistory:

@@ -17,7 +17,7 @@ from fixtures_db.imu_models import Limit
 from fixtures_db.stored_calibrations import newest_calibration
 from station.errors import DataRefused
 from station.files.toml_file import read_text_file
-from station.results.measurement_circumstances import diagnosis_kept
+from station.results.measurement_circumstances import KEPT, diagnosis_kept
 from station.results.parameters_by_name import Parameter, ParameterShift, applied, parameters, shifts
 from station.results.verdict import judge
 
@@ -206,7 +206,7 @@ def compare_diagnoses(now: Mapping[str, Any], before: Mapping[str, Any] | None) 
         "verdict": {"before": before["verdict"], "now": found["verdict"]},
         "findings": found["findings"],
         "gained": [one for name, one in new.items() if name not in old],
-        "lost": [_kept(one) for name, one in old.items() if name not in new],
+        "lost": [{key: one[key] for key in KEPT} for name, one in old.items() if name not in new],
         "changed": [
             {"effect": one["effect"], "before": in_words(old[name]), "now": in_words(one)}
             for name, one in new.items()
@@ -250,7 +250,3 @@ def _by_name(findings: Sequence[Finding]) -> dict[tuple[str, int], Finding]:
     for one in findings:
         named[one["effect"], sum(effect == one["effect"] for effect, _ in named)] = one
     return named
-
-
-def _kept(finding: Finding) -> dict[str, Any]:
-    return {name: finding[name] for name in ("effect", "confidence", "aliases")}

@@ -14,8 +14,9 @@ from lxml import etree
 from station.errors import BadXml
 from station.results.certificate.content import CertificateContent
 from station.results.certificate.dcc.administrative import administrative_data
-from station.results.certificate.dcc.elements import SCHEMA_VERSION, dcc
+from station.results.certificate.dcc.elements import dcc
 from station.results.certificate.dcc.measurement import measurement_result
+from station.results.certificate.signing.xml_schema import VERSION, read_schema
 
 
 def certificate_xml(content: CertificateContent) -> bytes:
@@ -24,21 +25,13 @@ def certificate_xml(content: CertificateContent) -> bytes:
         "digitalCalibrationCertificate",
         administrative_data(content),
         dcc("measurementResults", measurement_result(content)),
-        schemaVersion=SCHEMA_VERSION,
+        schemaVersion=VERSION,
     )
     written: bytes = etree.tostring(root, xml_declaration=True, encoding="UTF-8", pretty_print=True)
     return written
 
 
 SCHEMA_FOLDER = Path(str(resources.files("station.results.certificate.dcc") / "schema"))
-_LOCAL = {"SI_Format.xsd": SCHEMA_FOLDER / "SI_Format.xsd"}  # the schema names it by its public address
-
-
-class _LocalSchemas(etree.Resolver):  # type: ignore[misc]  # lxml has no types
-    def resolve(self, url: str, _id: str, context: object) -> object:
-        if (local := _LOCAL.get(url.rpartition("/")[2])) is not None:
-            return self.resolve_filename(str(local), context)
-        return self.resolve_empty(context)
 
 
 def schema_faults(content: bytes) -> list[str]:
@@ -78,9 +71,7 @@ def hardened_parser() -> etree.XMLParser:
 
 @cache
 def _schema() -> etree.XMLSchema:
-    parser = etree.XMLParser(no_network=True)
-    parser.resolvers.add(_LocalSchemas())
-    return etree.XMLSchema(etree.parse(SCHEMA_FOLDER / "dcc.xsd", parser))
+    return read_schema((SCHEMA_FOLDER / "dcc.xsd").read_bytes())
 
 
 @cache

@@ -15,9 +15,8 @@ from lxml import etree
 
 from procedures.units import PPM_PER_ONE, STANDARD_GRAVITY
 from station.results.certificate.dcc.names import LANGUAGES, Bilingual
+from station.results.certificate.signing.xml_schema import DCC, SI
 
-DCC, SI = "https://ptb.de/dcc", "https://ptb.de/si"
-SCHEMA_VERSION = "3.1.2"
 NOT_IN_XML = {code: " " for code in (*range(0x20), 0x7F, 0xFFFE, 0xFFFF) if code not in {0x09, 0x0A}}
 
 Element: TypeAlias = etree._Element  # noqa: SLF001  lxml has no other name for it

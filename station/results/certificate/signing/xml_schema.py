@@ -11,7 +11,7 @@ from typing import Any
 
 from lxml import etree
 
-DCC = "https://ptb.de/dcc"
+DCC, SI = "https://ptb.de/dcc", "https://ptb.de/si"
 DS = "http://www.w3.org/2000/09/xmldsig#"
 XADES = "http://uri.etsi.org/01903/v1.3.2#"
 XSI = "http://www.w3.org/2001/XMLSchema-instance"
@@ -24,7 +24,7 @@ CANONICAL = frozenset(  # none that keeps comments: they are not what is signed
     {EXCLUSIVE, "http://www.w3.org/TR/2001/REC-xml-c14n-20010315", "http://www.w3.org/2006/12/xml-c14n11"}
 )
 ID_NAMES = frozenset({"id", "Id", "ID"})
-NAMESPACES = {"dcc": DCC, "si": "https://ptb.de/si", "ds": DS, "xades": XADES}
+NAMESPACES = {"dcc": DCC, "si": SI, "ds": DS, "xades": XADES}
 
 
 def ds(name: str) -> str:
@@ -44,8 +44,8 @@ def xades(name: str) -> str:
 
 VERSION = "3.1.2"
 _ADDRESSES = {  # by which the schemas name each other
-    "https://ptb.de/dcc": ("station.results.certificate", "dcc/schema/dcc.xsd"),
-    "https://ptb.de/si/v2.1.0/SI_Format.xsd": ("station.results.certificate", "dcc/schema/SI_Format.xsd"),
+    DCC: ("station.results.certificate", "dcc/schema/dcc.xsd"),
+    f"{SI}/v2.1.0/SI_Format.xsd": ("station.results.certificate", "dcc/schema/SI_Format.xsd"),
     DS: ("signxml", "schemas/xmldsig-core-schema.xsd"),
 }
 _BOTH = f"""<xs:schema xmlns:xs="http://www.w3.org/2001/XMLSchema">
@@ -64,11 +64,16 @@ class _OwnFiles(etree.Resolver):  # type: ignore[misc]
         return self.resolve_string(b"<nothing/>", context)
 
 
-@cache
-def _schema() -> etree.XMLSchema:
+def read_schema(text: bytes) -> etree.XMLSchema:
+    """Return a schema, which may import those of the station."""
     parser = etree.XMLParser(no_network=True, resolve_entities=False)
     parser.resolvers.add(_OwnFiles())
-    return etree.XMLSchema(etree.parse(BytesIO(_BOTH.encode()), parser))
+    return etree.XMLSchema(etree.parse(BytesIO(text), parser))
+
+
+@cache
+def _schema() -> etree.XMLSchema:
+    return read_schema(_BOTH.encode())
 
 
 def schema_fault(root: Any) -> str:
