@@ -54,15 +54,10 @@ class SolveTask:
 
 
 def check_files(item: CheckTask) -> dict[str, Any]:
-    """Hash a campaign's files.
+    """Hash a campaign's files; raise `DataRefused` if there is no such folder here.
 
-    Returns
-    -------
-    dict
-        ``inputs``: the names of what a solve reads; ``found``: name to SHA-256 of every file that is there;
-        ``sums``: the same as ``SHA256SUMS`` has it, None where there is none; ``fault``: why that cannot be read.
-
-    Raise `DataRefused` if there is no such folder here.
+    ``inputs`` are the names of what a solve reads, ``found`` is name to SHA-256 of every file that is there,
+    ``sums`` the same as ``SHA256SUMS`` has it, None where there is none, and ``fault`` why that cannot be read.
     """
     folder = Path(item.folder)
     if not folder.is_dir():
@@ -139,17 +134,10 @@ class _Campaign:
 def resolve_fleet(
     folders: Sequence[str], database: Database, engine: Engine, keep: Path, stream: TextIO
 ) -> dict[str, Any]:
-    """Solve campaigns again and compare each with what was known of it.
+    """Solve campaigns again and compare each with what was known of it; progress goes to ``stream``.
 
-    Parameters
-    ----------
-    folders
-        Resolved paths, the same on this machine and on every worker.
-    keep
-        The folder where solutions are kept as they arrive; what is there for the same files, the same code and
-        the same path is not computed again.
-    stream
-        Where progress is reported.
+    ``folders`` are resolved paths, the same on this machine and on every worker. Solutions are put into ``keep``
+    as they arrive; what is there for the same files, the same code and the same path is not computed again.
     """
     with database.read() as session:
         campaigns = [_Campaign(known_of(session, folder)) for folder in folders]

@@ -5,12 +5,13 @@ Each result is kept as it arrives, so a run that was killed continues where it w
 
 import json
 import os
+import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, TypeAlias
+from typing import TYPE_CHECKING, Any, Generic, TextIO, TypeAlias
 
 from fixtures_db.folder_on_disk import make_folder
 from fixtures_db.hash_chain import canonical, digest
@@ -21,8 +22,6 @@ from station.results.resolve.work_item import I, ItemResult, NoCluster, Result, 
 
 if TYPE_CHECKING:
     from station.results.resolve.dask_engine import DaskEngine
-import time
-from typing import TextIO
 
 
 class OneProcess:
@@ -47,12 +46,9 @@ Engine: TypeAlias = "OneProcess | DaskEngine"  # which, and in which order it wo
 def open_engine(workers: int | None = None, scheduler: str | None = None) -> Iterator[Engine]:
     """Yield an engine and close it in the end.
 
-    Parameters
-    ----------
-    workers
-        Processes of this machine; 1 is this one. None: as many as it has cores, 1 where Dask is not installed.
-    scheduler
-        The address of a Dask scheduler, ``tcp://HOST:8786``; its workers are used instead.
+    ``workers`` are processes of this machine; 1 is this one, None as many as it has cores, 1 where Dask is not
+    installed. ``scheduler`` is the address of a Dask scheduler, ``tcp://HOST:8786``, whose workers are used
+    instead.
 
     Raise `NoCluster` if Dask is wanted and not installed, or nobody answers at the address.
     """
@@ -96,23 +92,11 @@ def map_restartable(
 ) -> Iterator[Finished[I]]:
     """Yield what ``function`` makes of each item: kept ones first, then the others as they arrive.
 
-    Parameters
-    ----------
-    function
-        Of a module that workers can import; returns what JSON can hold, finite. What it computes depends on the
-        item alone (seeds are part of it), so that no number depends on who computes it or when.
-    key
-        All that the result of an item depends on in addition to the code, as JSON can hold it: hashes of files,
-        seeds.
-    folder
-        Where results are kept, a file each; None keeps none. It may be deleted at any time.
-
-    Raises
-    ------
-    CannotWrite
-        If a result cannot be kept.
-
-    Faults are not kept: a second run tries those items again.
+    ``function`` is of a module that workers can import and returns what JSON can hold, finite. What it computes
+    depends on the item alone (seeds are part of it), so that no number depends on who computes it or when. ``key``
+    has all that the result depends on in addition to the code: hashes of files, seeds. Results are kept in
+    ``folder``, a file each, None keeps none; it may be deleted at any time. Faults are not kept: a second run
+    tries those items again. Raise `CannotWrite` if a result cannot be kept.
     """
     code, name = code_hash(function.__module__), f"{function.__module__}.{function.__qualname__}"
     keys = [digest(canonical({"code": code, "function": name, "of": key(item)})) for item in items]
