@@ -68,12 +68,16 @@ def judge(
     """
     found = {name: replace(one, std=(std or {}).get(name, one.std)) for name, one in parameters(document).items()}
     judged = tuple(_judged(limit, found.get(limit.parameter)) for limit in limits)
-    words = [one.word for one in judged]
-    word: VerdictWord = (
-        "FAIL" if "FAIL" in words else "NOT_MEASURED" if "NOT_MEASURED" in words or not words else "PASS"
-    )
+    word = worst([one.word for one in judged])
     origin = document.get("provenance", document)
     return LimitVerdict(word, judged, _reason(word, judged, origin["model"], origin["serial"]))
+
+
+def worst(words: Sequence[VerdictWord]) -> VerdictWord:
+    """Return the verdict on all of several limits; without any nothing was measured."""
+    if "FAIL" in words:
+        return "FAIL"
+    return "NOT_MEASURED" if "NOT_MEASURED" in words or not words else "PASS"
 
 
 def _judged(limit: Limit, parameter: Parameter | None) -> JudgedLimit:

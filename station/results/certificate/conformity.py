@@ -26,7 +26,7 @@ from typing import Any
 from fixtures_db.imu_models import Limit
 from station.results.certificate.printed_results import MeasuredParameter, measured, printed_column
 from station.results.parameters_by_name import applied, parameters, printed_scale, title_of
-from station.results.verdict import LimitVerdict, VerdictWord, judge, verdict_in_words
+from station.results.verdict import LimitVerdict, VerdictWord, judge, verdict_in_words, worst
 from station.text import MINUS, aligned, decimals, fixed
 
 
@@ -77,9 +77,7 @@ def conformity(document: Mapping[str, Any], results: Mapping[str, MeasuredParame
         return None
     kept = {one["parameter"]: one for one in document.get("judged", ())}
     against = tuple(_against(limit, results.get(limit.parameter), kept.get(limit.parameter)) for limit in limits)
-    words = {one.word for one in against}
-    word: VerdictWord = "FAIL" if "FAIL" in words else "NOT_MEASURED" if "NOT_MEASURED" in words else "PASS"
-    return Conformity(word, against, document.get("verdict", "NOT_MEASURED"))
+    return Conformity(worst([one.word for one in against]), against, document.get("verdict", "NOT_MEASURED"))
 
 
 def limit_of(stated: Mapping[str, Any]) -> Limit:

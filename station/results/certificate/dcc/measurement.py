@@ -46,36 +46,27 @@ RECORD = Bilingual(
 
 def records_results(content: CertificateContent) -> Iterator[Element]:
     """Give the hashes, then the calibration itself."""
-    certificate, document = content.certificate, content.document
-    heads = [
-        (Bilingual("this calibration", "diese Kalibrierung"), certificate.sha256, "fog_thisCalibration"),
-        (Bilingual("newest calibration", "neueste Kalibrierung"), certificate.heads.calibration, "fog_head"),
-        (
-            Bilingual("newest face certificate", "neuester Flächenschein"),
-            certificate.heads.certificate,
-            "fog_head",
-        ),
-        (Bilingual("newest surface plate level", "neueste Nivellierung"), certificate.heads.level, "fog_head"),
-        (Bilingual("certificate before this", "Schein vor diesem"), certificate.heads.issued, "fog_head"),
-    ]
-    if certificate.heads.entries:
-        heads.append(
-            (Bilingual("journal of the database", "Journal der Datenbank"), certificate.heads.code, "fog_head")
-        )
-    if "manifest" in document:
-        steps = Bilingual("recorded steps, head of their chain", "aufgezeichnete Schritte, Kopf ihrer Kette")
-        heads.insert(1, (steps, str(document["manifest"]), "fog_stepsHead"))
-    if content.before is not None:
-        heads.insert(
-            1, (Bilingual("previous calibration", "vorige Kalibrierung"), content.before.sha256, "fog_previous")
-        )
+    certificate, document, before = content.certificate, content.document, content.before
+    chains = certificate.heads
+    heads = (
+        ("this calibration", "diese Kalibrierung", certificate.sha256, "fog_thisCalibration"),
+        ("previous calibration", "vorige Kalibrierung", before and before.sha256, "fog_previous"),
+        ("recorded steps, head of their chain", "aufgezeichnete Schritte, Kopf ihrer Kette",
+         document.get("manifest"), "fog_stepsHead"),
+        ("newest calibration", "neueste Kalibrierung", chains.calibration, "fog_head"),
+        ("newest face certificate", "neuester Flächenschein", chains.certificate, "fog_head"),
+        ("newest surface plate level", "neueste Nivellierung", chains.level, "fog_head"),
+        ("certificate before this", "Schein vor diesem", chains.issued, "fog_head"),
+        ("journal of the database", "Journal der Datenbank", chains.code if chains.entries else None, "fog_head"),
+    )  # fmt: skip
+    stated = [no_quantity(Bilingual(en, de), str(head), ref) for en, de, head, ref in heads if head is not None]
     files = [
         no_quantity(Bilingual(name, name), hash_, "fog_rawData")
         for name, hash_ in sorted(document["inputs"].items())
     ]
     yield result(
         TITLE,
-        dcc("list", worded("name", HEADS), *(no_quantity(*each) for each in heads), refType="fog_heads"),
+        dcc("list", worded("name", HEADS), *stated, refType="fog_heads"),
         dcc("list", worded("name", FILES), *files, refType="fog_files"),
         ref_type="fog_records",
     )
@@ -97,23 +88,20 @@ def _calibration(content: CertificateContent) -> Element:
 def influence_conditions(content: CertificateContent) -> Element:
     """Return temperatures, humidity, gravity and latitude, as far as they are known."""
     document, lab = content.document, content.certificate.laboratory
-    site, std = document["site"], document["site"]["gravity_std_m_s2"]
-    known = [
-        _span("unit", UNIT_TEMPERATURE, "basic_temperature", document.get("temperature_range_c"), DEGREE_CELSIUS),
-        _span("room", ROOM_TEMPERATURE, "basic_temperature", lab.environment.temperature_c, DEGREE_CELSIUS),
-        _span("room", HUMIDITY, "basic_humidityRelative", lab.environment.humidity_percent, PERCENT),
-        _one(GRAVITY, site["gravity_m_s2"], METRE_PER_S2, "fog_localGravity", of_normal(std)),
-        _one(LATITUDE, site["latitude_deg"], DEGREE, "fog_latitude"),
-    ]
-    if "height_m" in site:
-        known.append(_one(HEIGHT, site["height_m"], METRE, "fog_height"))
-    if "reference_temperature_c" in document:
-        known.append(
-            _one(REFERENCE, document["reference_temperature_c"], DEGREE_CELSIUS, "fog_referenceTemperature")
-        )
+    site, room = document["site"], lab.environment
     place = str(site.get("id") or lab.laboratory.location or lab.laboratory.address)
-    known.append(_condition(PLACE, "fog_site", no_quantity(PLACE, place)))
-    return dcc("influenceConditions", *(one for one in known if one is not None))
+    std = of_normal(site["gravity_std_m_s2"])
+    known = (
+        _span("unit", UNIT_TEMPERATURE, "basic_temperature", document.get("temperature_range_c"), DEGREE_CELSIUS),
+        _span("room", ROOM_TEMPERATURE, "basic_temperature", room.temperature_c, DEGREE_CELSIUS),
+        _span("room", HUMIDITY, "basic_humidityRelative", room.humidity_percent, PERCENT),
+        _one(GRAVITY, site["gravity_m_s2"], METRE_PER_S2, "fog_localGravity", std),
+        _one(LATITUDE, site["latitude_deg"], DEGREE, "fog_latitude"),
+        _one(HEIGHT, site.get("height_m"), METRE, "fog_height"),
+        _one(REFERENCE, document.get("reference_temperature_c"), DEGREE_CELSIUS, "fog_referenceTemperature"),
+        _condition(PLACE, "fog_site", no_quantity(PLACE, place)),
+    )
+    return dcc("influenceConditions", *known)
 
 
 UNIT_TEMPERATURE = Bilingual("temperature of the unit", "Temperatur des Geräts")
@@ -139,8 +127,10 @@ def _span(of: str, name: Bilingual, ref_type: str, span: Any, unit: DsiUnit) -> 
     return _condition(name, f"{ref_type} fog_{of}", *ends)
 
 
-def _one(name: Bilingual, value: float, unit: DsiUnit, ref_type: str, expanded: Expanded | None = None) -> Element:
-    return _condition(name, ref_type, quantity(name, real(value, unit, expanded)))
+def _one(
+    name: Bilingual, value: float | None, unit: DsiUnit, ref_type: str, expanded: Expanded | None = None
+) -> Element | None:
+    return None if value is None else _condition(name, ref_type, quantity(name, real(value, unit, expanded)))
 
 
 def _condition(name: Bilingual, ref_type: str, *quantities: Element) -> Element:
