@@ -5,11 +5,9 @@ they correct: a fixed number of rounds settles that, with what is left of it in 
 """
 
 import re
-from collections.abc import Callable
 
 import numpy as np
 
-from procedures.arrays import FloatArray
 from procedures.effects.temperature_history import REVERSAL_K
 from procedures.frames import TRIADS
 from procedures.units import RAD_PER_DEG, STANDARD_GRAVITY
@@ -17,7 +15,7 @@ from station.calibrated.applied_effects import AppliedEffect
 from station.calibrated.correction_inputs import KEPT, KEPT_S, MIN_SLOPE_S, SLOPE_S
 from station.exports import Request
 from station.exports.exported_calibration import StoredCalibration, carried_effects
-from station.exports.expressions import CExpressions, c_functions, c_number
+from station.exports.expressions import CExpressions, c_functions
 from station.exports.known_samples import AUXILIARY, MAGNETIC_UT, Sample, known_samples, rounds_needed
 from station.exports.program_text import (
     OUTPUTS,
@@ -46,25 +44,25 @@ def files(stored: StoredCalibration, asked: Request) -> dict[str, bytes]:
     effects, left = carried_effects(stored)
     rounds = rounds_needed(stored, effects, WANTED[is_float])
     samples = known_samples(stored, effects, is_float=is_float)
-    context = _context(stored, effects, is_float) | {
+    write = CExpressions(lags_of(effects), c_functions(is_float), is_float)
+    context = _context(stored, effects, write) | {
         "prefix": asked.prefix, "about": about(stored, effects, left, rounds, DIGITS[is_float]),
         "limit": LIMIT[is_float], "rounds": rounds.number, "residual": str(rounds),
-        "vectors": [_vector(one, is_float) for one in samples],
+        "vectors": [_vector(one, write) for one in samples],
     }  # fmt: skip
     texts = {end: templates().get_template(f"c_{name}.jinja") for end, name in _FILES.items()}
     return {end: text.render(context).encode() for end, text in texts.items()}
 
 
-def _context(stored: StoredCalibration, effects: tuple[AppliedEffect, ...], is_float: bool) -> dict[str, object]:
+def _context(
+    stored: StoredCalibration, effects: tuple[AppliedEffect, ...], write: CExpressions
+) -> dict[str, object]:
     has_rate = any("T_rate" in one.inputs for one in effects)
-    lags = lags_of(effects)
-    write = CExpressions(lags, c_functions(is_float), is_float)
+    lags, row = write.lags, write.row
     terms = {name: terms_of(effects, name, write, "{table}[i][{column}]", "*") for name in stored.triads}
     used = set(re.findall(r"\w+", " ".join(each for some in terms.values() for each in some)))
-    row = _rows(is_float)
     return {
-        "type": "float" if is_float else "double", "f": "f" if is_float else "",
-        "n": lambda x: c_number(x, is_float),
+        "type": "float" if write.is_float else "double", "f": "f" if write.is_float else "", "n": write.number,
         "triads": [
             {
                 "name": SHORT[name][0], "input": SHORT[name][1], "unit": SHORT[name][2],
@@ -81,45 +79,38 @@ def _context(stored: StoredCalibration, effects: tuple[AppliedEffect, ...], is_f
             }
             for one, table in zip(effects, tables_of(effects), strict=True)
         ],
-        "outputs": [_output(name, name in stored.triads, is_float) for name in TRIADS],
-        "used": used, "helpers": used, "lags": lags, "taus": row(np.array(lags)), "has_rate": has_rate,
+        "outputs": [_output(name, name in stored.triads, write) for name in TRIADS],
+        "used": used, "lags": lags, "taus": row(np.array(lags)), "has_rate": has_rate,
         "lags_in_words": ", ".join(f"{tau:.6g} s" for tau in lags),
         "kept": KEPT, "kept_s": KEPT_S, "slope_s": SLOPE_S, "min_slope_s": MIN_SLOPE_S,
         "has_direction": any("warming" in one.inputs for one in effects), "reversal": REVERSAL_K,
-        "inputs": _inputs(effects, is_float),
+        "inputs": _inputs(effects, write),
         "absent": "".join(f" The {name} is not calibrated: NAN." for name in TRIADS if name not in stored.triads),
     }  # fmt: skip
 
 
-def _output(triad: str, is_there: bool, is_float: bool) -> dict[str, str]:
+def _output(triad: str, is_there: bool, write: CExpressions) -> dict[str, str]:
     name, per = OUTPUTS[triad]
-    kind = "float" if is_float else "double"
-    value = f"{SHORT[triad][1]}[i] * {c_number(per, is_float)}" if is_there else f"({kind})NAN"
+    absent = f"({'float' if write.is_float else 'double'})NAN"
+    value = f"{SHORT[triad][1]}[i] * {write.number(per)}" if is_there else absent
     return {"name": name, "value": value}
 
 
-def _inputs(effects: tuple[AppliedEffect, ...], is_float: bool) -> list[dict[str, object]]:
+def _inputs(effects: tuple[AppliedEffect, ...], write: CExpressions) -> list[dict[str, object]]:
     return [
         {
             "name": f"{one.variable}[{one.size}]" if one.size > 1 else one.variable, "variable": one.variable,
             "meaning": one.meaning,
-            "tested": [c_number(each, is_float) for each in (MAGNETIC_UT if one.size > 1 else (AUXILIARY,))],
+            "tested": list(map(write.number, MAGNETIC_UT if one.size > 1 else (AUXILIARY,))),
         }
         for one in inputs_of(effects)
     ]  # fmt: skip
 
 
-def _vector(one: Sample, is_float: bool) -> dict[str, str]:
-    row = _rows(is_float)
+def _vector(one: Sample, write: CExpressions) -> dict[str, str]:
     force, rate = one.force * STANDARD_GRAVITY, one.rate * RAD_PER_DEG
     return {
-        "counts": row(one.counts), "temperature": c_number(one.temperature, is_float),
-        "dt_s": c_number(one.dt_s, is_float), "force": row(np.nan_to_num(force)), "rate": row(np.nan_to_num(rate)),
+        "counts": write.row(one.counts), "temperature": write.number(one.temperature),
+        "dt_s": write.number(one.dt_s), "force": write.row(np.nan_to_num(force)),
+        "rate": write.row(np.nan_to_num(rate)),
     }  # fmt: skip
-
-
-def _rows(is_float: bool) -> Callable[[FloatArray], str]:
-    def row(values: FloatArray) -> str:
-        return ", ".join(c_number(float(each), is_float) for each in values)
-
-    return row

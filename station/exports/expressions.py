@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from procedures.arrays import FloatArray
 from procedures.effects.term.grammar import Call, Name, Node, Number, Operation
 from procedures.effects.term.inputs import AUXILIARY
 from procedures.frames import AXES
@@ -25,7 +26,7 @@ class Expressions(ABC):
         """Return the expression of a term of a triad's sensors, in the term's unit."""
         match node:
             case Number():
-                return self._number(node.value)
+                return self.number(node.value)
             case Name():
                 return self._name(MEASURED[triad] if node.name == "u" else node.name, triad)
             case Operation():
@@ -49,8 +50,8 @@ class Expressions(ABC):
         return name if name == "c" else known[name]
 
     @abstractmethod
-    def _number(self, value: float) -> str:
-        """Return a constant with all its digits."""
+    def number(self, value: float) -> str:
+        """Return a constant with all its digits, in whatever unit it has, in parentheses where it is negative."""
 
     @abstractmethod
     def _member(self, name: str) -> str:
@@ -75,8 +76,14 @@ class CExpressions(Expressions):
 
     is_float: bool = False
 
-    def _number(self, value: float) -> str:
-        return c_number(value, self.is_float)
+    def number(self, value: float) -> str:
+        """Return a constant of C, in whatever unit it has."""
+        text = str(np.float32(value)) + "F" if self.is_float else repr(float(value))
+        return f"({text})" if value < 0 else text
+
+    def row(self, values: FloatArray) -> str:
+        """Return constants (n,), in whatever unit they have, as in an initialiser."""
+        return ", ".join(self.number(float(each)) for each in values)
 
     def _member(self, name: str) -> str:
         return f"state->{name}"
@@ -104,7 +111,8 @@ class CExpressions(Expressions):
 class MatlabExpressions(Expressions):
     """MATLAB, columns of three sensors, joined element by element."""
 
-    def _number(self, value: float) -> str:
+    def number(self, value: float) -> str:
+        """Return a constant of MATLAB, in whatever unit it has."""
         return f"({value!r})" if value < 0 else f"{value!r}"
 
     def _member(self, name: str) -> str:
@@ -123,12 +131,6 @@ class MatlabExpressions(Expressions):
     def _operation(self, node: Operation, left: str, right: str) -> str:
         sign = {"*": ".*", "/": "./", "**": ".^"}.get(node.sign, node.sign)
         return f"({left} {sign} {right})"
-
-
-def c_number(value: float, is_float: bool) -> str:
-    """Return a constant of C with all its digits, in whatever unit it has, in parentheses where it is negative."""
-    text = str(np.float32(value)) + "F" if is_float else repr(float(value))
-    return f"({text})" if value < 0 else text
 
 
 def c_functions(is_float: bool) -> dict[str, str]:
