@@ -82,7 +82,7 @@ class CExpressions(Expressions):
         return f"({text})" if value < 0 else text
 
     def row(self, values: FloatArray) -> str:
-        """Return constants (n,), in whatever unit they have, as in an initialiser."""
+        """Return ``values`` (n,), in whatever unit they have, as constants of an initialiser."""
         return ", ".join(self.number(float(each)) for each in values)
 
     def _member(self, name: str) -> str:

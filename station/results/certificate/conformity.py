@@ -113,9 +113,9 @@ def printed(against: Sequence[LimitComparison]) -> list[ConformityRow]:
     ]  # fmt: skip
 
 
-def greatest_risk(guard_band: float, dof: float = math.inf) -> float:
-    """Return the greatest probability that an accepted value is outside of a wide tolerance on one side."""
-    return 1 - _cdf(guard_band, dof)
+def greatest_risk(guard_band: float) -> float:
+    """Return the greatest probability that an accepted value (u normal) is beyond the end of a wide tolerance."""
+    return 1 - _cdf(guard_band, math.inf)
 
 
 def _against(limit: Limit, result: MeasuredParameter | None, kept: Mapping[str, Any] | None) -> LimitComparison:

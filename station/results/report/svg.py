@@ -38,6 +38,7 @@ _STYLE = {
     "ytick.major.width": 0.7,
     "legend.frameon": False,
 }
+DPI = 160  # of a PNG
 _NO_METADATA = {"Date": None, "Creator": None, "Format": None, "Type": None}
 
 
@@ -62,11 +63,11 @@ def draw_svg(name: str, description: str, size_in: tuple[float, float], draw: Ca
     return element.replace("<svg", f'<svg role="img" aria-label="{html.escape(description)}"', 1)
 
 
-def draw_png(size_in: tuple[float, float], draw: Callable[[Figure], None], dpi: int = 160) -> bytes:
+def draw_png(size_in: tuple[float, float], draw: Callable[[Figure], None]) -> bytes:
     """Return what ``draw`` puts on an empty figure as PNG, whatever the user's matplotlib configuration."""
     buffer = io.BytesIO()
     with matplotlib.style.context(["default", _STYLE]):
-        figure = Figure(figsize=size_in, dpi=dpi, layout="constrained", facecolor="white")
+        figure = Figure(figsize=size_in, dpi=DPI, layout="constrained", facecolor="white")
         draw(figure)
         FigureCanvasAgg(figure).print_png(buffer, metadata={"Software": None})  # type: ignore[no-untyped-call]
     return buffer.getvalue()
