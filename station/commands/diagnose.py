@@ -153,8 +153,8 @@ def _say(
     imu = loaded[0].tables.imu
     unit = unit_in_words(imu.model, imu.serial, (name for one in loaded for name in one.files))
     text = diagnosis_text(document)
-    is_at_rest = any(one.campaign.dwells for one in loaded)
-    if found is not None and "solution" in document and not is_at_rest:  # of rests and moves: no `solve`
+    has_dwells = any(one.campaign.dwells for one in loaded)
+    if found is not None and "solution" in document and not has_dwells:  # of rests and moves: no `solve`
         solved = solution_document(found.solution, loaded, to_keep=False)
         lines = triad_lines(solved.triads, solved.not_observable)
         if found.on_table:  # a gyroscope is solved there, and other triads are not asked for

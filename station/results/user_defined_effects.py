@@ -147,11 +147,8 @@ def _chosen(there: list[tuple[str, Mapping[str, Any]]], wanted: str | None, path
 def _campaigns(document: Mapping[str, Any], diagnosis: Path) -> list[str]:
     """Return the unit and what its campaign.toml hashed to, as the diagnosis names them."""
     origin = document.get("solution", document).get("provenance", {})
-    unit = f"{origin.get('model', '?')} {origin.get('serial', '?')}"
-    files = origin.get("files", {})
-    tomls = [
-        f"{unit} {name} {sha256}"[:MAX_ORIGIN] for name, sha256 in files.items() if name.endswith("campaign.toml")
-    ]
+    unit, files = f"{origin.get('model', '?')} {origin.get('serial', '?')}", _files(document).items()
+    tomls = [f"{unit} {name} {sha256}"[:MAX_ORIGIN] for name, sha256 in files if name.endswith("campaign.toml")]
     return tomls or [f"{unit} {diagnosis.name}"]
 
 
@@ -199,11 +196,8 @@ def file_text(file: EffectFile) -> str:
 
 
 def _lines(effect: Effect) -> list[str]:
-    return [
-        f"  adds       {effect.physics}",
-        f"  unit       {effect.unit}, plausible {effect.plausible:g}",
-        f"  source     {effect.source}",
-    ]
+    unit = f"{effect.unit}, plausible {effect.plausible:g}"
+    return [f"  adds       {effect.physics}", f"  unit       {unit}", f"  source     {effect.source}"]
 
 
 def tried_text(file: EffectFile, campaigns: Sequence[LoadedCampaign]) -> str:
