@@ -93,9 +93,10 @@ class FolderRecorder:
         try:
             loaded = read_for_solve([self._recorder.folder])
             from procedures.calibration.joint_calibration import solve  # scipy, kernels: only where it is solved
+            from station.results.result_formats import document_of
             from station.results.solution_json import solution_document
 
-            document = solution_document(solve([one.campaign for one in loaded]), loaded)
+            document = document_of(solution_document(solve([one.campaign for one in loaded]), loaded))
             if all(name in document for name in TRIADS):
                 return AppliedCalibration({**document, "effects": []}, None, InUse("this campaign"))
         except (DataRefused, ProcedureError):
