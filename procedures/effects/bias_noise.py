@@ -21,7 +21,7 @@ from procedures.frames import AXES
 from procedures.units import DEG_H_PER_DEG_S, S_PER_H
 
 MIN_BLOCKS = 10  # of a soak: fewer show a variance, but not of what
-MOST = 40  # columns of a sensor in a soak, those of the largest variance
+MOST_DRAWS = 40  # of a process in a recording, of each sensor; none separates more
 OCTAVES = 5  # of time constants beyond the recording and below a block: what is beyond adds 3 % of an octave
 Covariance = Callable[[FloatArray, float], FloatArray]
 
@@ -63,7 +63,7 @@ def _roots(seen: Excitation, covariance: Covariance) -> FloatArray:
         t = np.array([float(np.mean(seen.t[seen.step == step])) for step in steps]) / S_PER_H
         block = float(np.median(np.diff(t)))
         variances, V = np.linalg.eigh(covariance(t - t[0] + block / 2, block))
-        of_soak = V[:, -MOST:] * np.sqrt(np.maximum(variances[-MOST:], 0.0))
+        of_soak = V[:, -MOST_DRAWS:] * np.sqrt(np.maximum(variances[-MOST_DRAWS:], 0.0))
         at_nodes = np.zeros((len(seen.t), of_soak.shape[1]))
         for step, row in zip(steps, of_soak, strict=True):
             at_nodes[seen.step == step] = row
@@ -102,6 +102,7 @@ ACCELEROMETER_INSTABILITY = Effect(
     source="IEEE Std 1293, bias instability (flicker noise)",
     plausible=1e-5,
     columns=_columns("accelerometer", _flicker),
+    next_measurement="longer",
     separate_by=_SEPARATE,
     is_scatter=True,
     driver="time",

@@ -12,6 +12,11 @@ from procedures.effects.excitation import STEP, Columns, Excitation
 from procedures.effects.term.law import Law
 
 Kind = Literal["instrument", "bench", "procedure"]
+MeasurementName = Literal[
+    "repeat", "free_positions", "other_speeds", "two_speeds", "heating", "warming_campaign", "other_order",
+    "steady_room", "other_field", "after_flips", "channel_moved", "again", "twice", "longer", "more_revolutions",
+    "certificate", "remounted", "survey", "reference_time",
+]  # fmt: skip
 INSTRUMENT = ("accelerometer", "gyroscope")
 BENCH = ("slab", "fixture", "site")
 OF_CAMPAIGN = "specific to the campaign; one sample does not determine it"
@@ -39,7 +44,8 @@ class Effect:
     these are fitted; ``ranges`` bound what is not linear. ``separate_by_certified`` stands for ``separate_by``
     where the cube has a certificate already. ``is_loss``: its coefficients are above zero, or it is another.
     ``is_turn``: it turns all that is seen, by as much as its columns say, which are for small angles alone.
-    ``driver`` is what it follows: input, temperature, channel, time, time at rest.
+    ``driver`` is what it follows: input, temperature, channel, time, time at rest; that of a law if it has one.
+    ``next_measurement`` is what separates it, "" where its driver determines that.
     ``multiplies_output``: it multiplies all that is put out, other effects included. ``same_at_rest`` names the
     effect that does the same while nothing but the driver changes. ``is_held_at_prior``: a campaign says no more
     of it than its prior does. ``covered_by`` names what stands for it where that is in the model.
@@ -65,6 +71,7 @@ class Effect:
     is_turn: bool = False
     is_bench_parameter: bool = False
     driver: str = ""
+    next_measurement: MeasurementName | Literal[""] = ""
     multiplies_output: bool = False
     same_at_rest: str = ""
     is_held_at_prior: bool = False
@@ -89,6 +96,11 @@ class Effect:
         """What it says something about: the instrument, the bench, or how the campaign was carried out."""
         owner = self.name.split(".")[0]
         return "instrument" if owner in INSTRUMENT else "bench" if owner in BENCH else "procedure"
+
+    @property
+    def vanishes_at_reference(self) -> bool:
+        """Say whether it vanishes at the reference temperature, as a coefficient of temperature does."""
+        return any(law.vanishes_at_reference for law in self.laws)
 
     def law(self, shape: str = "") -> Law | None:
         """Return the equation of a shape, None where it has none."""
@@ -122,6 +134,8 @@ def effect_of(
     made: dict[str, Any] = {
         "columns": columns, "at": at if is_fitted else None,
         "physics": ", or ".join(dict.fromkeys(law.equation for law in own.values())),
+        "driver": next(law.driver for law in own.values()),
+        "multiplies_output": all("out" in law.inputs for law in laws),
         "ranges": {key: ends for law in laws for key, ends in law.ranges.items()},
         "not_corrected": OF_CAMPAIGN if any(law.looks_back for law in own.values()) else "",
     }  # fmt: skip

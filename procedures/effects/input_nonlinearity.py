@@ -48,6 +48,7 @@ ACCELEROMETER_ASYMMETRY, GYROSCOPE_ASYMMETRY = twins(
         "free positions between the faces, near 45 deg",
         "turns at two speeds in each direction, or a rate table",
     ),
+    next_measurement=("", "two_speeds"),
 )
 CROSS_PRODUCT = effect_of(
     "accelerometer.cross_product",
@@ -108,7 +109,5 @@ COUNTS_LOST = effect_of(
     source="IEEE Std 952, maximum input rate; saturation of a counter or loop",
     separate_by="turns at four speeds in each direction, or a rate table",
     is_loss=True,
-    driver="input",
-    multiplies_output=True,
     not_corrected="counts lost above a rate cannot be restored",
 )

@@ -37,6 +37,7 @@ DWELL = Effect(
     source="Yao, Hu, He 2018, section 2: the cube seated on its face",
     plausible=5e-4,
     columns=dwell_columns,
+    next_measurement="again",
     separate_by="the same position again, with plate and face wiped",
     is_turn=True,
 )
@@ -54,6 +55,7 @@ LABEL = Effect(
     physics="the cube stands in position `actual`",
     source="Yao, Hu, He 2018, table 1",
     plausible=12.0,
+    next_measurement="again",
     separate_by="the same position again",
 )
 
@@ -90,6 +92,7 @@ SCATTER = Effect(
     source="IEEE Std 1293, repeatability of mounting in the multiposition test",
     plausible=1e-4,
     columns=scatter_columns,
+    next_measurement="twice",
     separate_by="the positions again, each seated several times: the seating changes, the sensor does not",
     is_scatter=True,
 )
@@ -107,5 +110,6 @@ DISTURBANCE = Effect(
     physics="specific force that comes and goes within a dwell",
     source="IEEE Std 1293, seismic noise of the test site",
     plausible=1e-2,
+    next_measurement="again",
     separate_by="the same position again, with nobody near the surface plate",
 )

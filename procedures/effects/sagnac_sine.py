@@ -66,5 +66,4 @@ EFFECT = effect_of(
     shown=shown,
     fitted=fitted,
     is_loss=True,
-    driver="input",
 )

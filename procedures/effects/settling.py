@@ -15,7 +15,6 @@ from procedures.statistics.spectrum import MIN_PERIODS
 SHORTEST_S, SHORTEST_AT_REST_S = 30.0, 3.0  # s, of a time constant to begin with
 BY_CHANGE, BY_FORCE = "by the change of f", "by f"
 FITTED = {TAU: Parameter("s")}
-NOT_CORRECTED = "specific to the campaign, not a constant of the instrument"
 
 
 def _since_power_on(seen: Excitation) -> Iterator[Columns]:
@@ -45,8 +44,6 @@ ACCELEROMETER_DRIFT, GYROSCOPE_DRIFT = twins(
     "gyroscopes.",
     source=("IEEE Std 1293, bias trend", "IEEE Std 952, drift rate ramp"),
     separate_by="a second campaign in another order, or a heating run up and down again",
-    driver="time",
-    not_corrected=NOT_CORRECTED,
 )
 
 BIAS = Law(terms=(f"exp(-t_on / {TAU})",), parameters=FITTED)
@@ -64,8 +61,7 @@ ACCELEROMETER_BIAS, GYROSCOPE_BIAS = twins(
     "records. Plausible: 200 ug and 1 deg/h, as of units that are ten times as stable when warm.",
     source=("IEEE Std 1293, warm-up time and bias stability", "IEEE Std 952, warm-up time and turn-on bias"),
     separate_by="the campaign once more, in another order, when the unit has been on for an hour",
-    driver="time",
-    not_corrected=NOT_CORRECTED,
+    next_measurement="repeat",
 )
 
 MIN_BLOCKS = 2 * int(MIN_PERIODS)  # of a soak: of fewer a cycle that no spectrum shows would look like a slow one
@@ -111,8 +107,7 @@ ACCELEROMETER_CYCLE, GYROSCOPE_CYCLE = twins(
     "that cycles by a kelvin.",
     source=("IEEE Std 1293, bias, environmental sensitivity", "IEEE Std 952, bias, environmental sensitivity"),
     separate_by="the temperature recorded with the samples, or the same recording with the air conditioning off",
-    driver="time",
-    not_corrected=NOT_CORRECTED,
+    next_measurement="steady_room",
 )
 
 SCALE = Law(terms=(f"exp(-t_on / {TAU}) * out_changing",), parameters=FITTED)
@@ -136,8 +131,7 @@ ACCELEROMETER_SCALE, GYROSCOPE_SCALE = twins(
         "IEEE Std 952, warm-up time and scale factor stability; the source's wavelength after power-on",
     ),
     separate_by="the campaign once more, in another order, when the unit has been on for an hour",
-    driver="time",
-    not_corrected=NOT_CORRECTED,
+    next_measurement="repeat",
 )
 
 FADING = f"exp(-t_rest / {TAU})"
@@ -156,6 +150,4 @@ RELAXATION = effect_of(
     "beginning. Plausible: 100 ug.",
     source="IEEE Std 1293, hysteresis and warm-up trend after tumbling",
     separate_by="a long dwell after a flip, and one without a flip before it",
-    driver="time at rest",
-    not_corrected=NOT_CORRECTED,
 )

@@ -26,6 +26,7 @@ AZIMUTH = Effect(
     source="IEEE Std 952, Earth rate as input in the multiposition test",
     plausible=0.02,
     columns=azimuth_columns,
+    next_measurement="survey",
     separate_by="a survey of the surface plate's North mark",
 )
 
@@ -56,6 +57,7 @@ GRAVITY = Effect(
     source="Yao, Hu, He 2018, eq. (1): the reference is local gravity",
     plausible=1e-3,
     columns=gravity_columns,
+    next_measurement="survey",
     separate_by="a gravimetric survey of the site, or the same unit at a surveyed one",
     is_held_at_prior=True,
 )
@@ -80,6 +82,7 @@ LATITUDE = Effect(
     source="IEEE Std 952, Earth rate as input in the multiposition test",
     plausible=0.02,
     columns=latitude_columns,
+    next_measurement="survey",
     separate_by="the latitude of the bench from a map or a receiver, in campaign.toml",
 )
 
@@ -106,6 +109,7 @@ CLOCK_RATE = Effect(
     source="IEEE Std 1139, fractional frequency",
     plausible=100.0,
     columns=clock_columns,
+    next_measurement="reference_time",
     separate_by="reference time (utc_s) recorded with the counts",
     multiplies_output=True,
 )

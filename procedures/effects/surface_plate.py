@@ -83,6 +83,7 @@ TILT = Effect(
     source="Yao, Hu, He 2018, section 2: positions in pairs turned by 180 deg",
     plausible=5e-3,
     columns=tilt_columns,
+    next_measurement="again",
     separate_by="both positions of every face, turned by 180 deg",
     is_bench_parameter=True,
 )
@@ -126,6 +127,7 @@ HEADING = Effect(
     source="IEEE Std 952, alignment errors of the multiposition test",
     plausible=0.2,
     columns=heading_columns,
+    next_measurement="twice",
     separate_by="the positions again, against a stop on the surface plate",
     is_scatter=True,
     stated_share=1 / TIMES_STATED,
@@ -166,6 +168,7 @@ CLOSURE = Effect(
     source="Yao, Hu, He 2018, section 2: whole turns from a mark back to it",
     plausible=0.04,
     columns=closure_columns,
+    next_measurement="more_revolutions",
     separate_by="the six rotations again with three times the revolutions: a closure error stays, an error of the "
     "scale factor grows with the angle",
     is_scatter=True,

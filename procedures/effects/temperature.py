@@ -65,7 +65,6 @@ ACCELEROMETER_BIAS, GYROSCOPE_BIAS = twins(
     "deg/h/K of the gyroscopes, of a tactical FOG without compensation; a navigation one has a tenth of it.",
     source=("IEEE Std 1293, temperature sensitivity of bias", "IEEE Std 952, temperature sensitivity of bias"),
     separate_by="a heating run up and down again, or a second campaign in another order",
-    driver="temperature",
 )
 
 ACCELEROMETER_SCALE, GYROSCOPE_SCALE = twins(
@@ -86,8 +85,6 @@ ACCELEROMETER_SCALE, GYROSCOPE_SCALE = twins(
         "the faces up and down again at a second temperature, in another order",
         "the same turns again at a second temperature, or a rate table in a chamber",
     ),
-    driver="temperature",
-    multiplies_output=True,
     same_at_rest=("accelerometer.bias_temperature", "gyroscope.bias_temperature"),
 )
 
@@ -105,7 +102,6 @@ ACCELEROMETER_RATE, GYROSCOPE_RATE = twins(
         "D. M. Shupe, Thermally induced nonreciprocity, Appl. Opt. 19 (1980) 654",
     ),
     separate_by="a heating run with ramps of different steepness, up and down, to the same temperature",
-    driver="temperature",
 )
 
 ACCELEROMETER_RATE_LAG, GYROSCOPE_RATE_LAG = twins(
@@ -142,7 +138,6 @@ ACCELEROMETER_BIAS_LAG, GYROSCOPE_BIAS_LAG = twins(
         "IEEE Std 952, temperature sensitivity of bias; heat conduction, first order",
     ),
     separate_by="a heating run with ramps and long plateaus, up and down",
-    driver="temperature",
 )
 
 ACCELEROMETER_SCALE_LAG, GYROSCOPE_SCALE_LAG = twins(
@@ -164,8 +159,6 @@ ACCELEROMETER_SCALE_LAG, GYROSCOPE_SCALE_LAG = twins(
         "faces up and down in turn while it warms and cools, and again at rest in temperature",
         "turns or a rate table while it warms and cools, and again at rest in temperature",
     ),
-    driver="temperature",
-    multiplies_output=True,
     same_at_rest=("accelerometer.temperature_lag", "gyroscope.temperature_lag"),
 )
 
@@ -192,5 +185,4 @@ ACCELEROMETER_HYSTERESIS, GYROSCOPE_HYSTERESIS = twins(
         "IEEE Std 952, hysteresis of bias over temperature; Krasnosel'skii and Pokrovskii 1989, play",
     ),
     separate_by="a heating run up and down with ramps of different steepness and long plateaus",
-    driver="temperature",
 )

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
+from procedures.effects.bias_noise import MOST_DRAWS
 from procedures.effects.excitation import REFERENCE_C, Columns, Excitation, per_axis
 from procedures.effects.temperature_history import REVERSAL_K, lagged, sensor_temperature
 from procedures.evidence.residual_rows import Evidence
@@ -59,7 +60,6 @@ def _places(seen: Excitation, steps: np.ndarray, parts: int) -> Iterator[float]:
             yield from (first + part / several * (last - first) for part in range(several))
 
 
-MOST_STEPS = 40  # of a walk; no campaign separates more
 SAME_ATTITUDE = 0.1  # of the elements of two rotation matrices, six degrees: placements scatter by less
 Options = list[tuple[float, FloatArray, str]]  # share of the prior, whitened columns (n, k), what it is
 # What drives a function, by its coordinate: what an effect of the catalogue names as its ``driver``.
@@ -112,7 +112,7 @@ def _by_name(evidence: Evidence, coordinates: Callable[..., dict[str, list[Way]]
 def walk(evidence: Evidence, triad: str) -> Function:
     """Return a random walk of a triad's biases, of all sensors or of one."""
     H = walk_columns(evidence, triad, PARTS) / evidence.sigma[:, None]
-    every = -(-H.shape[1] // (3 * MOST_STEPS))  # of a long recording a coarser walk, of the same variance
+    every = -(-H.shape[1] // (3 * MOST_DRAWS))  # of a long recording a coarser walk, of the same variance
     H = H.reshape(len(H), -1, 3)[:, ::every].reshape(len(H), -1) * np.sqrt(every) if every > 1 else H
     return Function(_of_sensors([H[:, i::3] for i in range(3)], "walk") if H.shape[1] else [])
 
@@ -275,7 +275,7 @@ def _attitudes(seen: Excitation, resting: BoolArray) -> list[FloatArray]:
         else:
             kinds.append(C)
             found.append(rests)
-    return found if len(kinds) <= MOST_STEPS else []
+    return found if len(kinds) <= MOST_DRAWS else []
 
 
 def _of_input(u: FloatArray) -> list[Way]:

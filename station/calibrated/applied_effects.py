@@ -17,7 +17,7 @@ from procedures.effects import CATALOGUE
 from procedures.effects.effect import OF_CAMPAIGN, Effect
 from procedures.effects.term.dimensions import COEFFICIENT
 from procedures.effects.term.grammar import Call, Name, Node, Number, Operation, calls, names, parse
-from procedures.effects.term.inputs import AUXILIARY
+from procedures.effects.term.inputs import AUXILIARY, MEASURED
 from procedures.effects.term.law import MAX_ORDER, Law
 from procedures.effects.term.values import evaluated
 from procedures.frames import AXES
@@ -25,7 +25,6 @@ from station.calibrated.correction_inputs import DIRECTION, RATE, WARMTH, Backla
 from station.errors import DataRefused
 from station.files.effect_file import EffectFile, stored_effect
 
-VECTORS = {"accelerometer": "f", "gyroscope": "omega"}  # what a triad measures
 SIGNALS = {"T": WARMTH, "T_rate": RATE, "warming": DIRECTION}
 PAIRS = ((0, 1), (0, 2), (1, 2))
 
@@ -42,7 +41,7 @@ class Slot:
 def _forms(triad: str) -> dict[Node, Slot]:
     """Return the slots of terms by their form; those of `settling_kernels._of_input` in its order."""
     of_input = ("abs(u)", "u**2", "u * abs(u)", "u**3", "u * sine(c * u**2)")
-    own = VECTORS[triad]
+    own = MEASURED[triad]
     texts = {text: Slot("powers", row) for row, text in enumerate(of_input)}
     texts |= {f"{own}_{AXES[i]} * {own}_{AXES[j]}": Slot("cross", column) for column, (i, j) in enumerate(PAIRS)}
     texts |= {f"B_{axis}": Slot("magnetic", column) for column, axis in enumerate(AXES)}
@@ -51,7 +50,7 @@ def _forms(triad: str) -> dict[Node, Slot]:
     return {parse(text): slot for text, slot in texts.items()}
 
 
-FORMS = {triad: _forms(triad) for triad in VECTORS}
+FORMS = {triad: _forms(triad) for triad in MEASURED}
 ROWS = 5  # of powers
 
 
@@ -136,7 +135,7 @@ def _is_known(name: str, around: Surroundings, triads: set[str]) -> bool:
         return around.magnetic is not None and bool(np.isfinite(around.magnetic).any())
     if name in SIGNALS:
         return bool(np.isfinite(around.followed[SIGNALS[name]]).any())
-    of_triad = {vector: triad for triad, vector in VECTORS.items()}
+    of_triad = {vector: triad for triad, vector in MEASURED.items()}
     return of_triad.get(word, next(iter(triads))) in triads
 
 
@@ -258,7 +257,7 @@ class SampleInputs:
     ) -> "SampleInputs":
         """Return those at inputs ``u`` (n, 3) [g], [deg/s]; what is not known is nan."""
         signals, nothing = around.followed, np.full((n, 3), np.nan)
-        known = {VECTORS[triad]: u.get(triad, nothing) for triad in VECTORS}
+        known = {MEASURED[triad]: u.get(triad, nothing) for triad in MEASURED}
         known |= {name: signals[signal][:, None] for name, signal in SIGNALS.items()}
         known |= {AUXILIARY + name: value[:, None] for name, value in around.auxiliary.items()}
         followed = {signal: value[:, None] for signal, value in signals.items()}
@@ -297,7 +296,7 @@ class SampleInputs:
     def _named(self, name: str, triad: str) -> FloatArray:
         if name == "out":
             return self.out[triad]
-        name = VECTORS[triad] if name == "u" else name
+        name = MEASURED[triad] if name == "u" else name
         vector, _, part = name.partition("_")
         if name in self.known or vector not in self.known:
             return self.known.get(name, np.full((1, 1), np.nan))

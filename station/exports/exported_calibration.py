@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from procedures.effects.excitation import UNITS_OF_NONLINEAR
-from procedures.effects.term.inputs import AUXILIARY
+from procedures.effects.term.inputs import AUXILIARY, MEASURED
 from station.calibrated.applied_calibration import CalibrationModel
-from station.calibrated.applied_effects import VECTORS, AppliedEffect, applied_effect, law_of_entry
+from station.calibrated.applied_effects import AppliedEffect, applied_effect, law_of_entry
 from station.calibrated.correction_inputs import Backlash, Triad
 from station.files.calibration_document import MAX_BYTES, parsed_calibration
 from station.files.toml_file import read_text_file
@@ -107,7 +107,7 @@ def _hindrance(one: AppliedEffect, stored: StoredCalibration) -> str:
     """Return why a program cannot work out an effect whose terms it could; empty if it can."""
     if any(isinstance(each, Backlash) for each in one.signals):
         return "exported programs cannot follow temperature hysteresis"
-    of_vector = {vector: triad for triad, vector in VECTORS.items()}
+    of_vector = {vector: triad for triad, vector in MEASURED.items()}
     needed = {one.triad, *(of_vector.get(name.partition("_")[0], one.triad) for name in one.inputs)}
     for triad in sorted(needed - stored.triads.keys()):
         return f"there is no calibrated {triad}"

@@ -8,9 +8,8 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.effects.term.grammar import Call, Name, Node, Number, Operation
-from procedures.effects.term.inputs import AUXILIARY
+from procedures.effects.term.inputs import AUXILIARY, MEASURED
 from procedures.frames import AXES
-from station.calibrated.applied_effects import VECTORS as MEASURED
 
 MAX_INTEGER_POWER = 12
 

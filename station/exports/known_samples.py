@@ -7,9 +7,10 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.effects.term.grammar import calls
+from procedures.effects.term.inputs import MEASURED
 from procedures.frames import TRIADS
 from station.calibrated.applied_calibration import calibrated_inputs
-from station.calibrated.applied_effects import VECTORS, AppliedEffect, SampleInputs
+from station.calibrated.applied_effects import AppliedEffect, SampleInputs
 from station.calibrated.correction_inputs import Surroundings, TemperatureFollower, Triad
 from station.errors import DataRefused
 from station.exports.exported_calibration import StoredCalibration, input_name
@@ -27,7 +28,7 @@ def settle(
     out = dict(read)
     found = [_inverted(triads, out)]
     for _ in range(rounds):
-        vectors = {VECTORS[name]: value for name, value in found[-1].items()}
+        vectors = {MEASURED[name]: value for name, value in found[-1].items()}
         at = replace(known, known={**known.known, **vectors}, out=out)
         added = {name: np.zeros_like(value) for name, value in out.items()}
         for effect in effects:

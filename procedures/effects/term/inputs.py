@@ -16,6 +16,7 @@ from procedures.effects.term.units import Unit, parse_unit
 from procedures.frames import AXES
 
 AUXILIARY = "aux_"
+MEASURED = {"accelerometer": "f", "gyroscope": "omega"}  # what a triad measures
 Value = Callable[[Excitation, str], FloatArray]
 Vector = Callable[[Excitation], FloatArray]
 
@@ -24,12 +25,14 @@ Vector = Callable[[Excitation], FloatArray]
 class Input:
     """An input: ``value`` (n, 3) or (n, 1) in ``unit`` of an excitation and a triad; ``meaning`` in words.
 
-    ``is_of_campaign``: it is known while a campaign is solved, and not of a sample that comes later.
+    ``driver`` is what drives an effect that names it. ``is_of_campaign``: it is known while a campaign is solved,
+    and not of a sample that comes later.
     """
 
     unit: str
     meaning: str
     value: Value
+    driver: str = ""
     is_of_campaign: bool = False
 
     def in_bases(self, seen: Excitation, triad: str) -> FloatArray:
@@ -47,16 +50,12 @@ def _vector(
     name: str, unit: str, meaning: str, of: Callable[[Excitation], FloatArray]
 ) -> Iterator[tuple[str, Input]]:
     """Yield a vector's components: the sensor's own, the two others in turn, those along x, y, z, its length."""
-    yield name, Input(unit, f"{meaning} along the sensor", lambda seen, triad: of(seen))
-    for by in (1, 2):
-        order = [(i + by) % 3 for i in range(3)]
-        yield (
-            f"{name}_{by + 1}",
-            Input(unit, f"{meaning} along the {('next', 'last')[by - 1]} axis", _in_order(of, order)),
-        )
-    for i, axis in enumerate(AXES):
-        yield f"{name}_{axis}", Input(unit, f"{meaning} along {axis}", _in_order(of, [i]))
-    yield f"{name}_norm", Input(unit, f"{meaning}, its length", lambda seen, triad: _length(of(seen)))
+    orders = {"": ("along the sensor", [0, 1, 2]), "_2": ("along the next axis", [1, 2, 0]),
+              "_3": ("along the last axis", [2, 0, 1])}  # fmt: skip
+    orders |= {f"_{axis}": (f"along {axis}", [i]) for i, axis in enumerate(AXES)}
+    for suffix, (along, order) in orders.items():
+        yield f"{name}{suffix}", Input(unit, f"{meaning} {along}", _in_order(of, order), meaning)
+    yield f"{name}_norm", Input(unit, f"{meaning}, its length", lambda seen, triad: _length(of(seen)), meaning)
 
 
 def _in_order(of: Callable[[Excitation], FloatArray], order: list[int]) -> Value:
@@ -89,19 +88,16 @@ INPUTS: Mapping[str, Input] = {
     **dict(_vector("f", "g", "specific force", lambda seen: seen.f)),
     **dict(_vector("omega", "deg/s", "rate", lambda seen: seen.omega)),
     **dict(_vector("B", "uT", "magnetic field", lambda seen: seen.magnetic)),
-    "T": Input("K", "temperature above 25 degC", _one(lambda seen: seen.temperature - REFERENCE_C)),
-    "T_rate": Input("K/min", "rate of the temperature", _one(lambda seen: seen.temperature_rate)),
-    "t": Input("s", "device time", _one(lambda seen: seen.t), is_of_campaign=True),
-    "t_step": Input("s", "time since the step began", _one(lambda seen: seen.rest_s), is_of_campaign=True),
-    "f_before": Input(
-        "g",
-        "specific force along the sensor in the step before",
-        lambda seen, triad: seen.f_before,
-        is_of_campaign=True,
-    ),
+    "T": Input("K", "temperature above 25 degC", _one(lambda seen: seen.temperature - REFERENCE_C), "temperature"),
+    "T_rate": Input("K/min", "rate of the temperature", _one(lambda seen: seen.temperature_rate), "temperature"),
+    "t": Input("s", "device time", _one(lambda seen: seen.t), "time", is_of_campaign=True),
+    "t_step": Input("s", "time since the step began", _one(lambda seen: seen.rest_s), "time at rest",
+                    is_of_campaign=True),
+    "f_before": Input("g", "specific force along the sensor in the step before", lambda seen, triad: seen.f_before,
+                      "specific force", is_of_campaign=True),
     "north": Input("1", "cosine of the sensor's axis with North", _cosine(1), is_of_campaign=True),
     "east": Input("1", "cosine of the sensor's axis with East", _cosine(0), is_of_campaign=True),
-}
+}  # fmt: skip
 CHANGING = 0.5  # of the largest output of a sensor, by which it must change to be more than a bias
 
 
@@ -122,10 +118,11 @@ def _variance(seen: Excitation) -> FloatArray:
 
 OF_CATALOGUE: Mapping[str, Mapping[str, Input]] = {
     triad: {
-        "warming": Input("1", "1 while it grows warmer, -1 while it cools", _one(warming)),
-        "t_on": Input("s", "time since the recording began", _one(since_begun), is_of_campaign=True),
-        "t_rest": Input("s", "time since a rest began, infinite elsewhere", _one(_rest), is_of_campaign=True),
-        "out_changing": Input(unit, "what the sensor puts out, zero where it hardly changes", _changing,
+        "warming": Input("1", "1 while it grows warmer, -1 while it cools", _one(warming), "temperature"),
+        "t_on": Input("s", "time since the recording began", _one(since_begun), "time", is_of_campaign=True),
+        "t_rest": Input("s", "time since a rest began, infinite elsewhere", _one(_rest), "time at rest",
+                        is_of_campaign=True),
+        "out_changing": Input(unit, "what the sensor puts out, zero where it hardly changes", _changing, "input",
                               is_of_campaign=True),
         **{name: replace(one, is_of_campaign=True)
            for name, one in _vector("vibration", "g^2", "variance of the vibration", _variance)},
@@ -135,8 +132,8 @@ OF_CATALOGUE: Mapping[str, Mapping[str, Input]] = {
 """What only laws of the catalogue name."""
 OWN: Mapping[str, Mapping[str, Input]] = {
     triad: {
-        "u": Input(unit, f"what the sensor measures: {quantity}", _own),
-        "out": Input(unit, "what the sensor puts out, E u + D", _output),
+        "u": Input(unit, f"what the sensor measures: {quantity}", _own, "input"),
+        "out": Input(unit, "what the sensor puts out, E u + D", _output, "input"),
     }
     for triad, unit, quantity in (("accelerometer", "g", "specific force"), ("gyroscope", "deg/s", "rate"))
 }
@@ -150,7 +147,7 @@ def inputs_of(triad: str) -> Mapping[str, Input]:
 def input_of(name: str, triad: str) -> Input | None:
     """Return an input by its name, None where there is none; ``aux_NAME`` is an auxiliary channel."""
     if name.startswith(AUXILIARY) and name != AUXILIARY:
-        return Input("unit", "an auxiliary channel", _channel(name.removeprefix(AUXILIARY)))
+        return Input("unit", "an auxiliary channel", _channel(name.removeprefix(AUXILIARY)), "channel")
     return inputs_of(triad).get(name)
 
 

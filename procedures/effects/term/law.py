@@ -19,7 +19,7 @@ from procedures.effects.excitation import Columns, Excitation, with_nonlinear
 from procedures.effects.term.dimensions import COEFFICIENT, CONSTANTS
 from procedures.effects.term.functions import OPERATORS
 from procedures.effects.term.grammar import Call, Name, Node, Number, Operation, calls, names, parse
-from procedures.effects.term.inputs import known_input
+from procedures.effects.term.inputs import MEASURED, Input, known_input
 from procedures.effects.term.units import parse_unit, power_of
 from procedures.effects.term.values import Values
 from procedures.frames import AXES
@@ -123,14 +123,31 @@ class Law:
         return tuple(dict.fromkeys(name for name in found if name not in known))
 
     @property
+    def driver(self) -> str:
+        """What drives it: what its first input is of that is not the sensor's own, else ``input``."""
+        drivers = [self._known(name).driver for name in (MEASURED[self.triad], *self.inputs)]
+        return next((one for one in drivers if one not in ("input", drivers[0])), "input")
+
+    @property
+    def vanishes_at_reference(self) -> bool:
+        """Say whether it vanishes at the reference temperature, as a coefficient of temperature does."""
+        return "T" in self.inputs and not any(
+            each.name == "backlash" for node in self.nodes() for each in calls(node)
+        )
+
+    @property
     def looks_back(self) -> bool:
         """Say whether it depends on what one sample does not determine: its campaign, or what was before.
 
         A lag of the temperature is followed from sample to sample.
         """
-        known = (known_input(name, self.triad) for name in self.inputs)
-        is_of_campaign = any(one is not None and one.is_of_campaign for one in known)
+        is_of_campaign = any(self._known(name).is_of_campaign for name in self.inputs)
         return is_of_campaign or any(map(_remembers, self.nodes()))
+
+    def _known(self, name: str) -> Input:
+        found = known_input(name, self.triad)
+        assert found is not None
+        return found
 
     def plain(self, parameters: Mapping[str, float], order: int = 1) -> tuple[FloatArray, tuple[Node, ...]]:
         """Return its terms of inputs in their units, and what each is multiplied by (terms,) with a coefficient.
@@ -161,8 +178,7 @@ class Law:
         return tuple(name for name in self.inputs if not self._is_known(name, seen))
 
     def _is_known(self, name: str, seen: Excitation) -> bool:
-        known = known_input(name, self.triad)
-        return known is not None and bool(np.isfinite(known.in_bases(seen, self.triad)).all())
+        return bool(np.isfinite(self._known(name).in_bases(seen, self.triad)).all())
 
     def at(self, seen: Excitation, way: Columns) -> Columns:
         """Return its columns where orders and parameters are as in a way."""

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from procedures.calibration.solution_values import Solution
+from procedures.effects import CATALOGUE
 from procedures.effects.excitation import REFERENCE_C
 from procedures.evidence.residual_patterns import LeftPattern
 from procedures.frames import TRIADS
@@ -226,7 +227,7 @@ def _on_table(sensors: Sequence[TableSensor], output: str) -> dict[str, Any]:
 
 def temperature_effect(name: str) -> bool:
     """Say whether an effect is a coefficient of temperature, which vanishes at the reference temperature."""
-    return name.endswith(("_temperature", "temperature_lag"))
+    return name in CATALOGUE and CATALOGUE[name].vanishes_at_reference
 
 
 def moved(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[dict[str, Any]]:

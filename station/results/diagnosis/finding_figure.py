@@ -1,10 +1,10 @@
 """A finding's residual against the coordinate that reveals it: left without the error term, right with it.
 
 Both are residuals of the whole model, fitted again: without the effect, its other parameters absorb as much of it
-as they can, as they did before it was found. `coordinate_of` has a line for each effect.
+as they can, as they did before it was found.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,11 +14,14 @@ from matplotlib.figure import Figure
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.diagnosis.caches import clear_caches
 from procedures.discovery.discover import Discovery, Proposal
-from procedures.effects import EFFECTS
-from procedures.effects.excitation import TAU, Excitation
-from procedures.effects.temperature_history import sensor_temperature
-from procedures.effects.term.inputs import input_of
-from procedures.effects.term.law import OUTPUT_UNITS
+from procedures.effects import CATALOGUE, EFFECTS
+from procedures.effects.excitation import Excitation
+from procedures.effects.term.functions import OPERATORS
+from procedures.effects.term.grammar import calls, names
+from procedures.effects.term.inputs import known_input
+from procedures.effects.term.law import OUTPUT_UNITS, Law
+from procedures.effects.term.units import parse_unit
+from procedures.effects.term.values import Values
 from procedures.evidence.candidates import Candidate, Candidates
 from procedures.evidence.linear_model import Term
 from procedures.evidence.residual_rows import KINDS, Evidence
@@ -29,7 +32,7 @@ from station.results.diagnosis.diagnosis_json import plain
 from station.results.diagnosis.finding_wording import where_text
 from station.results.report.svg import AXIS_STYLE, INK, RULE, draw_svg
 
-Values = Callable[[Excitation, Finding], FloatArray]  # (n,) of all sensors, or (n, 3) of each, at the nodes
+OUTPUTS = ("out", "out_changing")  # that a scale factor's term multiplies
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,22 +47,65 @@ class Coordinate:
 def coordinate_of(
     evidence: Evidence, finding: Finding, rows: BoolArray, added: FloatArray, unit: str
 ) -> Coordinate:
-    """Return the coordinate of the rows (n,): the effect's own, the step, or what the effect adds to each.
+    """Return the coordinate of the rows (n,): what the effect's law depends on, its channel, or else the step.
 
-    That is ``added`` (n,), in ``unit``. A row of all three sensors (a rest's norm) has no sensor's own coordinate.
+    Where that differs between sensors, rows of all three (a rest's norm) have what the effect adds: ``added``
+    (n,), in ``unit``.
     """
-    label, values = _COORDINATES.get(finding.effect, ("step", None))
-    if values is None:
+    effect, seen = CATALOGUE.get(finding.effect), evidence.excitation
+    law = None if effect is None else effect.law(finding.shape)
+    channel = str(finding.where.get("channel", ""))
+    if law is not None:
+        axis = law_axis(law, seen, finding.coefficients, finding.value, finding.std)
+    elif channel in seen.auxiliary:
+        axis = channel, np.tile(seen.auxiliary[channel][:, None], (1, len(AXES)))
+    else:
+        axis = None
+    if axis is None or not np.isfinite(found := _at_rows(evidence, axis[1])[rows]).any():
         return _steps(evidence, rows)
-    at_nodes = values(evidence.excitation, finding)
-    axis = evidence.axis[rows]
-    if at_nodes.ndim == 2 and np.any(axis < 0):
+    if np.any(evidence.axis[rows] < 0) and np.nanmax(np.ptp(axis[1], axis=1)) > 0:
         return Coordinate(f"what {finding.effect} adds [{unit}]", added[rows])
-    per_row = means_at_rows(evidence, at_nodes)[rows]
-    found = per_row if per_row.ndim == 1 else per_row[np.arange(len(axis)), axis]
-    if not np.isfinite(found).any():
-        return _steps(evidence, rows)
-    return Coordinate(label.format(**{"channel": "channel", **finding.where}), found)
+    return Coordinate(axis[0], found)
+
+
+def law_axis(
+    law: Law, seen: Excitation, coefficients: Sequence[str], value: FloatArray, std: FloatArray
+) -> tuple[str, FloatArray] | None:
+    """Return label and values (n, 3) of what each sensor's largest term depends on; None of the time in a step.
+
+    That is its only input besides the output, or a lag of it; of several inputs the term itself.
+    """
+    known = dict(zip(coefficients, value.tolist(), strict=True))
+    size = {name: abs(known[name]) / s if s > 0 else 0.0 for name, s in zip(known, std.tolist(), strict=True)}
+    largest = [0] * len(AXES) if law.is_polynomial else np.argmax(law.table(size), axis=1).tolist()
+    parameters = {name: known[name] for name in law.parameters}
+    columns = [_term_axis(law, seen, term, parameters) for term in largest]
+    labels, values = [label for label, _ in columns], [each for _, each in columns]
+    if "" in labels:
+        return None
+    shape = (len(seen.t), len(AXES))
+    return "; ".join(dict.fromkeys(labels)), np.stack(
+        [np.broadcast_to(each, shape)[:, sensor] for sensor, each in enumerate(values)], axis=1
+    )
+
+
+def _term_axis(law: Law, seen: Excitation, term: int, parameters: Mapping[str, float]) -> tuple[str, FloatArray]:
+    """Return label and values, which broadcast to (n, 3), of what a term depends on; "" of the time in a step."""
+    node, nothing = law.nodes()[term], np.full((1, 1), np.nan)
+    inputs = {each.name for each in names(node)} & {*law.inputs} - {*OUTPUTS} or {"u"}
+    if len(inputs) > 1:
+        label = f"{law.terms[term]}, times {law.unit} [{OUTPUT_UNITS[law.triad]}]"
+        return ("", nothing) if law.is_inside else (label, law.values(seen, parameters)[:, :, term])
+    one = known_input(inputs.pop(), law.triad)
+    assert one is not None
+    if one.driver == "time at rest":
+        return "", nothing
+    per, unit = (1 / S_PER_H, "h") if one.unit == "s" else (1.0, one.unit)
+    if lag := next((each for each in calls(node) if each.name in OPERATORS), None):
+        in_bases = {name: parameters[name] * parse_unit(one.unit).size for name, one in law.parameters.items()}
+        lagged = Values(seen, law.triad, in_bases, in_bases=False).of(lag)
+        return f"{one.meaning}, lagged [{unit}]", per * lagged
+    return f"{one.meaning} [{unit}]", per * one.value(seen, law.triad)
 
 
 def _steps(evidence: Evidence, rows: BoolArray) -> Coordinate:
@@ -67,7 +113,7 @@ def _steps(evidence: Evidence, rows: BoolArray) -> Coordinate:
     numbers, index = np.unique(evidence.step[rows], return_inverse=True)
     steps = [evidence.excitation.steps[i] for i in numbers]
     if all(step.kind == "soak" for step in steps):
-        return Coordinate(_HOURS, means_at_rows(evidence, _hours(evidence.excitation))[rows])
+        return Coordinate("time [h]", means_at_rows(evidence, _hours(evidence.excitation))[rows])
     names = tuple(str(s.position) if s.kind == "dwell" else s.name.partition(".")[0] for s in steps)
     return Coordinate("position, turn or rest", index.astype(float), names)
 
@@ -84,89 +130,9 @@ def means_at_rows(evidence: Evidence, values: FloatArray) -> FloatArray:
     return means
 
 
-def _of_inputs(vector: Callable[[Excitation], FloatArray]) -> Values:
-    """Return the input (n, 3) that each sensor's largest coefficient multiplies; key xy: sensor x, input y."""
-
-    def values(excitation: Excitation, finding: Finding) -> FloatArray:
-        strength = np.zeros((3, 3))
-        for name, value, std in zip(finding.coefficients, finding.value, finding.std, strict=True):
-            if len(name) == 2 and std > 0:
-                strength[AXES.index(name[0]), AXES.index(name[1])] = abs(value) / std
-        inputs: IntArray = np.argmax(strength, axis=1)
-        return vector(excitation)[:, inputs]
-
-    return values
-
-
-def _channel(excitation: Excitation, finding: Finding) -> FloatArray:
-    name = str(finding.where.get("channel", ""))
-    return excitation.auxiliary.get(name, np.full(len(excitation.t), np.nan))
-
-
-_TEMPERATURE = ("temperature [degC]", lambda excitation, finding: excitation.temperature)
-
-
-def _followed(excitation: Excitation, finding: Finding) -> FloatArray:
-    tau = finding.value[finding.coefficients.index(TAU)] if TAU in finding.coefficients else 0.0
-    return sensor_temperature(excitation, float(tau))
-
-
-_SENSOR = ("lagged sensor temperature [degC]", _followed)
-_WARMING = ("temperature rate [K/min]", lambda excitation, finding: excitation.temperature_rate)
-_HOURS = "time [h]"
-
-
 def _hours(excitation: Excitation) -> FloatArray:
     found: FloatArray = (excitation.t - np.nanmin(excitation.t)) / S_PER_H
     return found
-
-
-_TIME = (_HOURS, lambda excitation, finding: _hours(excitation))
-_FORCE = ("specific force along the sensor [g]", lambda excitation, finding: excitation.f)
-_RATE = ("rate about the sensor [deg/s]", lambda excitation, finding: excitation.omega)
-_COORDINATES: Mapping[str, tuple[str, Values]] = {
-    "accelerometer.quadratic": _FORCE,
-    "accelerometer.cubic": _FORCE,
-    "accelerometer.scale_asymmetry": _FORCE,
-    "accelerometer.scale_temperature": _TEMPERATURE,
-    "accelerometer.bias_temperature": _TEMPERATURE,
-    "accelerometer.temperature_rate": _WARMING,
-    "accelerometer.bias_drift": _TIME,
-    "accelerometer.bias_settling": _TIME,
-    "accelerometer.bias_cycle": _TIME,
-    "accelerometer.scale_settling": _TIME,
-    "accelerometer.temperature_lag": _SENSOR,
-    "accelerometer.scale_temperature_lag": _SENSOR,
-    "accelerometer.temperature_hysteresis": _TEMPERATURE,
-    "accelerometer.relaxation": (
-        "change of specific force at the flip [g]",
-        lambda excitation, finding: excitation.change,
-    ),
-    "gyroscope.g_sensitivity": (
-        "specific force, along the input with the largest effect [g]",
-        _of_inputs(lambda s: s.f),
-    ),
-    "gyroscope.magnetic": (
-        "magnetic field, along the input with the largest effect [uT]",
-        _of_inputs(lambda s: s.magnetic),
-    ),
-    "gyroscope.scale_temperature": _TEMPERATURE,
-    "gyroscope.bias_temperature": _TEMPERATURE,
-    "gyroscope.temperature_rate": _WARMING,
-    "gyroscope.bias_drift": _TIME,
-    "gyroscope.bias_settling": _TIME,
-    "gyroscope.bias_cycle": _TIME,
-    "gyroscope.scale_settling": _TIME,
-    "gyroscope.temperature_lag": _SENSOR,
-    "gyroscope.scale_temperature_lag": _SENSOR,
-    "gyroscope.temperature_hysteresis": _TEMPERATURE,
-    "gyroscope.scale_asymmetry": _RATE,
-    "gyroscope.scale_nonlinearity": _RATE,
-    "gyroscope.sagnac_sine": _RATE,
-    "gyroscope.counts_lost": _RATE,
-    "auxiliary.channel": ("{channel}", _channel),
-    "clock.rate": _TIME,
-}
 
 
 _UNITS = {  # of a row in natural units to people's, by triad and kind
@@ -318,15 +284,9 @@ def _name(one: Proposal) -> str:
 
 
 def _coordinate(evidence: Evidence, one: Proposal) -> Coordinate:
-    seen, triad = evidence.excitation, one.term.triad
-    if len(one.term.inputs) == 1 and (known := input_of(one.term.inputs[0], triad)) is not None:
-        value = known.value(seen, triad)
-        label = f"{known.meaning} [{known.unit}]"
-    else:
-        values = dict(zip(one.coefficients, one.value.tolist(), strict=True))
-        value = one.term.values(seen, {name: values[name] for name in one.term.parameters})[:, :, 0]
-        label = f"{one.term.terms[0]}, times {one.term.unit} [{OUTPUT_UNITS[triad]}]"
-    return Coordinate(label, _at_rows(evidence, np.broadcast_to(value, (len(seen.t), len(AXES)))))
+    axis = law_axis(one.term, evidence.excitation, one.coefficients, one.value, one.std)
+    label, values = axis or ("time [h]", np.tile(_hours(evidence.excitation)[:, None], (1, len(AXES))))
+    return Coordinate(label, _at_rows(evidence, values))
 
 
 def _at_rows(evidence: Evidence, values: FloatArray) -> FloatArray:

@@ -1,6 +1,6 @@
 """What to measure next where the recording is no campaign of positions: a log of one or more rests, a rate table.
 
-A table for each kind of recording: by what drives the error term, else the kind's own repetition.
+A table for each kind of recording: by the measurement that its record names, by what drives it, else repetition.
 """
 
 from collections.abc import Mapping, Sequence
@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from procedures.effects import CATALOGUE
+from procedures.effects.effect import MeasurementName
 from procedures.positions import FACES
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign
 from station.results.diagnosis.diagnosis_wording import known_findings
@@ -16,6 +17,7 @@ from station.results.diagnosis.next_measurements import (
     FREE,
     SOAK_S,
     Measurement,
+    measurement_name,
     next_measurements,
     turns,
 )
@@ -27,11 +29,11 @@ ATTITUDES = {"dwell": [{"attitude": "free", "seconds": DWELL_S}] * FREE}
 
 @dataclass(frozen=True, slots=True)
 class Repetition:
-    """What a kind of recording can be repeated as: by driver or name of an error term, and else."""
+    """What a kind of recording can be repeated as: by what separates an error term, by its driver, and else."""
 
     otherwise: Measurement
+    by_name: Mapping[MeasurementName, Measurement] = field(default_factory=dict)
     by_driver: Mapping[str, Measurement] = field(default_factory=dict)
-    by_name: Mapping[str, Measurement] = field(default_factory=dict)
 
 
 HEATED = Measurement(
@@ -99,25 +101,18 @@ TABLE_HEATED = Measurement(
 REPETITIONS: Mapping[Recording, Repetition] = {
     "rest": Repetition(
         REST_AGAIN,
-        {"temperature": HEATED, "channel": CHANNEL_CHANGED},
         {
-            "accelerometer.bias_drift": HEATED,
-            "gyroscope.bias_drift": HEATED,
-            "accelerometer.bias_instability": LONGER,
-            "gyroscope.bias_instability": LONGER,
-            "accelerometer.acceleration_random_walk": LONGER,
-            "gyroscope.rate_random_walk": LONGER,
-            "disturbance.dwell": UNDISTURBED,
-            "placement.tilt": UNDISTURBED,
-            "clock.rate": REFERENCE_TIME,
+            "other_order": HEATED, "channel_moved": CHANNEL_CHANGED, "longer": LONGER, "again": UNDISTURBED,
+            "reference_time": REFERENCE_TIME,
         },
+        {"temperature": HEATED},
     ),
-    "rests": Repetition(OTHER_ATTITUDES, {"temperature": OTHER_DAY, "time": OTHER_DAY}),
+    "rests": Repetition(OTHER_ATTITUDES, by_driver={"temperature": OTHER_DAY, "time": OTHER_DAY}),
     "rotation": Repetition(OTHER_SPEEDS),
     "rate table": Repetition(
-        OTHER_RATES, {"temperature": TABLE_HEATED, "time": TABLE_AGAIN}, {"disturbance.dwell": TABLE_AGAIN}
+        OTHER_RATES, {"again": TABLE_AGAIN}, {"temperature": TABLE_HEATED, "time": TABLE_AGAIN}
     ),
-}
+}  # fmt: skip
 AGAIN: Mapping[Recording, Measurement] = {  # of what is left without a cause
     "rest": REST_AGAIN, "rests": OTHER_DAY, "rotation": OTHER_SPEEDS, "rate table": TABLE_AGAIN,
 }  # fmt: skip
@@ -146,7 +141,7 @@ def separating(recording: Recording, name: str) -> Measurement:
     """Return what separates an error term from others in a recording that is no campaign."""
     ways = REPETITIONS[recording]
     driver = CATALOGUE[name].driver if name in CATALOGUE else ""
-    return ways.by_name.get(name) or ways.by_driver.get(driver) or ways.otherwise
+    return ways.by_name.get(measurement_name(name)) or ways.by_driver.get(driver) or ways.otherwise
 
 
 def next_in_words(recording: Recording, findings: Sequence[Mapping[str, Any]], of_campaign: str) -> str:

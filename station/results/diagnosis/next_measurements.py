@@ -1,16 +1,18 @@
-"""The measurement that would separate an effect from what it is mistaken for: by effect, a line in the table each.
+"""The measurement that would separate an error term from what it is mistaken for: by what its record says of it.
 
 Steps complement the campaign that was diagnosed: both are then diagnosed together, ``station diagnose FIRST
 SECOND``. What cannot be written as steps is reported in words; the others are files of `plan/1`.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
-from procedures.frames import AXES
+from procedures.effects import CATALOGUE
+from procedures.effects.effect import MeasurementName
+from procedures.frames import AXES, TRIADS
 from procedures.positions import POSITIONS, face_of
 from station.files.atomic_file import replace_file
 from station.files.campaign_folder.plan_file import FORMAT
@@ -39,31 +41,24 @@ class Measurement:
         return f"{self.say[0].lower()}{self.say[1:].rstrip('.')}"
 
 
-Make = Callable[[Mapping[str, Any], Sequence[str]], Measurement]  # of a finding of diagnosis/2, and imu_axes
-
-
-def remounted(about: str) -> Make:
+def remounted(imu_axes: Sequence[str], about: str) -> Measurement:
     """Return the twelve positions with the IMU turned by 90 deg about an axis of the cube.
 
     One mounting leaves open what lies along its own axis; two, about two axes, leave nothing.
     """
-
-    def make(finding: Mapping[str, Any], imu_axes: Sequence[str]) -> Measurement:
-        axes = turned(imu_axes, about)
-        say = (
-            f"Mount the IMU turned by 90 deg about the cube's {about}, so that its x, y, z point along the "
-            f"cube's {', '.join(axes)}, and record the twelve positions: errors of the cube then appear in "
-            f"another channel. Two such mountings are needed, about two axes. A face certificate or free "
-            f"positions near 45 deg separate them too."
-        )
-        return Measurement(f"remounted_about_{about}", say, positions(range(1, 13)), axes)
-
-    return make
+    axes = turned(imu_axes, about)
+    say = (
+        f"Mount the IMU turned by 90 deg about the cube's {about}, so that its x, y, z point along the cube's "
+        f"{', '.join(axes)}, and record the twelve positions: errors of the cube then appear in another channel. "
+        f"Two such mountings are needed, about two axes. A face certificate or free positions near 45 deg "
+        f"separate them too."
+    )
+    return Measurement(f"remounted_about_{about}", say, positions(range(1, 13)), axes)
 
 
-def again(finding: Mapping[str, Any], imu_axes: Sequence[str]) -> Measurement:
+def again(where: Mapping[str, Any]) -> Measurement:
     """Return the positions that stood out and their pair partners, once more."""
-    named = finding.get("where", {}).get("position", [])
+    named = where.get("position", [])
     found = [p for p in (named if isinstance(named, list) else [named]) if p in range(1, len(POSITIONS) + 1)]
     wanted = dict.fromkeys(q for p in found for q in (p, partner(p)))
     say = (
@@ -73,16 +68,11 @@ def again(finding: Mapping[str, Any], imu_axes: Sequence[str]) -> Measurement:
     return Measurement("again", say, positions(wanted or range(1, 13)))
 
 
-def channel_moved(finding: Mapping[str, Any], imu_axes: Sequence[str]) -> Measurement:
+def channel_moved(where: Mapping[str, Any]) -> Measurement:
     """Return a rest in which the auxiliary channel is changed on purpose, and nothing else."""
-    name = finding.get("where", {}).get("channel", "the auxiliary channel")
+    name = where.get("channel", "the auxiliary channel")
     say = f"Leave the cube at rest and change {name} on purpose, to and fro, and nothing else."
     return Measurement("channel_moved", say, {"soak": [{"position": 9, "seconds": SOAK_S / 4}]})
-
-
-def always(name: str, say: str, **steps: Sequence[Mapping[str, Any]]) -> Make:
-    """Return a measurement that is the same whatever was found."""
-    return lambda finding, imu_axes: Measurement(name, say, steps)
 
 
 def positions(numbers: Iterable[int], seconds: float = DWELL_S) -> dict[str, list[dict[str, Any]]]:
@@ -108,139 +98,141 @@ def turns(**more: Any) -> list[dict[str, Any]]:
     return [{"axis": a, "direction": s, "revolutions": REVOLUTIONS, **more} for a in AXES for s in "+-"]
 
 
-FREE_POSITIONS = always(
-    "free_positions",
-    "Lay the cube on its edges and corners, near 45 deg, each time another way round: every rest in an attitude "
-    "of its own, which need not be known.",
-    dwell=[{"attitude": "free", "seconds": DWELL_S}] * FREE,
+_STATIC = (
+    Measurement(
+        "free_positions",
+        "Lay the cube on its edges and corners, near 45 deg, each time another way round: every rest in an "
+        "attitude of its own, which need not be known.",
+        {"dwell": [{"attitude": "free", "seconds": DWELL_S}] * FREE},
+    ),
+    Measurement(
+        "heating",
+        "Leave the cube at rest and heat the unit by 15 K or more, then let it cool; in both positions: up "
+        "and down, so that effects of time, temperature and its rate can be separated.",
+        {"soak": [{"position": p, "seconds": SOAK_S} for p in (9, 11)]},
+    ),
+    Measurement(
+        "other_order",
+        "Do the twelve positions in this order, on another day, with the room 5 K warmer or colder: effects "
+        "of time, of temperature and of the position before can then be separated.",
+        positions(MIXED),
+    ),
+    Measurement(
+        "steady_room",
+        "Record the same rest again with the air conditioning off, and with the temperature recorded at the "
+        "unit: a cycle of the bias then goes, or follows that temperature.",
+        {"soak": [{"position": 9, "seconds": SOAK_S}]},
+    ),
+    Measurement(
+        "other_field",
+        "Do the twelve positions again with the IMU shielded from the Earth's magnetic field, or elsewhere, "
+        "and enter the field there as magnetic_enu_ut.",
+        positions(range(1, 13)),
+    ),
+    Measurement(
+        "two_speeds",
+        f"Turn about each axis once more, slowly: about {SLOW_DEG_S:g} deg/s, {360 / SLOW_DEG_S:.0f} s a "
+        "revolution. A rate table is better, and only fast rates separate a Sagnac sine from a cubic.",
+        {"turn": turns(speed_deg_s=SLOW_DEG_S)},
+    ),
+    Measurement(
+        "other_speeds",
+        f"Turn about each axis once more, by + at about {OTHER_SPEEDS_DEG_S['+']:g} deg/s and by - at about "
+        f"{OTHER_SPEEDS_DEG_S['-']:g} deg/s: at the speeds that there are a cubic, another power and the end "
+        "of a range are one. A rate table is better.",
+        {"turn": [{**turn, "speed_deg_s": OTHER_SPEEDS_DEG_S[turn["direction"]]} for turn in turns()]},
+    ),
+    Measurement(
+        "after_flips",
+        "Begin each of these long dwells right after the flip; the second of a pair follows a turn on the "
+        "same face, without a flip: what relaxes after a flip shows in the first only.",
+        positions((1, 2, 5, 6, 9, 10), LONG_S),
+    ),
+    Measurement(
+        "reference_time",
+        "Record an hour at rest with reference time recorded with the counts (column utc_s), as from a GNSS "
+        "receiver.",
+        {"soak": [{"position": 9, "seconds": SOAK_S}]},
+    ),
+    Measurement(
+        "certificate",
+        "Have the cube's six faces measured and enter them as [[fixture.face]] of campaign.toml, or with "
+        "`station fixtures add certificate`; then diagnose the same campaign again. No step on the surface "
+        "plate determines it.",
+    ),
+    Measurement(
+        "survey",
+        "Have the site surveyed: gravity (gravity_m_s2 with gravity_std_m_s2) or the plate's North mark, as "
+        "the finding states; then diagnose the same campaign again.",
+    ),
+    Measurement(
+        "more_revolutions",
+        "Do the six turns again with three times the revolutions: a closure error stays, an error of the "
+        "scale factor grows with the angle.",
+        {"turn": [{**turn, "revolutions": 3 * REVOLUTIONS} for turn in turns()]},
+    ),
+    Measurement(
+        "twice",
+        "Do the twelve positions twice over, each time lifted, wiped and set against the stop: what changes "
+        "between placements is the seating.",
+        positions([*range(1, 13), *range(1, 13)]),
+    ),
+    Measurement(
+        "repeat",
+        "Do the campaign again, in another order, on another day: an error that does not repeat is no error term.",
+        {**positions(MIXED), "turn": turns()},
+    ),
+    Measurement(
+        "warming_campaign",
+        "Do the twelve positions and the turns again while the unit is heated by 15 K, evenly from the first "
+        "step to the last.",
+        {**positions(MIXED), "turn": turns()},
+    ),
+    Measurement(
+        "longer",
+        "Record the unit at rest several times as long, at one temperature: a random walk grows, a drift goes on.",
+        {"soak": [{"position": 9, "seconds": 4 * SOAK_S}]},
+    ),
 )
-HEATING = always(
-    "heating",
-    "Leave the cube at rest and heat the unit by 15 K or more, then let it cool; in both positions: up and down, "
-    "so that effects of time, temperature and its rate can be separated.",
-    soak=[{"position": p, "seconds": SOAK_S} for p in (9, 11)],
-)
-OTHER_ORDER = always(
-    "other_order",
-    "Do the twelve positions in this order, on another day, with the room 5 K warmer or colder: effects of "
-    "time, of temperature and of the position before can then be separated.",
-    **positions(MIXED),
-)
-STEADY_ROOM = always(
-    "steady_room",
-    "Record the same rest again with the air conditioning off, and with the temperature recorded at the unit: "
-    "a cycle of the bias then goes, or follows that temperature.",
-    soak=[{"position": 9, "seconds": SOAK_S}],
-)
-OTHER_FIELD = always(
-    "other_field",
-    "Do the twelve positions again with the IMU shielded from the Earth's magnetic field, or elsewhere, and enter "
-    "the field there as magnetic_enu_ut.",
-    **positions(range(1, 13)),
-)
-TWO_SPEEDS = always(
-    "two_speeds",
-    f"Turn about each axis once more, slowly: about {SLOW_DEG_S:g} deg/s, {360 / SLOW_DEG_S:.0f} s a revolution. "
-    f"A rate table is better, and only fast rates separate a Sagnac sine from a cubic.",
-    turn=turns(speed_deg_s=SLOW_DEG_S),
-)
-OTHER_SPEEDS = always(
-    "other_speeds",
-    f"Turn about each axis once more, by + at about {OTHER_SPEEDS_DEG_S['+']:g} deg/s and by - at about "
-    f"{OTHER_SPEEDS_DEG_S['-']:g} deg/s: at the speeds that there are a cubic, another power and the end of a "
-    f"range are one. A rate table is better.",
-    turn=[{**turn, "speed_deg_s": OTHER_SPEEDS_DEG_S[turn["direction"]]} for turn in turns()],
-)
-AFTER_FLIPS = always(
-    "after_flips",
-    "Begin each of these long dwells right after the flip; the second of a pair follows a turn on the same face, "
-    "without a flip: what relaxes after a flip shows in the first only.",
-    **positions((1, 2, 5, 6, 9, 10), LONG_S),
-)
-REFERENCE_TIME = always(
-    "reference_time",
-    "Record an hour at rest with reference time recorded with the counts (column utc_s), as from a GNSS receiver.",
-    soak=[{"position": 9, "seconds": SOAK_S}],
-)
-CERTIFICATE = always(
-    "certificate",
-    "Have the cube's six faces measured and enter them as [[fixture.face]] of campaign.toml, or with `station "
-    "fixtures add certificate`; then diagnose the same campaign again. No step on the surface plate determines "
-    "it.",
-)
-SURVEY = always(
-    "survey",
-    "Have the site surveyed: gravity (gravity_m_s2 with gravity_std_m_s2) or the plate's North mark, as the "
-    "finding states; then diagnose the same campaign again.",
-)
-MORE_REVOLUTIONS = always(
-    "more_revolutions",
-    "Do the six turns again with three times the revolutions: a closure error stays, an error of the scale "
-    "factor grows with the angle.",
-    turn=[{**turn, "revolutions": 3 * REVOLUTIONS} for turn in turns()],
-)
-TWICE = always(
-    "twice",
-    "Do the twelve positions twice over, each time lifted, wiped and set against the stop: what changes "
-    "between placements is the seating.",
-    **positions([*range(1, 13), *range(1, 13)]),
-)
-REPEAT = always(
-    "repeat",
-    "Do the campaign again, in another order, on another day: an error that does not repeat is no error term.",
-    **positions(MIXED),
-    turn=turns(),
-)
-REMOUNTED = (remounted("z"), remounted("x"))
-MEASUREMENTS: Mapping[str, tuple[Make, ...]] = {
-    "accelerometer.quadratic": (FREE_POSITIONS,),  # from the asymmetry; from faces: see fixture.parallelism
-    "accelerometer.cubic": (FREE_POSITIONS,),
-    "accelerometer.scale_asymmetry": (FREE_POSITIONS,),
-    "accelerometer.cross_product": (FREE_POSITIONS,),
-    "accelerometer.bias_temperature": (OTHER_ORDER,),
-    "accelerometer.scale_temperature": (OTHER_ORDER,),
-    "accelerometer.temperature_rate": (HEATING,),
-    "accelerometer.bias_drift": (OTHER_ORDER,),
-    "accelerometer.bias_settling": (OTHER_ORDER,),
-    "accelerometer.bias_cycle": (STEADY_ROOM,),
-    "accelerometer.scale_settling": (OTHER_ORDER,),
-    "accelerometer.temperature_lag": (HEATING,),
-    "accelerometer.scale_temperature_lag": (OTHER_ORDER,),
-    "accelerometer.temperature_hysteresis": (HEATING,),
-    "accelerometer.relaxation": (AFTER_FLIPS,),
-    "gyroscope.g_sensitivity": (OTHER_FIELD,),
-    "gyroscope.bias_temperature": (OTHER_ORDER,),
-    "gyroscope.scale_temperature": (HEATING,),
-    "gyroscope.temperature_rate": (HEATING,),
-    "gyroscope.temperature_lag": (HEATING,),
-    "gyroscope.scale_temperature_lag": (HEATING,),
-    "gyroscope.temperature_hysteresis": (HEATING,),
-    "gyroscope.bias_drift": (OTHER_ORDER,),
-    "gyroscope.bias_settling": (OTHER_ORDER,),
-    "gyroscope.bias_cycle": (STEADY_ROOM,),
-    "gyroscope.scale_settling": (OTHER_ORDER,),
-    "gyroscope.magnetic": (OTHER_FIELD,),
-    "gyroscope.scale_asymmetry": (TWO_SPEEDS,),
-    "gyroscope.scale_nonlinearity": (OTHER_SPEEDS,),
-    "gyroscope.sagnac_sine": (OTHER_SPEEDS,),
-    "gyroscope.counts_lost": (OTHER_SPEEDS,),
-    "accelerometer.jump": (OTHER_ORDER,),
-    "gyroscope.jump": (OTHER_ORDER,),
-    "slab.tilt": (again,),
-    "fixture.face_tilt": (CERTIFICATE,),
-    "fixture.parallelism": REMOUNTED,
-    "placement.dwell": (again,),
-    "placement.label": (again,),
-    "placement.scatter": (TWICE,),
-    "procedure.closure": (MORE_REVOLUTIONS,),
-    "procedure.heading": (TWICE,),
-    "site.azimuth": (SURVEY,),
-    "site.gravity": (SURVEY,),
-    "site.latitude": (SURVEY,),
-    "clock.rate": (REFERENCE_TIME,),
-    "disturbance.dwell": (again,),
-    "auxiliary.channel": (channel_moved,),
-}
+STATIC: Mapping[str, Measurement] = {one.name: one for one in _STATIC}
+"""Those that are the same whatever was found."""
+
+
+def measurement_name(effect: str) -> MeasurementName:
+    """Return what separates an error term, by its record; a name that the catalogue lacks is to repeat."""
+    one = CATALOGUE.get(effect)
+    if one is None:
+        return "repeat"
+    if one.next_measurement:
+        return one.next_measurement
+    match one.driver:
+        case "input":
+            return "free_positions" if effect.startswith(TRIADS[0]) else "other_speeds"
+        case "specific force" | "magnetic field":
+            return "other_field"
+        case "temperature":
+            return "warming_campaign" if one.multiplies_output else "heating"
+        case "time":
+            return "other_order"
+        case "time at rest":
+            return "after_flips"
+        case "channel":
+            return "channel_moved"
+    return "repeat"
+
+
+def _measurements(
+    effect: str, where: Mapping[str, Any], imu_axes: Sequence[str], is_certified: bool
+) -> list[Measurement]:
+    name = measurement_name(effect)
+    match "remounted" if name == "certificate" and is_certified else name:
+        case "remounted":
+            return [remounted(imu_axes, about) for about in "zx"]
+        case "again":
+            return [again(where)]
+        case "channel_moved":
+            return [channel_moved(where)]
+    return [STATIC[name]]
 
 
 def next_measurements(
@@ -254,16 +246,11 @@ def next_measurements(
     doubtful = [finding for finding in findings if finding["confidence"] == "possible"]
     found = dict[str, Measurement]()
     for finding in doubtful or [finding for finding in findings if finding["kind"] != "bench"]:
-        names = [finding["effect"], *finding.get("aliases", [])]
-        ways = [[make(finding, imu_axes) for make in _of(name, is_certified)] for name in names]
+        names, where = [finding["effect"], *finding.get("aliases", [])], finding.get("where", {})
+        ways = [_measurements(name, where, imu_axes, is_certified) for name in names]
         best = next((each for each in ways if each[0].steps), ways[0])
         found |= {one.name: one for one in best if one.name not in found}
-    return list(found.values()) or [REPEAT({}, imu_axes)]
-
-
-def _of(name: str, is_certified: bool) -> tuple[Make, ...]:
-    wanted = MEASUREMENTS.get(name, (REPEAT,))
-    return REMOUNTED if is_certified and CERTIFICATE in wanted else wanted
+    return list(found.values()) or [STATIC["repeat"]]
 
 
 def write_plans(path: Path, wanted: Sequence[Measurement]) -> dict[Path, list[str]]:

@@ -11,44 +11,29 @@ from typing import Any
 import numpy as np
 
 from procedures.discovery.discover import Discovery, Proposal
-from procedures.discovery.next_plan import HEATED_K, LONGER, SPEEDS_DEG_S, NextMeasurement, next_measurement
+from procedures.discovery.next_plan import LONGER, SPEEDS_DEG_S, NextMeasurement, next_measurement
 from procedures.effects.term.effect_of_term import TermEffect
 from procedures.effects.term.latex import latex_of_law
 from station.files.effect_file import FORMAT
 from station.files.toml_file import toml_text
 from station.results.diagnosis.log_measurements import AGAIN
-from station.results.diagnosis.next_measurements import (
-    DWELL_S,
-    MIXED,
-    OTHER_ORDER,
-    Make,
-    Measurement,
-    always,
-    positions,
-    turns,
-)
+from station.results.diagnosis.next_measurements import DWELL_S, STATIC, Measurement, positions, turns
 
-MEASUREMENTS: Mapping[str, Make] = {
+MEASUREMENTS: Mapping[str, Measurement] = {
     **{
-        f"turns_at_{speed:g}": always(
+        f"turns_at_{speed:g}": Measurement(
             f"turns_at_{speed:g}",
             f"Turn about each axis once more, both ways, at about {speed:g} deg/s.",
-            turn=turns(speed_deg_s=speed),
+            {"turn": turns(speed_deg_s=speed)},
         )
         for speed in SPEEDS_DEG_S
     },
-    "another_order": OTHER_ORDER,
-    "heated": always(
-        "heated",
-        f"Do the twelve positions and the turns again while the unit is heated by {HEATED_K:g} K, evenly from the "
-        f"first step to the last.",
-        **positions(MIXED),
-        turn=turns(),
-    ),
-    "longer_rests": always(
+    "another_order": STATIC["other_order"],
+    "heated": STATIC["warming_campaign"],
+    "longer_rests": Measurement(
         "longer_rests",
         f"Do the twelve positions again, each for {LONGER * DWELL_S:g} s.",
-        **positions(range(1, 13), LONGER * DWELL_S),
+        positions(range(1, 13), LONGER * DWELL_S),
     ),
 }
 
@@ -64,14 +49,14 @@ def next_in_words(one: Proposal, best: NextMeasurement | None) -> str:
         return ""
     if best is None:
         return "no repetition of this campaign's steps parts it from them"
-    say = MEASUREMENTS[best.name]({}, ()).phrase
+    say = MEASUREMENTS[best.name].phrase
     return f"{say}: parts it from {best.parted} of them, in {best.minutes:.0f} minutes at the bench"
 
 
 def planned(document: Mapping[str, Any]) -> list[Measurement]:
     """Return the measurements that the proposals of a `diagnosis/2` ask for, each once."""
     names = [one["next"]["measurement"] for one in document["findings"] if "next" in one]
-    return [MEASUREMENTS[name]({}, ()) for name in dict.fromkeys(names)]
+    return [MEASUREMENTS[name] for name in dict.fromkeys(names)]
 
 
 PROPOSED = "proposed"
