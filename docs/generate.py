@@ -110,7 +110,7 @@ force [g] or the angular rate [deg/s, Earth rate included] along each sensor, `o
 field [uT], `_x` along an axis of the IMU, `t` the device time [s]. Every sensor has a coefficient `c` of its own.
 Equations are written as in [own-effects](../how-to/own-effects.md), where an error term that is not here can be
 defined in a file. *Plausible* is the standard uncertainty before the data: it bounds the fit. *Separate by* is the
-measurement that separates an error term from those that look alike. Simulated devices can have each one:
+measurement that separates an error term from those that look alike. Most can be simulated:
 [simulated-devices](simulated-devices.md).
 """
     ]

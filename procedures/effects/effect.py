@@ -92,10 +92,21 @@ class Effect:
         return np.array(columns.plausible or (self.plausible,) * len(columns.coefficients))
 
     @property
+    def triad(self) -> str:
+        """The triad that it acts on, "" of bench and procedure."""
+        owner = self.name.partition(".")[0]
+        return owner if owner in INSTRUMENT else ""
+
+    @property
+    def title(self) -> str:
+        """What it is in a phrase, which names its triad."""
+        return self.meaning if self.triad in self.meaning else f"{self.meaning}, {self.triad}"
+
+    @property
     def kind(self) -> Kind:
         """What it says something about: the instrument, the bench, or how the campaign was carried out."""
-        owner = self.name.split(".")[0]
-        return "instrument" if owner in INSTRUMENT else "bench" if owner in BENCH else "procedure"
+        owner = self.name.partition(".")[0]
+        return "instrument" if self.triad else "bench" if owner in BENCH else "procedure"
 
     @property
     def vanishes_at_reference(self) -> bool:

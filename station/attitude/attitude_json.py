@@ -14,14 +14,21 @@ from procedures.attitude.gain_tuning import GainTuning
 from procedures.frames import wrapped
 from procedures.units import DEG_H_PER_DEG_S
 from station.files.atomic_file import replace_file
+from station.results.diagnosis.diagnosis_document import (
+    ERRORS_TITLE,
+    DiagnosisDocument,
+    Table,
+    causes_of,
+    others_table,
+)
 from station.results.diagnosis.diagnosis_json import (
     FORMAT,
     error_document,
     finding_document,
     probabilities_document,
 )
-from station.results.diagnosis.diagnosis_wording import OTHERS_TITLE, alternatives_in_words, other_terms
-from station.results.diagnosis.finding_wording import both, coefficient_rows, confidence_in_words
+from station.results.diagnosis.diagnosis_text import text_of
+from station.results.diagnosis.finding_wording import both
 from station.text import plural
 
 ATTITUDE_FORMAT = "attitude/1"
@@ -155,7 +162,6 @@ def _deg(angle: float) -> float:
 
 
 METHOD = "the last 40 % of the log, held out"
-MAX_OTHERS = 6
 EFFECT_TITLES = {
     "consistent": "No further error term was detected in this log.",
     "established": "The model lacks {names}.",
@@ -178,20 +184,26 @@ def attitude_diagnosis_document(trace: AttitudeDiagnosis) -> dict[str, Any]:
 
 
 def attitude_diagnosis_text(document: Mapping[str, Any]) -> str:
-    """Return the verdict, the findings with 1 sigma, the error before and after, and what was tried."""
+    """Return a trace as text, laid out as every diagnosis."""
     names = both([finding["effect"] for finding in document["findings"]]) if document["findings"] else ""
-    lines = [f"{document['verdict'].upper()}. {EFFECT_TITLES[document['verdict']].format(names=names)}"]
-    for number, finding in enumerate(document["findings"], 1):
-        lines += ["", f"{number}. {finding['effect']} ({finding['kind']})", f"   {confidence_in_words(finding)}"]
-        lines += [f"   {row.name:<9} {row.value:<44} {row.size:>12}" for row in coefficient_rows(finding)]
-        if finding["aliases"]:
-            lines.append(f"   it may also be: {', '.join(alternatives_in_words(document, finding))}")
-            lines.append(f"   to separate them: {finding['separate_by']}")
-    for error in document["error"]:
-        lines += ["", f"error, rms {error['unit']}: {error['quantity']}"]
-        for title, name in (("in the rows used", ""), (error["method"], "held_out_")):
-            if f"{name}before" in error and f"{name}after" in error:
-                lines.append(f"   {error[f'{name}before']:.4f} -> {error[f'{name}after']:.4f}  {title}")
-    if others := other_terms(document):
-        lines += ["", OTHERS_TITLE, *(f"   {name:<44} {p}" for name, p in others[:MAX_OTHERS])]
-    return "\n".join(lines)
+    header = ("quantity", "unit", "in the rows used", "held out")
+    rows = tuple(
+        (each["quantity"], each["unit"], *(_error(each, held) for held in ("", "held_out_")))
+        for each in document["error"]
+    )
+    errors = Table(ERRORS_TITLE, "<<>>", header, rows, METHOD)
+    return text_of(
+        DiagnosisDocument(
+            verdict=document["verdict"],
+            title=document["verdict"],
+            headline=EFFECT_TITLES[document["verdict"]].format(names=names),
+            causes=causes_of(document),
+            measure_next=document["next_measurement"],
+            sections=tuple(filter(None, (errors, others_table(document)))),
+        )
+    )
+
+
+def _error(error: Mapping[str, Any], held: str) -> str:
+    known = [error.get(f"{held}{when}") for when in ("before", "after")]
+    return "" if None in known else " -> ".join(f"{each:.4f}" for each in known)

@@ -14,7 +14,7 @@ from procedures.frames import AXES, TRIADS
 from procedures.twelve_positions.bench_parameters import mean_cube
 from procedures.units import ARCSEC_PER_RAD, DEG_H_PER_DEG_S, PPM_PER_ONE, UG_PER_G
 from station.demo.device import COEFFICIENT, EFFECT, KEY
-from station.results.diagnosis.finding_wording import probability_text
+from station.results.diagnosis.finding_wording import most_reduced, probability_text
 from station.results.parameters_by_name import parameters
 
 NOTABLE = 2.0  # standard uncertainties, which one error in twenty exceeds
@@ -133,9 +133,7 @@ def findings_lines(diagnosis: Mapping[str, Any]) -> Iterator[str]:
         yield from _coefficients(each)
     if not causes:
         yield "no error was found that the model lacked; use longer dwells (--dwell-s 60)"
-    held_out = [each for each in diagnosis["error"] if each.get("held_out_after")]
-    if causes and held_out:
-        most = max(held_out, key=lambda each: each["held_out_before"] / each["held_out_after"])
+    if causes and (most := most_reduced(diagnosis)):
         yield f"  {'error of ' + most['quantity']:<32}{'without it':<15}with it"
         for name, where in (("", "in the data"), ("held_out_", "in held-out data")):
             before, after = (f"{most[f'{name}{when}']:.3g} {most['unit']}" for when in ("before", "after"))

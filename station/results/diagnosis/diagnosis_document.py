@@ -29,7 +29,8 @@ from station.results.diagnosis.finding_wording import (
     coefficient_rows,
     confidence_in_words,
     equation_of,
-    held_out_of,
+    error_text,
+    explained,
     notable_sizes,
     notes,
     place_of,
@@ -45,12 +46,12 @@ from station.results.parameters_by_name import Parameter, shown, shown_sigma, ti
 from station.results.report.noise_document import NoiseChannel, read_channel
 from station.results.solution_text import effect_rows, measured
 
-ROUNDING = 1e-9  # ug, deg/h ..: no error of an instrument is as small
+ERRORS_TITLE = "error (rms), without -> with the findings in the model"
 MAX_MOVED = 8
 MAX_OTHERS = 6
 MIN_SHIFT_SIGMAS = 1.0  # u
 TEXTBOOK_BIASES = ("bias_12_position", "bias_two_direction")  # their sigma is counting noise only
-CAUSE_COLUMNS = ("cause", "size", "probability", "held-out error")
+CAUSE_COLUMNS = ("cause", "size", "probability", "explained")
 PLAN_HINT = "--plan FILE writes its steps for `station calibrate --plan FILE`"
 
 
@@ -89,7 +90,7 @@ class Cause:
     """A row of the first table and what is known of it: an error term, or what acts without a name.
 
     ``effect`` is its name and ``place`` where it acts, by which its figure is found. ``sentences`` say how sure it
-    is. ``held_out`` is the error held out, without and with it. ``alternatives`` are the names that it may have
+    is, ``explained`` its share of the squared held-out error. ``alternatives`` are the names that it may have
     instead, with their probabilities.
     """
 
@@ -99,7 +100,7 @@ class Cause:
     about: str
     probability: str
     size: str
-    held_out: str
+    explained: str
     sentences: tuple[str, ...]
     alternatives: tuple[tuple[str, str], ...] = ()
     tables: tuple[Table, ...] = ()
@@ -115,7 +116,7 @@ class Cause:
     def rows(self, number: int) -> list[tuple[str, str, str, str]]:
         """Return the cells of its row, as `CAUSE_COLUMNS`, and those of its alternatives."""
         return [
-            (f"{number}. {self.title}", self.size, self.probability, self.held_out),
+            (f"{number}. {self.title}", self.size, self.probability, self.explained),
             *((f"   or {name}", "", probability, "") for name, probability in self.alternatives),
         ]
 
@@ -131,27 +132,26 @@ class DiagnosisDocument:
     title: str
     headline: str
     causes: tuple[Cause, ...]
-    cause_note: str
-    not_separable: tuple[str, ...]
-    measure_next: str
-    plan_hint: str
-    searched: str
     sections: tuple[Table | Lines, ...]
-    noise: Sequence[NoiseChannel]
-    not_observable: str
-    warnings: tuple[str, ...]
+    cause_note: str = ""
+    not_separable: tuple[str, ...] = ()
+    measure_next: str = ""
+    plan_hint: str = ""
+    searched: str = ""
+    noise: Sequence[NoiseChannel] = ()
+    not_observable: str = ""
+    warnings: tuple[str, ...] = ()
 
 
 def document_of(found: Mapping[str, Any]) -> DiagnosisDocument:
     """Return a `diagnosis/2` as a document."""
-    causes = tuple(_causes(found))
     is_shared = any(each.get("aliases") for each in found["findings"]) or bool(found.get("unnamed"))
     has_steps = "solution" in found and found["recording"] != "rate table"
     return DiagnosisDocument(
         verdict=found["verdict"],
         title=verdict_title(found),
         headline=verdict_sentence(found),
-        causes=causes,
+        causes=causes_of(found),
         cause_note=PROBABILITY_NOTE if is_shared else "",
         not_separable=tuple(not_separable_in_words(found)),
         measure_next=found["next_measurement"],
@@ -164,13 +164,13 @@ def document_of(found: Mapping[str, Any]) -> DiagnosisDocument:
     )
 
 
-def _causes(found: Mapping[str, Any]) -> list[Cause]:
+def causes_of(found: Mapping[str, Any]) -> tuple[Cause, ...]:
     """Return the causes, the likeliest first, proposed ones last."""
     named = [(several[0]["probability"], _named(found, several)) for several in by_term(found["findings"])]
     unnamed = [(each["joint_probability"], _unnamed(found, each)) for each in found.get("unnamed", ())]
     proposed = [cause for _, cause in named if cause.latex]
     known = [each for each in (*named, *unnamed) if each[1] not in proposed]
-    return [cause for _, cause in sorted(known, key=lambda each: -each[0])] + proposed
+    return (*(cause for _, cause in sorted(known, key=lambda each: -each[0])), *proposed)
 
 
 def _named(found: Mapping[str, Any], several: Sequence[Mapping[str, Any]]) -> Cause:
@@ -187,7 +187,7 @@ def _named(found: Mapping[str, Any], several: Sequence[Mapping[str, Any]]) -> Ca
         about=", ".join(part for part in (first["kind"], place) if part),
         probability=probabilities_text(several),
         size=notable_sizes(first, 1),
-        held_out=held_out_of(first),
+        explained=explained(first),
         sentences=tuple(sentences),
         alternatives=tuple(others),
         tables=(table,),
@@ -217,7 +217,7 @@ def _unnamed(found: Mapping[str, Any], cause: Mapping[str, Any]) -> Cause:
         about="",
         probability=probability_text(cause["joint_probability"]),
         size="",
-        held_out="",
+        explained="",
         sentences=(),
         alternatives=tuple(alternatives(found, cause)),
     )
@@ -249,10 +249,15 @@ def _sections(found: Mapping[str, Any]) -> Iterator[Table | Lines]:
         ("parameter", "before", "after +- u", "unit", "change"),
         tuple(_moved(found["parameters"])),
     )
-    yield Table(OTHERS_TITLE, "<<", ("error term", "probability"), tuple(other_terms(found)[:MAX_OTHERS]))
+    yield others_table(found)
     yield Lines("rests and transfers", tuple(rests_and_moves_lines(found)))
     yield Lines("rotations", tuple(turns_lines(found)))
     yield channel_table(found.get("channels", ()), found["findings"], has_noise="noise" in found)
+
+
+def others_table(found: Mapping[str, Any]) -> Table:
+    """Return the other error terms that were considered."""
+    return Table(OTHERS_TITLE, "<<", ("error term", "probability"), tuple(other_terms(found)[:MAX_OTHERS]))
 
 
 def _on_table(found: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
@@ -268,23 +273,14 @@ def _errors(errors: Sequence[Mapping[str, Any]]) -> Iterator[Table]:
     for method in dict.fromkeys(each["method"] for each in errors):
         rows = list[tuple[str, ...]]()
         for error in (each for each in errors if each["method"] == method):
-            scale, unit = shown_unit(error["unit"])
-            pairs = (
-                f"{_plain(error[b] * scale)} -> {_plain(error[a] * scale)}" if b in error and a in error else ""
-                for b, a in (("before", "after"), ("held_out_before", "held_out_after"))
-            )
-            rows.append((error["quantity"], unit, *pairs))
+            (in_data, unit), (held, _) = error_text(error, ""), error_text(error)
+            rows.append((error["quantity"], unit, in_data, held))
         title = "validation data" if method.startswith("validation") else "held out"
         header = ("quantity", "unit", "in the data", title)
         note = (
             method if method.startswith("validation") else f"held out: {method.removesuffix(', held out in turn')}"
         )
-        yield Table("error (rms), without -> with the findings in the model", "<<>>", header, tuple(rows), note)
-
-
-def _plain(value: float) -> str:
-    """Return an error with three digits; 0 where only rounding is left."""
-    return f"{value:.3g}" if value > ROUNDING else "0"
+        yield Table(ERRORS_TITLE, "<<>>", header, tuple(rows), note)
 
 
 def _wider(widened: Iterable[Mapping[str, Any]]) -> Iterator[tuple[str, ...]]:

@@ -20,7 +20,12 @@ INDENT = "   "
 
 def diagnosis_text(found: Mapping[str, Any]) -> str:
     """Return the text that `station diagnose` prints of a `diagnosis/2`; +- is the standard uncertainty u."""
-    return "\n\n".join("\n".join(part) for part in _parts(document_of(found)) if part)
+    return text_of(document_of(found))
+
+
+def text_of(document: DiagnosisDocument) -> str:
+    """Return a diagnosis as text, as it is laid out everywhere."""
+    return "\n\n".join("\n".join(part) for part in _parts(document) if part)
 
 
 def _parts(document: DiagnosisDocument) -> Iterator[list[str]]:

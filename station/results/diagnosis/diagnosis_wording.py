@@ -10,13 +10,14 @@ from station.results.diagnosis.finding_wording import (
     NEGLIGIBLE,
     PROPOSED,
     both,
+    error_text,
     meaning_of,
+    most_reduced,
     notable_sizes,
     p_text,
     place_of,
     probabilities_text,
     probability_text,
-    reduction_in_words,
     share_text,
 )
 from station.text import significant
@@ -55,6 +56,7 @@ def verdict_sentence(document: Mapping[str, Any]) -> str:
         return "The results of this recording are below."
     found, chance = known_findings(document), p_text(document["log10_p"])
     sure, possible = ([f for f in found if (f["confidence"] == "possible") is so] for so in (False, True))
+    known = f"{_named(sure)} {_reduction(document)}" if sure else ""
     match document["verdict"]:
         case "consistent" if nothing_is_left(document):
             return (
@@ -64,7 +66,7 @@ def verdict_sentence(document: Mapping[str, Any]) -> str:
         case "consistent":
             return f"Residuals are consistent with noise ({chance}). No further error term was detected."
         case "established" | "likely":
-            return f"{_named(sure)} With that in the model, residuals are consistent with noise ({chance})."
+            return f"{known}With that in the model, residuals are consistent with noise ({chance})."
         case "ambiguous":
             also = f" Also found: {_named(sure)}" if sure else ""
             return (
@@ -72,13 +74,21 @@ def verdict_sentence(document: Mapping[str, Any]) -> str:
                 f"{_groups(document, possible)}.{also}"
             )
         case _:
-            known = f"{_named(sure)} " if sure else ""
             maybe = f" Possible: {_groups(document, possible)}." if possible else ""
             return f"{known}{_excess_text(document, chance, is_after=bool(sure))}{maybe} {TAKEN_FOR_SCATTER}"
 
 
+def _reduction(document: Mapping[str, Any]) -> str:
+    """Return by how much the error held out falls with the findings in the model, where it falls most."""
+    if (best := most_reduced(document)) is None:
+        return ""
+    text, unit = error_text(best)
+    before, _, after = text.partition(" -> ")
+    return f"The held-out error of {best['quantity']} falls from {before} to {after} {unit}. "
+
+
 def _named(findings: Sequence[Mapping[str, Any]]) -> str:
-    """Return a sentence for each cause: what it is, probability, size, place, the error without and with it."""
+    """Return a sentence for each cause: what it is, probability, size, place."""
     return " ".join(_sentence(several) for several in by_term(findings))
 
 
@@ -90,8 +100,7 @@ def _sentence(several: Sequence[Mapping[str, Any]]) -> str:
     is_one = len(several) == 1 and COUNTED not in first["where"]
     own = (first.get("shape", ""), notable_sizes(first)) if is_one else ()
     parts = [part for part in (*own, place_of(several)) if part]
-    reduced = reduction_in_words(first)
-    return f"{text}{': ' if parts else ''}{', '.join(parts)}.{f' {reduced}.' if reduced else ''}"
+    return f"{text}{': ' if parts else ''}{', '.join(parts)}."
 
 
 def _groups(document: Mapping[str, Any], findings: Sequence[Mapping[str, Any]]) -> str:

@@ -315,8 +315,7 @@ def draw_panel(figure: Figure, panel: ResidualPanel) -> None:
     left, right = figure.subplots(1, 2, sharey=True)
     for axes, values, title in ((left, panel.before, "without it"), (right, panel.after, "with it")):
         _draw(axes, panel, values)
-        rms = float(np.sqrt(np.mean(values**2)))
-        axes.set_title(f"{title}: {rms:.3g} {unit} rms", fontsize=8.5, color=INK, loc="left")
+        axes.set_title(title, fontsize=8.5, color=INK, loc="left")
     left.set_ylabel(f"residual [{unit}]")
     handles, labels = left.get_legend_handles_labels()
     if len(labels) > 1:

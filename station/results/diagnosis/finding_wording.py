@@ -16,6 +16,8 @@ SAMPLE_EFFECTS = (
     "accelerometer.vibration_rectification",
     "gyroscope.vibration_rectification",
 )  # fmt: skip
+FALLS = 0.995  # of an error held out, from which on it is the same
+ROUNDING = 1e-9  # ug, deg/h ..: no error of an instrument is as small
 NEGLIGIBLE = 0.01  # a probability that is not listed
 CERTAIN = 0.999  # a probability from which on no more digits are printed
 BEYOND_BELIEF = 10.0  # times its expected size, from which on a coefficient is questioned
@@ -35,9 +37,8 @@ def confidence_in_words(finding: Mapping[str, Any]) -> str:
     if finding["aliases"]:
         joint = finding.get("joint_probability", 1.0)
         text += f"; the data cannot separate it from the alternatives (together {probability_text(joint)})"
-    share = finding.get("share", 0.0)
     whole = "the samples' variance" if is_of_samples(finding) else "the squared held-out error"
-    return f"{text}; it explains {share_text(share)} of {whole}" if share >= NEGLIGIBLE else text
+    return f"{text}; it explains {share} of {whole}" if (share := explained(finding)) else text
 
 
 def probability_text(p: float) -> str:
@@ -71,9 +72,9 @@ def share_text(share: float) -> str:
 
 def meaning_of(name: str) -> str:
     """Return what an error term is, in words: ``Second-order nonlinearity of the accelerometers``."""
-    from procedures.effects import MEANINGS
+    from procedures.effects import CATALOGUE
 
-    return MEANINGS.get(name, "")
+    return CATALOGUE[name].title if name in CATALOGUE else ""
 
 
 EQUATIONS = {  # of what acts sample by sample, a the channel, the count or the time
@@ -102,29 +103,27 @@ def is_of_samples(finding: Mapping[str, Any]) -> bool:
     return lagged or finding["effect"] in SAMPLE_EFFECTS
 
 
-def reduction_in_words(finding: Mapping[str, Any]) -> str:
-    """Return by how much the error held out falls with a finding in the model, where it falls most."""
-    if (best := _most_reduced(finding)) is None:
-        return ""
-    before, _, after = held_out_of(finding).partition(" -> ")
-    return f"The held-out error of {best['quantity']} falls from {before} to {after}"
+def explained(finding: Mapping[str, Any]) -> str:
+    """Return the share of the squared error held out, or of the samples' variance, that a finding explains."""
+    share = finding.get("share", 0.0)
+    return share_text(share) if share >= NEGLIGIBLE else ""
 
 
-def held_out_of(finding: Mapping[str, Any]) -> str:
-    """Return the error held out without and with a finding, where it falls most: ``4.8 -> 1 deg/h``."""
-    if (best := _most_reduced(finding)) is None:
-        return ""
-    scale, unit = shown_unit(best["unit"])
-    before, after = (best[f"held_out_{when}"] * scale for when in ("before", "after"))
-    return f"{before:.3g} -> {after:.3g} {unit}"
+def most_reduced(document: Mapping[str, Any]) -> Mapping[str, Any] | None:
+    """Return the ``error`` of a `diagnosis/2` that falls most where held out in turn, None where none falls."""
+    own = [each for each in document["error"] if not each["method"].startswith("validation")]
+    known = [each for each in own if each.get("held_out_before") and each.get("held_out_after")]
+    best = min(known, key=lambda each: each["held_out_after"] / each["held_out_before"], default=None)
+    return best if best and best["held_out_after"] < FALLS * best["held_out_before"] else None
 
 
-def _most_reduced(finding: Mapping[str, Any]) -> Mapping[str, Any] | None:
-    errors = [e for e in finding.get("error", ()) if e.get("held_out_before") and "held_out_after" in e]
-    if not errors or finding.get("share", 0.0) < NEGLIGIBLE:
-        return None
-    found: Mapping[str, Any] = min(errors, key=lambda e: e["held_out_after"] / e["held_out_before"])
-    return found
+def error_text(error: Mapping[str, Any], held: str = "held_out_") -> tuple[str, str]:
+    """Return an error without and with the findings in the model, and its unit: ``4.8 -> 1``, ``deg/h``."""
+    scale, unit = shown_unit(error["unit"])
+    if not {f"{held}before", f"{held}after"} <= error.keys():
+        return "", unit
+    values = (error[f"{held}{when}"] * scale for when in ("before", "after"))
+    return " -> ".join(f"{value:.3g}" if value > ROUNDING else "0" for value in values), unit
 
 
 def notes(finding: Mapping[str, Any]) -> list[str]:

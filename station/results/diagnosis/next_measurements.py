@@ -12,7 +12,7 @@ from typing import Any
 
 from procedures.effects import CATALOGUE
 from procedures.effects.effect import MeasurementName
-from procedures.frames import AXES, TRIADS
+from procedures.frames import AXES
 from procedures.positions import POSITIONS, face_of
 from station.files.atomic_file import replace_file
 from station.files.campaign_folder.plan_file import FORMAT
@@ -207,7 +207,7 @@ def measurement_name(effect: str) -> MeasurementName:
         return one.next_measurement
     match one.driver:
         case "input":
-            return "free_positions" if effect.startswith(TRIADS[0]) else "other_speeds"
+            return "free_positions" if one.triad == "accelerometer" else "other_speeds"
         case "specific force" | "magnetic field":
             return "other_field"
         case "temperature":

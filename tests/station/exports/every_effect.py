@@ -2,11 +2,16 @@
 
 from typing import Any
 
+import numpy as np
+
+from procedures.effects import CATALOGUE
+from procedures.effects.effect import Effect
+from procedures.effects.term.law import Law
 from tests.station.calibrated.test_calibration_applied import calibration, effect
 
 AXES = "xyz"
 MATRIX = [a + b for a in AXES for b in AXES]
-EFFECTS = (
+OF_OWN_SIZE = (
     effect("accelerometer.quadratic", x=6e-5, y=-5e-5, z=1e-5),
     effect("accelerometer.cubic", x=2e-5, y=1e-5, z=-1e-5),
     effect("accelerometer.scale_asymmetry", x=100.0, y=-50.0, z=20.0),
@@ -29,6 +34,25 @@ EFFECTS = (
     effect("gyroscope.scale_nonlinearity", "u |u|", x=1.0, y=-2.0, z=2.0),
     effect("gyroscope.scale_nonlinearity", "u^3", x=0.01, y=-0.02, z=0.02),
     effect("gyroscope.sagnac_sine", x=1e-3, y=-5e-4, z=5e-4),
+)
+
+
+def of_plausible_size(one: Effect, law: Law) -> dict[str, Any]:
+    """Return every coefficient of an effect at its plausible size, parameters in the middle of their range."""
+    middle = {key: float(np.sqrt(each.low * each.high)) for key, each in law.parameters.items()}
+    found = effect(one.name, law.shape, **dict.fromkeys(law.coefficients, law.plausible), **middle)
+    return {**found, "unit": law.unit}
+
+
+KNOWN = {(one["name"], one.get("shape", "")) for one in OF_OWN_SIZE}
+EFFECTS = (
+    *OF_OWN_SIZE,
+    *(
+        of_plausible_size(one, law)
+        for one in CATALOGUE.values()
+        for law in one.laws
+        if not one.not_corrected and (one.name, law.shape) not in KNOWN and "backlash" not in law.equation
+    ),
 )
 DRIFT = {**effect("accelerometer.bias_drift", x=1e-5), "unit": "g/h"}
 

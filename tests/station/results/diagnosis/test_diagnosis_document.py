@@ -135,8 +135,7 @@ def test_the_rows_of_each_sensor_are_drawn_before_and_after() -> None:
         assert [each.get_label() for each in drawn] == ["ax", "az"]
         assert [each.lines[0].get_xdata().tolist() for each in drawn] == [[-1.0, 0.0], [1.0]]
         assert [each.lines[0].get_ydata().tolist() for each in drawn] == values
-    assert left.get_title(loc="left") == "without it: 2.89 \u00b5g rms"  # sqrt(25 / 3)
-    assert right.get_title(loc="left") == "with it: 0.289 \u00b5g rms"
+    assert [each.get_title(loc="left") for each in (left, right)] == ["without it", "with it"]
     assert caption(PANEL) == "Accelerometer, dwells; bars: 1\u03c3 of counting noise."
 
 
