@@ -6,7 +6,7 @@ They hold the evidence, its fits and the recordings: in a process that goes on, 
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from procedures.effects.temperature_history import followed, known_histories
+from procedures.effects.temperature_history import known_histories, sensor_temperature
 from procedures.evidence.candidates import noise_in_navigation_grade
 from procedures.evidence.excitation import equal_bins
 from procedures.evidence.linear_model import fit_with, fitted, variance_classes
@@ -29,7 +29,7 @@ def clear_caches() -> Iterator[None]:
             fitted,
             row_sums,
             known_histories,
-            followed,
+            sensor_temperature,
             noise_in_navigation_grade,
             variance_classes,
             block_rates,

@@ -145,14 +145,12 @@ def _moves(seen: Excitation) -> bool:
     return bool(np.isfinite(T).all() and np.ptp(T) > FEWEST_K)
 
 
-def _grid(
-    low: float, high: float, count: int, name: str = "tau", unit: str = "s"
-) -> Iterator[Mapping[str, Shape]]:
-    """Yield a parameter's values, each to be fitted as far as its neighbours."""
+def _grid(low: float, high: float, count: int) -> Iterator[Mapping[str, Shape]]:
+    """Yield time constants [s], each to be fitted as far as its neighbours."""
     if 0 < low < high:
         ratio = (high / low) ** (1 / (count - 1))
         for value in np.geomspace(low, high, count).tolist():
-            yield {name: Shape(unit, value, value / ratio, value * ratio)}
+            yield {"tau": Shape("s", value, value / ratio, value * ratio)}
 
 
 def _widths(u: FloatArray, unit: str) -> Iterator[Mapping[str, Shape]]:

@@ -36,10 +36,7 @@ class Effect:
     tell it from what looks alike. ``added`` returns, for coefficients (k,) of the first of ``columns``, what is
     added (n, 3) and its change with them (n, 3, k), where the effect is not linear. ``shown`` returns coefficients
     (k,) in ``unit`` and their 1 sigma for those that are fitted, where the two differ, and ``fitted`` its inverse.
-    ``may_hang_on_a_step`` says that a single position may be all that tells it; its name is then likely at most.
-    ``is_scatter``: its coefficients, one a step, are draws of one variance, which is what is found; its name is
-    likely at most, too;
-    ``stated_share`` of its plausible 1 sigma is what the campaign states already.
+    ``is_scatter``: its coefficients, one a step, are draws of one variance, which is what is found.
     ``at`` returns one of its ways at another excitation, at the time constant and orders that the way has, where
     these are fitted; ``ranges`` bound what is not linear. ``separate_by_certified`` stands for ``separate_by``
     where the cube has a certificate already. ``is_loss``: its coefficients are above zero, or it is another.
@@ -77,9 +74,7 @@ class Effect:
     is_held_at_prior: bool = False
     covered_by: str = ""
     carried_with: str = ""
-    may_hang_on_a_step: bool = False
     is_scatter: bool = False
-    stated_share: float = 0.0
     at: Callable[[Excitation, Columns], Columns] | None = None
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     laws: tuple[Law, ...] = ()

@@ -5,7 +5,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TypeVar, overload
+from typing import Literal, TypeVar, overload
 
 import numpy as np
 
@@ -21,9 +21,7 @@ RESTING = ("dwell", "rest", "soak")
 MAX_PLACES = 200  # that are tried: of more, as in many soaks together, evenly spread ones
 MIN_STEPS = 2  # on either side: one step by itself is no jump
 PARTS = 8  # of a rest, in the middle of each of which a jump is tried: then its time is known to a sixteenth of it
-PARTS_OF_MOVE = (
-    2  # the same, of a move: to 6 s, in which 0.5 deg/h turn by 3 arcsec, no more than seats leave open
-)
+PARTS_OF_MOVE = 2  # the same, of a move: to 6 s, in which 0.5 deg/h turn by 3 arcsec, as seats leave open
 
 BlockTimes = dict[ExcitationStep, tuple[float, float]]
 Place = TypeVar("Place")
@@ -203,7 +201,6 @@ ACCELEROMETER_JUMP = Effect(
     columns=accelerometer_columns,
     next_measurement="repeat",
     separate_by="the first position again at the end, and the campaign once more without switching off",
-    may_hang_on_a_step=True,
     driver="time",
 )
 GYROSCOPE_JUMP = replace(
@@ -216,16 +213,15 @@ GYROSCOPE_JUMP = replace(
 )
 
 
-def accelerometer_turn_on(excitation: Excitation) -> list[Columns]:
-    """Return a bias of its own for each soak and sensor [g per g]."""
-    names, own = _own(excitation)
-    return [Columns(names, accel=own)] if names else []
+def _turn_on(acts_on: Literal["accel", "gyro"], per: float) -> Callable[[Excitation], list[Columns]]:
+    """Return columns of a bias of its own for each soak and sensor, ``per`` [g], [deg/s] of a unit."""
 
+    def columns(excitation: Excitation) -> list[Columns]:
+        names, own = _own(excitation)
+        way = Columns(names)
+        return [replace(way, accel=own) if acts_on == "accel" else replace(way, gyro=per * own)] if names else []
 
-def gyroscope_turn_on(excitation: Excitation) -> list[Columns]:
-    """Return a bias of its own for each soak and sensor [deg/s per deg/h]."""
-    names, own = _own(excitation)
-    return [Columns(names, gyro=own / DEG_H_PER_DEG_S)] if names else []
+    return columns
 
 
 def _own(excitation: Excitation) -> tuple[tuple[str, ...], FloatArray]:
@@ -253,7 +249,7 @@ ACCELEROMETER_TURN_ON = Effect(
     physics="the bias of every recording is random, standard deviation = value",
     source="IEEE Std 1293, bias repeatability",
     plausible=1e-3,
-    columns=accelerometer_turn_on,
+    columns=_turn_on("accel", 1.0),
     separate_by="the same recordings once more, some of them without switching off in between, at one temperature",
     is_scatter=True,
 )
@@ -263,7 +259,7 @@ GYROSCOPE_TURN_ON = replace(
     unit="deg/h",
     source="IEEE Std 952, bias repeatability",
     plausible=30.0,
-    columns=gyroscope_turn_on,
+    columns=_turn_on("gyro", 1 / DEG_H_PER_DEG_S),
 )
 
 
@@ -313,6 +309,5 @@ UNIT_TILT = Effect(
     is_turn=True,
     next_measurement="again",
     separate_by="the rest again, with nobody near the stand; at another attitude a bias is along gravity",
-    may_hang_on_a_step=True,
     driver="time",
 )

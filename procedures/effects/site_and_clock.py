@@ -1,17 +1,25 @@
 """The site and the clock: where North is, latitude, gravity, how long a sample lasts."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from procedures.effects.effect import Effect
 from procedures.effects.excitation import Columns, Excitation
 from procedures.effects.surface_plate import world_rotation_columns
+from procedures.frames import AXES
 from procedures.units import STANDARD_GRAVITY
 
 
-def azimuth_columns(excitation: Excitation) -> list[Columns]:
-    """Return Earth rate turned about the vertical [deg/s per rad], in turns too."""
-    _, gyro, rotation = world_rotation_columns(excitation, np.array([[0.0], [0.0], [1.0]]))
-    return [Columns(("value",), gyro=gyro, rotation=rotation)]
+def _earth_turned(about: str) -> Callable[[Excitation], list[Columns]]:
+    """Return columns of the Earth's rate turned about an axis of the slab [deg/s per rad], in turns too."""
+
+    def columns(excitation: Excitation) -> list[Columns]:
+        axis = np.eye(3)[:, [AXES.index(about)]]
+        _, gyro, rotation = world_rotation_columns(excitation, axis)
+        return [Columns(("value",), gyro=gyro, rotation=rotation)]
+
+    return columns
 
 
 AZIMUTH = Effect(
@@ -25,7 +33,7 @@ AZIMUTH = Effect(
     physics="the surface plate's North mark points east of true north: C_ln turns about the vertical",
     source="IEEE Std 952, Earth rate as input in the multiposition test",
     plausible=0.02,
-    columns=azimuth_columns,
+    columns=_earth_turned("z"),
     next_measurement="survey",
     separate_by="a survey of the surface plate's North mark",
 )
@@ -63,12 +71,6 @@ GRAVITY = Effect(
 )
 
 
-def latitude_columns(excitation: Excitation) -> list[Columns]:
-    """Return Earth rate turned about East [deg/s per rad], in turns too."""
-    _, gyro, rotation = world_rotation_columns(excitation, np.array([[1.0], [0.0], [0.0]]))
-    return [Columns(("value",), gyro=gyro, rotation=rotation)]
-
-
 LATITUDE = Effect(
     name="site.latitude",
     meaning="The bench lies further north than stated",
@@ -81,7 +83,7 @@ LATITUDE = Effect(
     physics="latitude + value in the Earth's rate W (0, cos L, sin L)",
     source="IEEE Std 952, Earth rate as input in the multiposition test",
     plausible=0.02,
-    columns=latitude_columns,
+    columns=_earth_turned("x"),
     next_measurement="survey",
     separate_by="the latitude of the bench from a map or a receiver, in campaign.toml",
 )

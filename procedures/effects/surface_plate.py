@@ -130,11 +130,7 @@ HEADING = Effect(
     next_measurement="twice",
     separate_by="the positions again, against a stop on the surface plate",
     is_scatter=True,
-    stated_share=1 / TIMES_STATED,
 )
-
-
-TIMES_STATED = 2.0
 
 
 def closure_columns(excitation: Excitation) -> list[Columns]:
@@ -172,5 +168,4 @@ CLOSURE = Effect(
     separate_by="the six rotations again with three times the revolutions: a closure error stays, an error of the "
     "scale factor grows with the angle",
     is_scatter=True,
-    stated_share=1 / TIMES_STATED,
 )

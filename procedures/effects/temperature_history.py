@@ -35,27 +35,19 @@ def _begin(t: FloatArray) -> float:
     return float(t[0] - (t[1] - t[0]) / 2) if len(t) > 1 else float(t[0])
 
 
-def sensor_temperature(seen: Excitation, tau_s: float, lags: int = 1) -> FloatArray:
+@lru_cache(maxsize=64)  # of a campaign several effects ask for the same
+def sensor_temperature(seen: Excitation, tau_s: float) -> FloatArray:
     """Return T_s (n,) [degC] at the nodes, which follows the temperature: ``tau dT_s/dt = T - T_s``.
 
-    Of several lags the next follows what the one before has come to, all from one equilibrium. nan where a
-    campaign's temperature is not known, or there is no time constant above zero.
+    nan where a campaign's temperature is not known, or there is no time constant above zero.
     """
-    return followed(seen, tau_s, lags)
-
-
-@lru_cache(maxsize=64)  # of a campaign several effects ask for the same
-def followed(seen: Excitation, tau_s: float, lags: int) -> FloatArray:
-    """Return the temperature T_s (n,) [degC] of `sensor_temperature`, worked out."""
     found = np.full(len(seen.t), np.nan)
     for order in known_histories(seen) if tau_s > 0 else ():
         t, T = seen.t[order], seen.temperature[order]
         if 0 < t[0] < tau_s and np.isfinite(seen.temperature_rate[order[0]]):
             begin = T[0] - seen.temperature_rate[order[0]] * t[0] / S_PER_MIN
             t, T = np.append(0.0, t), np.append(begin, T)
-        for _ in range(lags):
-            T = lagged(t, T, tau_s)
-        found[order] = T[-len(order) :]
+        found[order] = lagged(t, T, tau_s)[-len(order) :]
     found.flags.writeable = False
     return found
 

@@ -10,13 +10,12 @@ from types import MappingProxyType
 from drivers.errors import TruthRefused, UnknownEffect
 from drivers.simulated.effects.bench import BENCH, PROCEDURE, VIBRATION
 from drivers.simulated.effects.planted_effect import PlantedEffect, Stimulus, TriadInput
-from drivers.simulated.effects.sensors import ACCELEROMETER, BIAS_NOISE, GYROSCOPE
+from drivers.simulated.effects.sensors import ACCELEROMETER, BIAS_NOISE, BOTH, GYROSCOPE
 from drivers.simulated.effects.written_term import planted_term
 from drivers.simulated.truth import Sizes
 
-EFFECTS = {
-    effect.name: effect for effect in (*ACCELEROMETER, *GYROSCOPE, *BIAS_NOISE, *BENCH, *PROCEDURE, *VIBRATION)
-}
+_ALL = (*ACCELEROMETER, *GYROSCOPE, *BOTH, *BIAS_NOISE, *BENCH, *PROCEDURE, *VIBRATION)
+EFFECTS = {effect.name: effect for effect in _ALL}
 
 Planted = tuple[tuple[PlantedEffect, Sizes], ...]
 

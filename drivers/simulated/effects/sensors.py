@@ -12,28 +12,20 @@ was switched on in equilibrium.
 
 from collections.abc import Callable
 from itertools import combinations
+from types import MappingProxyType
 
 import numpy as np
 
 from drivers.simulated.effects.planted_effect import (
     AXES,
-    CYCLE_KEYS,
-    CYCLE_OPTIONS,
-    JUMP_OPTIONS,
     MATRIX_KEYS,
     REFERENCE_C,
-    SETTLING_OPTIONS,
     VECTOR_KEYS,
     Added,
     PlantedEffect,
     Stimulus,
     TriadInput,
-    bias_cycle,
-    bias_settling,
-    jump,
     matrix,
-    scale_asymmetry,
-    scale_settling,
     vector,
 )
 from drivers.simulated.truth import Sizes
@@ -42,8 +34,13 @@ from procedures.units import DEG_H_PER_DEG_S, S_PER_H, S_PER_MIN
 
 HIGHEST = 5  # order that can be planted
 POLYNOMIAL_KEYS = (*AXES, *(f"{axis}.{n}" for axis in AXES for n in range(1, HIGHEST + 1)))
+CYCLE_KEYS = tuple(f"{axis}.{part}" for axis in AXES for part in ("sin", "cos"))
 LAG_OPTIONS = {"tau_s": 300.0}
 PLAY_OPTIONS = {"play_k": 0.0}
+JUMP_OPTIONS = {"after_s": 600.0, "scale": 0.0}
+NO_OPTIONS: Sizes = MappingProxyType({})
+Size = Callable[[Stimulus, Sizes], FloatArray]
+BothTriads = tuple[PlantedEffect, PlantedEffect]
 GRID = 101  # times of a segment at which the sensor's temperature is worked out
 PLAY_STEP_S = 1.0  # in which a play follows the temperature
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(96)
@@ -61,27 +58,6 @@ def polynomial(sizes: Sizes, temperature: FloatArray) -> FloatArray:
         c[0] += sizes.get(axis, 0.0)
         columns.append(np.polyval([*reversed(c), 0.0], warmer))
     return np.stack(columns, axis=1)
-
-
-def polynomial_of_lag(sizes: Sizes, seen: Stimulus) -> FloatArray:
-    """Return the same (n, 3) of the temperature that a sensor has come to with the time constant ``tau_s`` [s]."""
-    return polynomial(sizes, sensor_temperature(seen, sizes["tau_s"]))
-
-
-def rate_of_lag(sizes: Sizes, seen: Stimulus) -> FloatArray:
-    """Return c dT_s/dt (n, 3), in K/min, of the temperature that a sensor has come to with ``tau_s`` [s]."""
-    ahead = np.reshape(seen.temperature, -1) - sensor_temperature(seen, sizes["tau_s"])
-    return vector(sizes) * S_PER_MIN * ahead[:, None] / sizes["tau_s"]
-
-
-def scale_temperature(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
-    """Return what is added (n, 3), or (1, 3) [g, deg/s]: 1e-6 (c1 (T - 25) + ...) (u + D), c in ppm/K^n."""
-    return 1e-6 * polynomial(sizes, stimulus.temperature) * (triad.raw + triad.bias)
-
-
-def scale_temperature_lag(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
-    """Return the same (n, 3) [g, deg/s] of the temperature that a sensor has come to."""
-    return 1e-6 * polynomial_of_lag(sizes, stimulus) * (triad.raw + triad.bias)
 
 
 def direction(seen: Stimulus, sizes: Sizes) -> FloatArray:
@@ -126,49 +102,110 @@ def _turned(sizes: Sizes, seen: FloatArray) -> FloatArray:
     return added
 
 
-def _deg_s(sizes: Sizes) -> FloatArray:
-    return vector(sizes) / DEG_H_PER_DEG_S
-
-
 def _counts_lost(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
     out = triad.raw + triad.bias
     above = np.abs(out) - sizes["knee_deg_s"]
     return np.where(above > 0, -1e-6 * vector(sizes) * above * np.sign(out), 0.0)
 
 
+def _bias(
+    name: str, unit: tuple[str, str], keys: tuple[str, ...], size: Size, options: Sizes = NO_OPTIONS
+) -> BothTriads:
+    """Return what is planted in the biases of both triads; ``size`` returns it in the effect's unit."""
+
+    def rate(seen: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
+        return size(seen, sizes) / DEG_H_PER_DEG_S
+
+    return (
+        PlantedEffect(f"accelerometer.{name}", unit[0], keys, options, accel=lambda s, _, sizes: size(s, sizes)),
+        PlantedEffect(f"gyroscope.{name}", unit[1], keys, options, gyro=rate),
+    )
+
+
+def _scale(name: str, unit: str, keys: tuple[str, ...], size: Size, options: Sizes = NO_OPTIONS) -> BothTriads:
+    """Return what is planted in the scale factors of both triads; ``size`` returns it in ppm."""
+
+    def added(seen: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
+        return 1e-6 * size(seen, sizes) * (triad.raw + triad.bias)
+
+    return (
+        PlantedEffect(f"accelerometer.{name}", unit, keys, options, accel=added),
+        PlantedEffect(f"gyroscope.{name}", unit, keys, options, gyro=added),
+    )
+
+
+def _warmed(seen: Stimulus, sizes: Sizes) -> FloatArray:
+    return polynomial(sizes, seen.temperature)
+
+
+def _lagged(seen: Stimulus, sizes: Sizes) -> FloatArray:
+    return polynomial(sizes, sensor_temperature(seen, sizes["tau_s"]))
+
+
+def _lagged_rate(seen: Stimulus, sizes: Sizes) -> FloatArray:
+    """Return c dT_s/dt (n, 3), in K/min, of the temperature that a sensor has come to with ``tau_s`` [s]."""
+    ahead = np.reshape(seen.temperature, -1) - sensor_temperature(seen, sizes["tau_s"])
+    return vector(sizes) * S_PER_MIN * ahead[:, None] / sizes["tau_s"]
+
+
+def _settling(seen: Stimulus, sizes: Sizes) -> FloatArray:
+    settled: FloatArray = vector(sizes) * np.exp(-seen.t / sizes["tau_s"])
+    return settled
+
+
+def _cycle(seen: Stimulus, sizes: Sizes) -> FloatArray:
+    phase = 2 * np.pi * seen.t / sizes["period_s"]
+    sine, cosine = (np.array([sizes.get(f"{axis}.{part}", 0.0) for axis in AXES]) for part in ("sin", "cos"))
+    added: FloatArray = sine * np.sin(phase) + cosine * np.cos(phase)
+    return added
+
+
+def _asymmetry(seen: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
+    return 0.5e-6 * vector(sizes) * np.abs(triad.raw)
+
+
+def _jump(unit: float) -> Added:
+    """Return what adds ``unit`` times sizes, or ppm of the output, after ``after_s``."""
+
+    def added(seen: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
+        by = 1e-6 * (triad.raw + triad.bias) if sizes["scale"] else unit
+        jumped: FloatArray = (seen.t > sizes["after_s"]) * vector(sizes) * by
+        return jumped
+
+    return added
+
+
+BOTH = (
+    *_bias("bias_temperature", ("g/K", "deg/h/K"), POLYNOMIAL_KEYS, _warmed),
+    *_scale("scale_temperature", "ppm/K", POLYNOMIAL_KEYS, _warmed),
+    *_bias("temperature_lag", ("g/K", "deg/h/K"), POLYNOMIAL_KEYS, _lagged, LAG_OPTIONS),
+    *_scale("scale_temperature_lag", "ppm/K", POLYNOMIAL_KEYS, _lagged, LAG_OPTIONS),
+    *_bias("temperature_rate", ("g/(K/min)", "deg/h/(K/min)"), VECTOR_KEYS,
+           lambda seen, sizes: vector(sizes) * seen.temperature_rate),
+    *_bias("temperature_rate_lag", ("g/(K/min)", "deg/h/(K/min)"), VECTOR_KEYS, _lagged_rate, LAG_OPTIONS),
+    *_bias("temperature_hysteresis", ("g", "deg/h"), VECTOR_KEYS,
+           lambda seen, sizes: vector(sizes) * direction(seen, sizes), PLAY_OPTIONS),
+    *_bias("bias_settling", ("g", "deg/h"), VECTOR_KEYS, _settling, LAG_OPTIONS),
+    *_scale("scale_settling", "ppm", VECTOR_KEYS, _settling, LAG_OPTIONS),
+    *_bias("bias_cycle", ("g", "deg/h"), CYCLE_KEYS, _cycle, {"period_s": 600.0}),
+    *_bias("bias_drift", ("g/h", "deg/h/h"), VECTOR_KEYS, lambda seen, sizes: vector(sizes) * seen.t / S_PER_H),
+    PlantedEffect("accelerometer.scale_asymmetry", "ppm", VECTOR_KEYS, accel=_asymmetry),
+    PlantedEffect("gyroscope.scale_asymmetry", "ppm", VECTOR_KEYS, gyro=_asymmetry),
+    PlantedEffect("accelerometer.jump", "g", VECTOR_KEYS, JUMP_OPTIONS, accel=_jump(1.0)),
+    PlantedEffect("gyroscope.jump", "deg/h", VECTOR_KEYS, JUMP_OPTIONS, gyro=_jump(1 / DEG_H_PER_DEG_S)),
+)  # fmt: skip
+
+
 GYROSCOPE = (
     PlantedEffect("gyroscope.g_sensitivity", "deg/h/g", MATRIX_KEYS,
                   gyro=lambda seen, triad, sizes: _turned(sizes, seen.f)),
-    PlantedEffect("gyroscope.bias_temperature", "deg/h/K", POLYNOMIAL_KEYS,
-                  gyro=lambda seen, triad, sizes: polynomial(sizes, seen.temperature) / DEG_H_PER_DEG_S),
-    PlantedEffect("gyroscope.scale_temperature", "ppm/K", POLYNOMIAL_KEYS, gyro=scale_temperature),
-    PlantedEffect("gyroscope.temperature_lag", "deg/h/K", POLYNOMIAL_KEYS, LAG_OPTIONS,
-                  gyro=lambda seen, triad, sizes: polynomial_of_lag(sizes, seen) / DEG_H_PER_DEG_S),
-    PlantedEffect("gyroscope.scale_temperature_lag", "ppm/K", POLYNOMIAL_KEYS, LAG_OPTIONS,
-                  gyro=scale_temperature_lag),
-    PlantedEffect("gyroscope.bias_settling", "deg/h", VECTOR_KEYS, SETTLING_OPTIONS,
-                  gyro=lambda seen, triad, sizes: bias_settling(seen, triad, sizes) / DEG_H_PER_DEG_S),
-    PlantedEffect("gyroscope.bias_cycle", "deg/h", CYCLE_KEYS, CYCLE_OPTIONS,
-                  gyro=lambda seen, triad, sizes: bias_cycle(seen, triad, sizes) / DEG_H_PER_DEG_S),
-    PlantedEffect("gyroscope.scale_settling", "ppm", VECTOR_KEYS, SETTLING_OPTIONS, gyro=scale_settling),
-    PlantedEffect("gyroscope.temperature_hysteresis", "deg/h", VECTOR_KEYS, PLAY_OPTIONS,
-                  gyro=lambda seen, triad, sizes: _deg_s(sizes) * direction(seen, sizes)),
-    PlantedEffect("gyroscope.temperature_rate", "deg/h/(K/min)", VECTOR_KEYS,
-                  gyro=lambda seen, triad, sizes: _deg_s(sizes) * seen.temperature_rate),
-    PlantedEffect("gyroscope.temperature_rate_lag", "deg/h/(K/min)", VECTOR_KEYS, LAG_OPTIONS,
-                  gyro=lambda seen, triad, sizes: rate_of_lag(sizes, seen) / DEG_H_PER_DEG_S),
-    PlantedEffect("gyroscope.bias_drift", "deg/h/h", VECTOR_KEYS,
-                  gyro=lambda seen, triad, sizes: _deg_s(sizes) * seen.t / S_PER_H),
     PlantedEffect("gyroscope.magnetic", "deg/h/uT", MATRIX_KEYS,
                   gyro=lambda seen, triad, sizes: _turned(sizes, seen.magnetic)),
-    PlantedEffect("gyroscope.scale_asymmetry", "ppm", VECTOR_KEYS, gyro=scale_asymmetry),
     PlantedEffect("gyroscope.scale_nonlinearity", "ppm/(deg/s)", VECTOR_KEYS,
                   gyro=lambda seen, triad, sizes: 1e-6 * vector(sizes) * triad.raw * np.abs(triad.raw)),
     PlantedEffect("gyroscope.sagnac_sine", "rad/(deg/s)", VECTOR_KEYS,
                   gyro=lambda seen, triad, sizes: triad.raw * (np.sinc(vector(sizes) * triad.raw / np.pi) - 1)),
     PlantedEffect("gyroscope.counts_lost", "ppm", VECTOR_KEYS, {"knee_deg_s": 30.0}, gyro=_counts_lost),
-    PlantedEffect("gyroscope.jump", "deg/h", VECTOR_KEYS, JUMP_OPTIONS,
-                  gyro=lambda seen, triad, sizes: jump(seen, triad, sizes, 1 / DEG_H_PER_DEG_S)),
 )  # fmt: skip
 
 
@@ -196,36 +233,14 @@ ACCELEROMETER = (
                   accel=lambda seen, triad, sizes: vector(sizes) * triad.raw**2),
     PlantedEffect("accelerometer.cubic", "g/g^3", VECTOR_KEYS,
                   accel=lambda seen, triad, sizes: vector(sizes) * triad.raw**3),
-    PlantedEffect("accelerometer.scale_asymmetry", "ppm", VECTOR_KEYS, accel=scale_asymmetry),
     PlantedEffect("accelerometer.cross_product", "g/g^2", _OWN_KEYS + _PRODUCT_KEYS, accel=_cross_product),
-    PlantedEffect("accelerometer.bias_temperature", "g/K", POLYNOMIAL_KEYS,
-                  accel=lambda seen, triad, sizes: polynomial(sizes, seen.temperature)),
-    PlantedEffect("accelerometer.scale_temperature", "ppm/K", POLYNOMIAL_KEYS, accel=scale_temperature),
-    PlantedEffect("accelerometer.temperature_rate", "g/(K/min)", VECTOR_KEYS,
-                  accel=lambda seen, triad, sizes: vector(sizes) * seen.temperature_rate),
-    PlantedEffect("accelerometer.temperature_rate_lag", "g/(K/min)", VECTOR_KEYS, LAG_OPTIONS,
-                  accel=lambda seen, triad, sizes: rate_of_lag(sizes, seen)),
-    PlantedEffect("accelerometer.temperature_lag", "g/K", POLYNOMIAL_KEYS, LAG_OPTIONS,
-                  accel=lambda seen, triad, sizes: polynomial_of_lag(sizes, seen)),
-    PlantedEffect("accelerometer.scale_temperature_lag", "ppm/K", POLYNOMIAL_KEYS, LAG_OPTIONS,
-                  accel=scale_temperature_lag),
-    PlantedEffect("accelerometer.bias_settling", "g", VECTOR_KEYS, SETTLING_OPTIONS, accel=bias_settling),
-    PlantedEffect("accelerometer.bias_cycle", "g", CYCLE_KEYS, CYCLE_OPTIONS, accel=bias_cycle),
-    PlantedEffect("accelerometer.scale_settling", "ppm", VECTOR_KEYS, SETTLING_OPTIONS, accel=scale_settling),
-    PlantedEffect("accelerometer.temperature_hysteresis", "g", VECTOR_KEYS, PLAY_OPTIONS,
-                  accel=lambda seen, triad, sizes: vector(sizes) * direction(seen, sizes)),
-    PlantedEffect("accelerometer.bias_drift", "g/h", VECTOR_KEYS,
-                  accel=lambda seen, triad, sizes: vector(sizes) * seen.t / S_PER_H),
     PlantedEffect("accelerometer.relaxation", "g", VECTOR_KEYS, {"tau_s": 30.0, "by_force": 0.0},
                   accel=_relaxation),
-    PlantedEffect("accelerometer.jump", "g", VECTOR_KEYS, JUMP_OPTIONS,
-                  accel=lambda seen, triad, sizes: jump(seen, triad, sizes, 1.0)),
 )  # fmt: skip
 
 
 PER_OCTAVE = 8
 HERTZ = 2.0 ** np.arange(-18, 0, 1 / PER_OCTAVE)  # from 3 days to 2 s
-BothTriads = tuple[PlantedEffect, PlantedEffect]
 Amplitudes = Callable[[float], FloatArray]
 STEP_S = 1.0  # between the points that are computed: straight lines between them
 

@@ -59,11 +59,6 @@ OF_CATALOGUE: Mapping[str, Function] = {
 ALL_FUNCTIONS: Mapping[str, Function] = {**FUNCTIONS, **OF_CATALOGUE}
 
 
-def lag(t: FloatArray, x: FloatArray, tau_s: float) -> FloatArray:
-    """Return y (n,), in the unit of x (n,), of ``tau dy/dt = x - y`` from y = x on; t (n,) [s] rises."""
-    return lagged(t, x, tau_s)
-
-
 def smooth(t: FloatArray, x: FloatArray, tau_s: float) -> FloatArray:
     """Return the mean (n,) of x (n,), in its unit, at times t (n,) [s] over the last ``tau_s``; it was x[0]."""
     total = np.concatenate((np.zeros(1), np.cumsum(np.diff(t) * (x[1:] + x[:-1]) / 2)))
@@ -76,7 +71,7 @@ def smooth(t: FloatArray, x: FloatArray, tau_s: float) -> FloatArray:
     return found
 
 
-OPERATORS: Mapping[str, Callable[[FloatArray, FloatArray, float], FloatArray]] = {"lag": lag, "smooth": smooth}
+OPERATORS: Mapping[str, Callable[[FloatArray, FloatArray, float], FloatArray]] = {"lag": lagged, "smooth": smooth}
 
 
 def over_time(operator: str, seen: Excitation, x: FloatArray, tau_s: float) -> FloatArray:

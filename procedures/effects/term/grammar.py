@@ -95,27 +95,23 @@ def channel_as_written(name: str) -> str | None:
 
 def names(node: Node) -> Iterator[Name]:
     """Yield every name in a term that is no function's."""
-    match node:
-        case Name():
-            yield node
-        case Operation():
-            yield from names(node.left)
-            yield from names(node.right)
-        case Call():
-            for each in node.arguments:
-                yield from names(each)
+    return (each for each in _nodes(node) if isinstance(each, Name))
 
 
 def calls(node: Node) -> Iterator[Call]:
     """Yield every call in a term."""
+    return (each for each in _nodes(node) if isinstance(each, Call))
+
+
+def _nodes(node: Node) -> Iterator[Node]:
+    yield node
     match node:
-        case Call():
-            yield node
-            for each in node.arguments:
-                yield from calls(each)
         case Operation():
-            yield from calls(node.left)
-            yield from calls(node.right)
+            yield from _nodes(node.left)
+            yield from _nodes(node.right)
+        case Call():
+            for each in node.arguments:
+                yield from _nodes(each)
 
 
 @dataclass(frozen=True, slots=True)
