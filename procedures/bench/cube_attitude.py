@@ -1,16 +1,11 @@
 """The attitude of a cube that is carried, from gyro angles and from gravity, with the sigma of its heading.
 
-``C_lb`` takes the cube's axes to the slab's East, North, Up. A small angle theta (3,) that the gyros saw, cube
-axes, makes it ``C_lb exp([theta x])``. Gravity says the two tilts, by a rotation about a level axis, which leaves
-the heading alone. The heading is known only from its last fix, and less well with what came since:
+A small angle theta (3,) in cube axes makes ``C_lb`` (cube to slab) ``C_lb exp([theta x])``. Gravity determines
+the two tilts; the heading is known from its last fix alone, infinite without one:
 
     std^2 = fix^2 + (k_std turned)^2 + (GYRO_MISALIGNMENT_RAD path)^2 + gap^2
 
-with ``turned`` the angle about the vertical, whose scale is known to ``k_std``, ``path`` that about level axes,
-of which a misaligned gyro shows that part about the vertical, ``gap`` what a gap in the data may hide. Without a
-fix std is infinite: the heading is not known, and no value of it means anything.
-
-Rotation vectors: Rodrigues, `procedures.frames.rotation`. The bookkeeping of the sigma is this project's own.
+with ``turned`` the angle about the vertical, ``path`` that about level axes, ``gap`` what a gap may hide.
 """
 
 from dataclasses import dataclass, replace

@@ -1,18 +1,11 @@
 """A cube measured by the IMUs that were calibrated in it: parallelism and skew with an honest covariance.
 
-Per campaign ``N = k (T R C u + D + K2 (C u)^2)``: u the specific force in cube axes
-(`procedures.twelve_positions.bench_parameters`), C the nominal mounting, R how the IMU sat in it (three angles, of
-each campaign its own), T lower triangular with rows of unit length: the angles between the unit's input axes,
-which it keeps however it is mounted. k and D are free in each campaign, a turn-on may change them; T and K2 belong
-to the unit, the tilts to the cube.
-
-Twelve face positions leave per axis one combination of D, K2 and parallelism open. K2 is therefore a parameter
-with a plausible range as its prior; what is left of that range is in the covariance. It is common to all that a
-unit ever measures of a cube: `UnitShare` keeps it apart, so that no drift is lost in it
-(`procedures.bench.cube_drift`).
-
-Several units are joined through the square roots of their information on cube and K2, to which what is plausible
-is added once. Source: Bierman, Factorization Methods for Discrete Sequential Estimation, 1977, ch. 4.
+Per campaign ``N = k (T R C u + D + K2 (C u)^2)``: u the specific force in cube axes, C the nominal mounting, R
+how the IMU sat in it (three angles), T lower triangular with rows of unit length. k, R and D belong to a
+campaign, T and K2 to the unit, the tilts to the cube. Twelve positions leave per axis one combination of D, K2
+and parallelism open: K2 has a prior, common to all that a unit ever measures, which `UnitShare` keeps apart.
+Units are joined by the square roots of their information (Bierman, Factorization Methods for Discrete Sequential
+Estimation, 1977, ch. 4).
 """
 
 from collections.abc import Sequence

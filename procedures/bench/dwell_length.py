@@ -1,13 +1,9 @@
-"""How long must a dwell be for a wanted sigma of the accelerometers' bias.
-
-The joint bias of an axis rests on the four dwells with the axis up or down (docs/explanation/solving.md), so that
-white rate noise n [count/sqrt(s)] leaves ``n / (2 k sqrt(T))`` of it after dwells of T seconds. What counting adds
-is little (docs/explanation/count-rate.md): an estimate is a few per cent above that bound, and some thousandths of
-a count per dwell remain where the noise is too small to carry the output across the counts:
+"""How long must a dwell be for a wanted sigma of the accelerometers' bias, of white rate noise n [count/sqrt(s)].
 
     std^2 = (WHITE_NOISE_FACTOR n / (2 k))^2 / T + (REMAINDER_COUNTS / (k T))^2
 
-Both numbers are measured on simulated campaigns (docs/explanation/guiding.md).
+The bias of an axis rests on four dwells of T seconds (docs/explanation/solving.md); both numbers are measured on
+simulated campaigns (docs/explanation/guiding.md).
 """
 
 from dataclasses import dataclass

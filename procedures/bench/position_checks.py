@@ -1,17 +1,10 @@
 """Whether each dwell stands on the face and at the heading that its position names.
 
-The outputs are compared with each other, never through stored parameters: an affine fit to the nominal
-attitudes must leave little, and must find every sensor along its own axis. If not, the one dwell is named whose
-other face mends it best.
-
-Which dwells stood turned against the marks, by the Earth's rate that the gyros saw in them.
-At rest in position p, turned by ``delta`` counter-clockwise from above, a triad counts
-``r = K C_sb C_bl(p) Rz(-(alpha + delta)) w + b`` per second, with ``w`` the Earth's rate East-North-Up and
-``alpha`` what the slab's marks are off North, common to all. K, b, alpha and every delta are parameters of one
-Bayesian fit to the dwells' rates. What a dwell's heading is without its prior follows from that prior's residual
-and leverage h (deletion, as in Cook and Weisberg 1982, 2.2): ``delta / (1 - h)``, with the variance
-``h std^2 / (1 - h)``. It is off where that is beyond `MIN_ERROR_SIGMAS` of both together. The two dwells of a face
-alone show the sum of their headings: both are named until other faces have shown the bias.
+Faces: an affine fit of the outputs to the nominal attitudes must leave little, with each sensor along its axis.
+Headings: at rest, turned by ``delta`` counter-clockwise from above, a triad of gyroscopes counts ``r = K C_sb
+C_bl(p) Rz(-(alpha + delta)) w + b``, w the Earth's rate, alpha common to all. One Bayesian fit; without its prior
+a heading is ``delta / (1 - h)``, of variance ``h std^2 / (1 - h)``, h the prior's leverage (deletion: Cook and
+Weisberg 1982, 2.2). The two dwells of a face alone show the sum of their headings: both are named.
 """
 
 from collections.abc import Sequence

@@ -1,28 +1,13 @@
 """Whether the cube is seated as in earlier dwells, and whether rotations return to their start.
 
-Debris under the cube tilts it, and a level accelerometer shows the tilt as specific force. What it should show is
-known once the face was up before: its output is ``N = K u + b`` (Yao, Hu, He 2018, eq. 1, 2) with ``u`` the up
-vector as `procedures.twelve_positions.bench_parameters` has it, from slab tilt, face tilt and heading. All of
-these are parameters of one Bayesian fit to the raw rates of the accepted dwells, with the bench's priors and wide
-ones for K and b, centred on what the vertical accelerometers count. The dwell in question takes part with next to
-no weight, so that its residual and its row of the Jacobian are what the others predict of it: ``cov = J P J'``.
+Seating: one Bayesian fit of ``N = K u + b`` (Yao, Hu, He 2018, eq. 1, 2) to the rates of the accepted dwells,
+with the bench's priors and wide ones for K and b. The dwell in question takes part with next to no weight: its
+residual and its row of the Jacobian are what the others predict of it, ``cov = J P J'``, widened by the Birge
+ratio where they contradict each other (Birge, Phys. Rev. 40, 1932). Dwells before a turn-on have a bias step of
+their own.
 
-The first dwell of a face shows face tilt, bias and misalignment in one sum; the second shows the same sum and the
-slab's tilt reversed. So there is nothing to say of the first, and until one pair is complete the slab is only
-known to be level within its plausible range. Dwells from before the unit was switched on again know the face, but
-held other biases: by a step per axis, of 5 mg 1 sigma, that the dwells since then narrow down.
-
-Dwells that contradict each other, as one on debris and its clean partner do, predict nothing to their own sigma:
-the prediction's is then wider by the Birge ratio, the square root of chi2 over what the dwells leave free (Birge,
-Phys. Rev. 40, 1932). What no fit explains is not judged at all.
-
-Did manual rotations about an axis come back to where they began? Judged from pairs, + and -, of one scale factor.
-A turn of nominal angle A counts ``k (A + closure)`` along its axis once the rate at rest is taken off. Both
-turns of a pair have the same k, so that their ratio less one is ``closure_a / A_a - closure_b / A_b``: normal
-about zero, with the variance ``(closure_std^2 + std^2) / A^2`` summed over both; ``std`` is what noise makes of a
-turn's angle. Two turns do not say which of them is off: a third does, by agreeing with one of them. Where each
-direction agrees with itself and not with the other, no chance closure explains it: the scale factor differs by
-direction, or the stops do.
+Rotations: both turns of a pair have one k, so that their ratio less one is ``closure_a / A_a - closure_b / A_b``,
+of variance ``(closure_std^2 + std^2) / A^2`` summed over both. A third turn says which of two is off.
 """
 
 from collections.abc import Sequence

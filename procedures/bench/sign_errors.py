@@ -1,16 +1,9 @@
 """Signs that contradict each other: sensors that count backwards, rotations and positions recorded reversed.
 
-A sensor's own term of E is near -1 where its sign is inverted, and just as well where the turns about its axis, or
-the positions with it up and down, are recorded exchanged. The Earth's rate in the dwells separates these where
-the gyroscopes resolve it: with K as the turns have it, a gyroscope at rest puts out ``b + a K w``, w the Earth's
-rate as the positions have it, and a = +1 where turns and dwells agree. Turns recorded in the opposite direction
-leave a = -1 in the vertical part of w and in the horizontal one, positions recorded upside down in the vertical
-part alone.
-
-Gyroscopes that count backwards in moves by hand: E of each sensor is near -1 where gravity says +1.
-Where no face ties the accelerometers' frame it is mirrored if one of them counts backwards, and rates in such a
-frame have the signs of the two other axes changed: so two gyroscopes backwards may be one accelerometer. One or
-three are gyroscopes for sure: no mirror gives them.
+A sensor's own term of E is near -1 where its sign is inverted, or its turns or positions are exchanged. The
+Earth's rate w in the dwells separates these: with K of the turns a gyroscope at rest puts out ``b + a K w``, a =
++1 where turns and dwells agree. Reversed turns leave a = -1 in both parts of w, positions upside down in the
+vertical one. Where no face ties the accelerometers' frame, two gyroscopes backwards may be one accelerometer.
 """
 
 from collections.abc import Sequence

@@ -1,16 +1,10 @@
 """Has the unit settled, so that its bias drifts less over a pair of positions than a dwell's own noise.
 
-The limits are learnt from the unit at rest, in counts, through nothing stored. With ``white`` its count noise
-[count/sqrt(s)], a dwell of T seconds shows a rate to ``white / sqrt(T)``: the limit of the drift over ``pair_s``,
-the time two positions of one face take. Two things show the drift:
-
-- the means themselves, by the slope of a straight line through the last W seconds of them,
-  ``std(slope) = white sqrt(12 / W^3)``. Half the limit takes ``W^3 = 48 T pair_s^2``: 12 min for T = 100 s;
-- the temperature, by its rate times the bias's sensitivity ``c`` to it [count/s/K], which is regressed on all that
-  was seen, with a prior as wide as fibre-optic gyros are. A temperature at rest settles the matter in a minute.
-
-Either is enough where the other does not contradict it. Least squares and its sigmas are textbook; the rules are
-this project's own (docs/explanation/guiding.md).
+``white`` is its count noise [count/sqrt(s)]: a dwell of T seconds shows a rate to ``white / sqrt(T)``, the limit
+of the drift over ``pair_s``. The drift shows in the slope of the means of the last W seconds, of ``std = white
+sqrt(12 / W^3)`` (half the limit takes ``W^3 = 48 T pair_s^2``), or in the temperature's rate times the bias's
+sensitivity [count/s/K], regressed with a prior as wide as fibre-optic gyros are. Either is enough where the other
+does not contradict it (docs/explanation/guiding.md).
 """
 
 from collections.abc import Sequence

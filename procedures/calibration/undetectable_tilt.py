@@ -1,12 +1,9 @@
 """Positions in which a tilt of the cube would not be detected, and the error that it would cause.
 
-Debris under the cube is seen where other dwells show the same. A face that stood once, one whose other dwell
-passed no count, a turn-on of its own, or the only pair that determines the slab's tilt leaves the fit to take the
-tilt for something else: a small residual is then no proof. How large a tilt must be to show, and what it does to
-the solution until then, are the internal and external reliability of W. Baarda (A testing procedure for use in
-geodetic networks, Netherlands Geodetic Commission, 1968): with the whitened design A of all rows, P the projection
-on its columns and G the rows that a tilt of one dwell changes, a tilt d shows by ``d' G' (1 - P) G d`` in chi2 and
-moves the parameters by ``A^+ G d``.
+Internal and external reliability of W. Baarda (A testing procedure for use in geodetic networks, Netherlands
+Geodetic Commission, 1968): with the whitened design A of all rows, P the projection on its columns and G the rows
+that a tilt of one dwell changes, a tilt d shows by ``d' G' (1 - P) G d`` in chi2 and moves parameters by ``A^+ G
+d``.
 """
 
 from collections.abc import Collection, Sequence

@@ -1,21 +1,10 @@
 """Channels that are constant where that cannot be true: named, and excluded where they are dead.
 
-A channel that is not there, as of a one-axis device, a broken wire or a sensor that stopped puts out one value
-without end. So does a healthy one that counts slowly, for a while. A constant stretch is dead only where something
-else says so:
-
-- the cube was turned about its own axis, or a sequence moved it, or its axis was up and down all alike;
-- a rate output with noise of several steps of its converter never holds still;
-- by the channel's other dwells and their attitudes it should have moved by more than `MIN_MISSED_COUNTS` counts;
-- or it stopped within the step itself (`procedures.campaign.dead_channels`).
-
-The whole triad is left out of such a step; of a soak the channel alone (`procedures.evidence.thermal_soaks`).
-
-Did a channel stop within a step? One that ends constant has, if it cannot have gone on so as it was before.
-At rest it would have changed `MIN_EXPECTED_CHANGES` times, as often as it did before, and moved by more than
-`MIN_MISSED_COUNTS` counts or walked by chance beyond one. A turn ends at the heading where it began: what was
-before is the rest at its start, and a gyroscope along its axis neither stops nor holds its rate from one sample to
-the next. Of a sequence, what was before is what moved least, and other channels went on to move.
+A healthy channel that counts slowly is constant for a while, too. A constant stretch is dead where the cube was
+turned about its axis or moved; where a rate output has noise of several steps of its converter; where other
+dwells and their attitudes predict more than `MIN_MISSED_COUNTS` counts; or where it stopped within the step: it
+would have changed `MIN_EXPECTED_CHANGES` times, as often as before, and moved by more than `MIN_MISSED_COUNTS`
+counts. The triad is left out of such a step; of a soak the channel alone.
 """
 
 from collections.abc import Sequence

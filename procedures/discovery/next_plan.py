@@ -1,8 +1,7 @@
 """Which further measurement would part the readings of a proposal, by the design matrix alone.
 
-Each option is the campaign's own steps done again in another way: another order in a warmer room, while the unit
-is heated, longer rests, slower or faster turns. With the proposal as the truth, v is what it does to the rows that
-there are and to those that would come; what another reading, the model, and new biases leave of v is
+Each option is the campaign's own steps again in another way. With the proposal as the truth, v is what it does to
+the rows, there and to come; another reading, the model and new biases M leave of it
 
     expected chi-square = |v - M (M'M)^-1 M' v|^2
 

@@ -1,9 +1,7 @@
 """Sagnac sine of an open-loop FOG: it puts out ``sin(s u) / s`` for u, s the Sagnac phase per rate.
 
-What is added, sin(s u) / s - u = -q u^3 / 6 + q^2 u^5 / 120 - ..., depends on s by ``q = s^2`` alone, and to first
-order is linear in it: q is what is fitted. Then s = sqrt(q), with the std sqrt(q + std q) - sqrt(q), which is
-std q / (2 s) where q is well known and sqrt(std q) where it is zero. A negative q is no phase at all (s is then
-given as -sqrt(-q)): it says that the output grows faster than the rate.
+What is added, sin(s u) / s - u = -q u^3 / 6 + q^2 u^5 / 120 - ..., is linear to first order in ``q = s^2``, which
+is fitted; s has the std sqrt(q + std q) - sqrt(q). Of a negative q, no phase at all, s is given as -sqrt(-q).
 """
 
 import numpy as np

@@ -1,17 +1,11 @@
 """The accelerometers' fit: twelve positions of a cube on a plate, the paper's formulas and the joint solve.
 
-Yao, Hu and He 2018: ``N = k * (E u + D)``, eq. (1), (2). The closed form (3)-(8) takes every face as perfect;
-the two-direction bias (9)-(11) uses only the positions with the axis up or down, in which a face's tilt enters
-at second order. The joint solve estimates face parallelism and slab tilt in addition to k, E and D, so that
-nothing is assumed of the bench but how far off it may plausibly be; its bias has the two-direction one's variance
-or less. Eq. (7) of the paper divides by k of the gyroscope; the accelerometer's own is meant.
+Yao, Hu and He 2018: ``N = k * (E u + D)``, eq. (1), (2); closed form (3)-(8), of perfect faces; two-direction
+bias (9)-(11). Eq. (7) divides by k of the gyroscope; the accelerometer's own is meant. The joint solve estimates
+face parallelism and slab tilt in addition to k, E and D.
 
-A unit switched off and on within a campaign: each turn-on has biases of its own, and the mean is solved.
-With J turn-ons the bias of turn-on j is ``b + s_j``, the s_j summing to zero: b is their mean, a better guess of
-the next turn-on's than any one of them. The steps are J - 1 more parameters per axis, ``s = Z t`` with orthonormal
-contrasts Z (Helmert), with a prior so wide that it only holds what the steps do not determine. They are fitted
-with all else and then profiled out (Frisch, Waugh 1933): what is left is a fit of the parameters asked for, its
-covariance holds what the steps leave open, and its data are freed of the steps found.
+With J turn-ons the bias of turn-on j is ``b + s_j``, the s_j summing to zero: J - 1 more parameters per axis, ``s
+= Z t`` with orthonormal contrasts Z (Helmert) and a wide prior, which are profiled out (Frisch, Waugh 1933).
 """
 
 from collections.abc import Callable, Sequence
@@ -46,7 +40,7 @@ class TurnOnFit:
 
 
 def contrasts(turn_ons: Sequence[TurnOn]) -> FloatArray:
-    """Return Z (n, m) of the rows' turn-ons: their steps are ``Z t``; no column where no campaign has a second."""
+    """Return Z (n, m) [1] of the rows' turn-ons: steps are ``Z t``; no column where no campaign has a second."""
     columns = list[FloatArray]()
     for campaign in sorted({number for number, _ in turn_ons}):
         numbers = sorted({on for of, on in turn_ons if of == campaign})

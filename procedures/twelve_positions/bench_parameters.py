@@ -1,18 +1,13 @@
 """Parameters of the bench with priors: plate tilt, face tilts, headings, gravity, and the mean cube.
 
-`seen_by_imu` turns gravity or the Earth's rate into what the IMU sees in each placement.
+Opposite faces share parallelism p, the sum of both up tilts, and perpendicularity q, half their difference: tilts
+are p/2 + q with the axis up and p/2 - q with it down. Turning the misalignment with q changes nothing that twelve
+positions can see, to first order: without a certificate q is held at what p makes likely by the machining items
+of a face (Yao, Hu and He 2018, table 2: one for X up, three for X down, three and five for Y and Z). Misalignment
+is reported for the *mean cube*, each pair's two normals averaged.
 
-A cube face's tilt is kept as two numbers a pair of opposite faces shares: parallelism p, the sum of both faces'
-up tilts, and perpendicularity q, half their difference, so that the tilts are p/2 + q with the axis up and p/2 -
-q with it down. Turning the IMU's misalignment with q changes nothing that twelve positions can see, to first
-order. Without a certificate q is held at what p makes likely: a face is tilted by the machining items it is
-reached through (Yao, Hu and He 2018, table 2), one for X up and three for X down, three and five for Y and Z, so
-the datum faces, on which the cube stands with an axis up, have the smaller share of p. Misalignment is reported
-for the *mean cube*, each pair's two normals averaged (`mean_cube`).
-
-To second order the part of q that makes the cube skew, ``S_xy = q_xy + q_yx``, does enter the bias:
-``dD_x = -(S_xy p_xy + S_xz p_xz) / 2`` (from the unit length of every up vector; `skew_jacobian`). On Yao 2018's
-cube that is 0.7e-7 g if q is taken as zero, as much as the noise of 100 s dwells.
+To second order the skew ``S_xy = q_xy + q_yx`` enters the bias, ``dD_x = -(S_xy p_xy + S_xz p_xz) / 2``
+(`skew_jacobian`): 0.7e-7 g on Yao 2018's cube if q is zero.
 """
 
 from collections.abc import Callable, Sequence
@@ -152,7 +147,7 @@ class BenchParameters:
         return known[1]
 
     def to_cube(self, x: FloatArray) -> FloatArray:
-        """Return (..., m, 3, 3): rotations from the slab's marks, at nominal heading, to all placements' cubes."""
+        """Return rotations (..., m, 3, 3) [1] from the slab's marks, at nominal heading, to placements' cubes."""
         tilts = x[..., self.cube_slice(0).start : self.shared]
         turned = (*x.shape[:-1], len(self.placements), 3)
         return self._once(
@@ -200,11 +195,11 @@ class BenchParameters:
     def seen_by_imu(
         self, x: FloatArray, vector_n: Sequence[FloatArray], motion: FloatArray | None = None
     ) -> FloatArray:
-        """Return what `seen` returns (..., m, 3), but in the IMU's axes.
+        """Return `seen` (..., m, 3) of ``x``, ``vector_n``, ``motion`` in the IMU's axes.
 
         Parameters
         ----------
-        x, vector_n, motion : (..., p), (..., 3) each and (m, 3, 3), as `seen` takes them
+        x, vector_n, motion : (..., p), (..., 3) each and (m, 3, 3) [s], as `seen` takes them
         """
         return (self.C_sb @ self.seen(x, vector_n, motion)[..., None])[..., 0]
 

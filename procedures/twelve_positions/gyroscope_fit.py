@@ -1,29 +1,17 @@
 """The gyroscopes' joint fit: dwells, manual rotations and transfers between placements in one least squares.
 
-A dwell gives a rate, a manual rotation a total (`manual_rotations.py`), a transfer a rotation
-(`placement_transfers.py`). Plate and faces come from the accelerometers' fit with its covariance; transfers also
-show how perpendicular the faces are, so that then only a rotation of the cube as a whole is constrained.
+A dwell gives a rate, a manual rotation a total, a transfer a rotation. Plate and faces come from the
+accelerometers' fit with its covariance; where transfers show the faces' perpendicularity, only a rotation of the
+cube as a whole is constrained.
 
-What latitude and time base do to the parameters: changes of the rows (n,) per unit, through the fit's gain.
-*Latitude.* The gyroscopes' model has the Earth's rate in it, ``w = Omega (0, cos lat, sin lat)``; an error of the
-latitude changes dwells by ``K C w'`` and turns by ``K C M w'``, with ``w' = Omega (0, -sin lat, cos lat)``.
+*Latitude.* With ``w = Omega (0, cos L, sin L)`` (Titterton and Weston, 3.5.3) an error changes dwells by ``K C
+w'`` and turns by ``K C M w'``, ``w' = Omega (0, -sin L, cos L)``. The latitude measured by the dwells is one
+linear step, ``min | r + J dx + R (dh, G) |^2``: dh the change of the horizontal rate, G (3, 3) a bias per
+specific force, of which ``tr G / 3`` is one with the vertical rate, and the rest the 1 sigma.
 
-*Clock.* Let the files' second be too short by the part e of itself: a rate of counts comes out too small by e.
-Counting accelerometers: all rates scale, so k does and E and D do not. Counting gyroscopes: dwells scale; a turn's
-total does not, but the bias and the Earth's rate have acted longer than its time says. Where the unit puts out
-rates it is the other way round: dwells stay, the integral of a turn scales but for bias and Earth.
-
-The latitude that the gyroscopes measure: the Earth's rate in the dwells, held against that of the stated site.
-In East-North-Up the Earth's rate is ``Omega (0, cos L, sin L)`` (Titterton and Weston, *Strapdown Inertial
-Navigation Technology*, 3.5.3; gyrocompassing, 10.3). The joint fit takes L for known. What its whitened residual r
-has of another rate follows by one more linear step, since the outputs are linear in that rate:
-
-    min | r + J dx + R (dh, G) |^2,    G (3, 3) a bias per specific force
-
-``dh`` is the change of the horizontal rate, ``tr G / 3`` that of the vertical one: a bias that is proportional to
-gravity along each axis cannot be distinguished from it. What the other eight numbers of G show of the unit's
-sensitivity to gravity is the 1 sigma of that. Bias is in dx, separated as the cube stands on opposite faces and
-headings.
+*Clock.* Of a second too short by the part e: counting accelerometers scale (k, not E and D). Of counting
+gyroscopes dwells scale, and a turn's bias and Earth's rate; of a rate output the integral of a turn but for
+these.
 """
 
 from collections.abc import Sequence

@@ -1,13 +1,10 @@
 """Manual rotations, + and - about each vertical axis: the gyroscopes' scale factor and misalignment.
 
-A closed turn of R revolutions about the slab's normal integrates to ``2 pi R`` along the resting face's normal,
-however uneven the hand, plus what the Earth added. Its vertical part grows with time; its horizontal part is seen
-from every heading in turn, so it is integrated over the heading actually turned, which the gyroscope itself
-measured. Yao 2018 names the method ("rate method") and prints no equation for it; with K = diag(k) E, b = k D:
+A closed turn of R revolutions about the slab's normal integrates to ``2 pi R`` along the face's normal, plus what
+the Earth added, whose horizontal part is integrated over the heading that the gyroscope measured. Yao 2018 names
+the method ("rate method") without an equation; with K = diag(k) E, b = k D:
 
     total = K (theta n_b + C_b M w_n) + b T,   M = integral of Rz(-psi(t)) dt,   theta = +-2 pi R + closure
-
-Bias comes from the dwells, in which the horizontal Earth rate cancels between the two headings of a pair.
 """
 
 from collections.abc import Sequence

@@ -3,18 +3,10 @@
     R = C_b1n rotation(-Omega_n T) C_b0n',    R by the gyroscopes as in `transfer_rotation.py`
 
 C_b0n and C_b1n are the cube's attitudes before and after, by slab, faces, headings and seats, Omega_n the Earth's
-rate and T how long the move took; three rows a move. A flip by 180 deg measures the scale factor as half a turn
-does and needs no mark to come back to. Moves between faces measure how perpendicular these are; no placement can.
-
-Headings and seats are parameters of the placements, so that neighbouring moves share what a placement leaves open.
-
-Moves too fast for their sample rate: what the axis turned within the samples is not known well enough.
-The hand's own rate falls with the time of a move and coning's error with the fourth power of it
-(`procedures.twelve_positions.transfer_rotation`), which says how long a move had better last.
-
-Seating is how a face's tilt on the plate varies between placements, as the accelerometers measure it. A transfer
-goes from one seat to the next; a seat of 1 arcsec is worth 1.5 ppm of a flip. The accelerometers measure
-every placement's tilt to 0.1 ug; what they cannot determine is a face's tilt from the mean seat of its placements.
+rate, T the time of the move. A flip by 180 deg measures the scale factor as half a turn does; moves between faces
+measure their perpendicularity. Headings and seats are parameters that neighbouring moves share; the
+accelerometers measure a seat to 0.1 ug but for the mean of its face. A move too fast for its sample rate is known
+less well.
 """
 
 from collections.abc import Mapping, Sequence

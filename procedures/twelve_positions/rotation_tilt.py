@@ -1,17 +1,10 @@
 """Tilt of the cube during a manual rotation, by the accelerometers at rest before and after it.
 
-Debris under the cube tilts the axis that a turn is about. The up vector at rest is known as a dwell's is, by K,
-b, slab and face of the accelerometers' fit: ``N = K u + b + s`` (Yao, Hu, He 2018, eq. 1, 2), s the step of the
-bias at its turn-on. The dwells of that turn-on say s, and so does the upright sensor in each of its turns, which
-a tilt moves in second order only; else s is as wide as `TURN_ON_STEP_STD_G`. What is left of the level sensors is
-the tilt.
-
-Whether debris goes round with the cube, which then turns about an axis that tilts in it by as much, or lies on
-the slab, so that the cube turns about its own face's normal and wobbles, cannot be determined: half the tilt is
-taken, and half of it is 1 sigma. A cube that sits well, by five sigma, is taken to turn about its face's normal.
-
-Where no dwell says s, turns from one position still say of each other whether the cube lay alike. If it did not,
-any of them may have tilted: each is taken to tilt by what it lies off their mean, give or take as much.
+``N = K u + b + s`` (Yao, Hu, He 2018, eq. 1, 2), s the step of the bias at its turn-on, by the dwells and the
+upright sensor of that turn-on, else as wide as `TURN_ON_STEP_STD_G`: what is left of the level sensors is the
+tilt. Whether debris goes round with the cube (the axis tilts in it) or lies on the slab (the cube wobbles about
+its face's normal) cannot be determined: half the tilt is taken, and half of it is 1 sigma; below five sigma none.
+Where no dwell says s, each of several turns from one position is taken to tilt by what it lies off their mean.
 """
 
 from collections.abc import Callable, Sequence

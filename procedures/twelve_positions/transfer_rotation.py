@@ -2,15 +2,10 @@
 
     R = prod of rotation(-phi_k),  phi_k = w_k dt + (phi_(k-1) x phi_k) / 12,    w = K^-1 (N - b)
 
-A direction ``u`` fixed in space and seen as ``u`` before is seen as ``R u`` after. The cross product is the
-two-sample rotation vector (Savage, J. Guidance 21, 1998): a manual rotations about changing axes within a sample.
-
-The rotation of moves by hand, integrated between the samples, with what coning may have left of it.
-A hand trembles by 20 to 60 deg/s at 2 to 8 Hz; what the axis turns within a sample is then worth 4 arcsec in 25 s
-at 50 Hz by the two-sample algorithm (Savage, J. Guidance 21, 1998), and a twentieth of that where the summed
-output is first drawn through by a quintic spline. Half the sample rate says how much is left: the error
-falls with the fourth power of the sample period or faster, so that a fifth of the difference bounds it. That is
-taken of parts of half a second, by the root of the sum of their squares: over a whole move they may cancel.
+A direction fixed in space and seen as ``u`` before is seen as ``R u`` after. The cross product is the two-sample
+rotation vector (Savage, J. Guidance 21, 1998); the summed output is first drawn through by a quintic spline.
+Coning that is left falls with the fourth power of the sample period or faster: a fifth of the difference to half
+the sample rate bounds it, taken of parts of half a second by the root of the sum of squares.
 """
 
 import itertools

@@ -1,19 +1,12 @@
 """Scatter that the model does not explain, and the effect of temperature on the parameters.
 
-A triad whose whitened squares, scatter included, still fail the test at `DOUBTFUL_P_VALUE` is taken to have
-observations too certain by one factor (Birge, Phys. Rev. 40, 1932): squares over degrees of freedom, less one,
-is the variance every observation lacks. Below that nothing is added, unless a diagnosis says that something is
-left, and then what it found within the dwells in addition. On a unit that the model describes the test fails once
-in a hundred times, so that the mean of what is added is under a hundredth of the variance of the observations.
+Where whitened squares fail the test at `DOUBTFUL_P_VALUE`, each observation lacks the variance squares over
+degrees of freedom less one (Birge, Phys. Rev. 40, 1932); below that nothing is added unless a diagnosis says so.
 
-What the temperature's movement over the campaign does to the parameters, judged from the residual.
-Six coefficients a triad: the bias and the scale factor of every axis may change with temperature, by ``c dT`` with
-dT from the mean of the campaign. Their columns ``C`` in the whitened rows are regressed on what the fit leaves,
-``M = 1 - J P J'``:  ``c = (C'M C)^-1 C' r``, of covariance ``(C'M C)^-1``. A parameter is moved by ``d = G C c``,
-known to ``v = G C (C'M C)^-1 C'G'``; ``d^2 - v`` is unbiased for the square of what it was truly moved by, and is
-its variance here: the solution does not correct it. It is counted only where the six together fail the test at
-`DOUBTFUL_P_VALUE`; noise alone does that once in a hundred campaigns, and adds so little on average that no figure
-of a budget shows it.
+Temperature: bias and scale factor of each axis may change by ``c dT``. Columns C in the whitened rows, regressed
+on the residual with ``M = 1 - J P J'``: ``c = (C'M C)^-1 C' r``. A parameter is moved by ``d = G C c``, known to
+``v = G C (C'M C)^-1 C'G'``; ``d^2 - v``, unbiased for the square, is its variance, counted where all six fail the
+test.
 """
 
 from collections.abc import Sequence

@@ -1,15 +1,10 @@
 """The variance of every whitened row of a fit, split by source: noise, quantisation and others.
 
-What part of a dwell's sigma is white noise and what quantisation, and how well the noise is known.
-The rate of a dwell of T seconds cannot be known better than white noise allows, ``noise^2 / T``: that is the
-counting noise. What the sigma of `procedures.counts.count_rate` has beyond it is the remainder that every count
-hides, and what that hides of the noise: quantisation. A rate output has only the former.
-
-How many independent looks at the noise a dwell of n samples holds: of tau remainders the one nearest to an end of
-its interval places the output to about 1 / tau counts; the noise, s counts per sqrt(sample), moves it by
-``s sqrt(tau)`` in that time. These are equal at ``tau = s^(-2/3)``, and n / tau looks remain (n where s > 1), of
-which every other is independent, since neighbours share an end. The noises found over simulated campaigns scatter
-as with 110, 38 and 257 degrees of freedom where this says 104, 48 and 200.
+White noise leaves ``noise^2 / T`` of a dwell's rate: the counting noise; the rest of its variance is
+quantisation. Of n samples the noise s [counts per sqrt(sample)] is seen n / tau times, ``tau = s^(-2/3)`` (1
+where s > 1): there the remainders nearest to the interval's ends place the output as well as the noise moves it.
+Every other look is independent. Simulated campaigns scatter as with 110, 38 and 257 degrees of freedom, where
+this says 104, 48 and 200.
 """
 
 from collections.abc import Sequence

@@ -73,7 +73,8 @@ def law_axis(
 ) -> tuple[str, FloatArray] | None:
     """Return label and values (n, 3) of what each sensor's largest term depends on; None of the time in a step.
 
-    That is its only input besides the output, or a lag of it; of several inputs the term itself.
+    That is its only input besides the output, or a lag of it, in its unit; of several inputs the term itself.
+    ``value`` and ``std`` (k,) are the coefficients' in their units.
     """
     known = dict(zip(coefficients, value.tolist(), strict=True))
     size = {name: abs(known[name]) / s if s > 0 else 0.0 for name, s in zip(known, std.tolist(), strict=True)}
