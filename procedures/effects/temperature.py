@@ -119,7 +119,6 @@ ACCELEROMETER_RATE_LAG, GYROSCOPE_RATE_LAG = twins(
         "D. M. Shupe, Thermally induced nonreciprocity, Appl. Opt. 19 (1980) 654; heat conduction, first order",
     ),
     separate_by="a heating run with ramps of different steepness and long plateaus, up and down",
-    driver="temperature",
 )
 
 ACCELEROMETER_BIAS_LAG, GYROSCOPE_BIAS_LAG = twins(

@@ -21,7 +21,7 @@ from procedures.effects.term.functions import OPERATORS
 from procedures.effects.term.grammar import Call, Name, Node, Number, Operation, calls, names, parse
 from procedures.effects.term.inputs import MEASURED, Input, known_input
 from procedures.effects.term.units import parse_unit, power_of
-from procedures.effects.term.values import Values
+from procedures.effects.term.values import Values, evaluated
 from procedures.frames import AXES
 
 OUTPUT_UNITS = {"accelerometer": "g", "gyroscope": "deg/s"}
@@ -130,10 +130,8 @@ class Law:
 
     @property
     def vanishes_at_reference(self) -> bool:
-        """Say whether it vanishes at the reference temperature, as a coefficient of temperature does."""
-        return "T" in self.inputs and not any(
-            each.name == "backlash" for node in self.nodes() for each in calls(node)
-        )
+        """Say whether it depends on how warm it is while nothing changes: zero at the reference temperature."""
+        return any(_when_steady(node, 1.0) != _when_steady(node, 0.0) for node in self.nodes())
 
     @property
     def looks_back(self) -> bool:
@@ -235,6 +233,17 @@ def alike(a: FloatArray, b: FloatArray) -> bool:
     if not size:  # zero is like zero alone: next to it there may be a cliff
         return not (a.any() or b.any())
     return not np.isfinite(size) or float(a @ b) >= MIN_CORRELATION * size
+
+
+def _when_steady(node: Node, T: float) -> float:
+    """Return a node's value at a temperature that has stood long, all else 1."""
+
+    def operator(call: Call) -> FloatArray | None:
+        if call.name == "backlash":
+            return np.zeros((1, 1))
+        return np.full((1, 1), _when_steady(call.arguments[0], T)) if call.name in OPERATORS else None
+
+    return float(evaluated(node, lambda name: np.full((1, 1), T if name == "T" else 1.0), operator)[0, 0])
 
 
 def _is_lag_of_temperature(call: Call) -> bool:
