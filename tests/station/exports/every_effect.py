@@ -39,7 +39,8 @@ OF_OWN_SIZE = (
 
 def of_plausible_size(one: Effect, law: Law) -> dict[str, Any]:
     """Return every coefficient of an effect at its plausible size, parameters in the middle of their range."""
-    middle = {key: float(np.sqrt(each.low * each.high)) for key, each in law.parameters.items()}
+    ends = {key: (each.low, each.high) for key, each in law.parameters.items()}
+    middle = {key: float(np.sqrt(low * high)) if np.isfinite(high) else 300.0 for key, (low, high) in ends.items()}
     found = effect(one.name, law.shape, **dict.fromkeys(law.coefficients, law.plausible), **middle)
     return {**found, "unit": law.unit}
 
