@@ -13,6 +13,7 @@ from procedures.frames import TRIADS
 from station.results.certificate import sentences
 from station.results.certificate.conformity import AS_FOUND_K, LimitComparison, Shift, sigmas
 from station.results.certificate.content import CertificateContent
+from station.results.certificate.dcc.administrative import CONFORMITY
 from station.results.certificate.dcc.elements import (
     ONE,
     DsiUnit,
@@ -36,7 +37,6 @@ from station.results.certificate.dcc.names import (
     parameter_name,
     source_name,
 )
-from station.results.certificate.dcc.statements import CONFORMITY
 from station.results.certificate.printed_results import MeasuredParameter
 
 DOF = Bilingual("effective degrees of freedom", "effektive Freiheitsgrade")
