@@ -11,6 +11,7 @@ from urllib.parse import SplitResult, parse_qsl, unquote, urlencode, urlsplit
 from drivers.addresses import (
     CAN,
     DEFAULT_BAUD,
+    DEFAULT_PARITY,
     MAVLINK_RATE_HZ,
     TRIAD,
     CameraAddress,
@@ -67,7 +68,7 @@ def _serial(text: str, _: str) -> SerialAddress:
     name = _format(text, options)
     if parts.netloc or not parts.path.startswith("/") or parts.path == "/":
         raise BadDeviceUrl(text, "no device path", "three slashes: serial:///dev/ttyUSB0")
-    usual = (FORMATS[name].baud, FORMATS[name].parity) if name else (DEFAULT_BAUD, "N")
+    usual = (FORMATS[name].baud, FORMATS[name].parity) if name else (DEFAULT_BAUD, DEFAULT_PARITY)
     baud = _whole_number(text, options, "baud", BAUDS) or usual[0]
     parity = _one_of(text, "parity", options.get("parity", usual[1]).upper(), PARITIES)
     return SerialAddress(text, unquote(parts.path), parity, baud=baud, format=name)

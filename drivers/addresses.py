@@ -11,7 +11,8 @@ from dataclasses import dataclass, field
 from typing import ClassVar, Literal
 from urllib.parse import quote, unquote, unquote_plus
 
-DEFAULT_BAUD = 921600  # the usual one of FOG IMUs; a format's own takes precedence
+# of a serial line, the usual ones of FOG IMUs; a format's own take precedence
+DEFAULT_BAUD, DEFAULT_PARITY = 921600, "N"
 MAVLINK_RATE_HZ = 5.0  # of the messages that are asked for, where the address states none
 CAN = "can"  # the format of a CAN bus, as `dbc` and `map` describe it
 TRIAD = "triad"  # three single-axis gyros; also the format of what their port gives
@@ -39,7 +40,7 @@ class SerialAddress(Address):
     scheme: ClassVar[Literal["serial"]] = "serial"
     path: str
     baud: int = field(default=DEFAULT_BAUD, kw_only=True)
-    parity: str = "N"
+    parity: str = DEFAULT_PARITY
 
     @property
     def name(self) -> str:

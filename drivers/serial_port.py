@@ -1,4 +1,4 @@
-"""A serial line, real or pty: the only file that knows pyserial."""
+"""A serial line, real or pty: the only file that knows pyserial. Baud and parity come with `drivers.addresses`."""
 
 import contextlib
 import errno

@@ -8,7 +8,8 @@ import zlib
 
 import numpy as np
 
-from drivers.wire.wire_format import FrameKind, Frames, Identity, Octets, WireFormat, fits, seal
+from drivers.wire.checksums import seal
+from drivers.wire.wire_format import FrameKind, Frames, Identity, Octets, WireFormat, fits
 from procedures.counts.sample_records import CountBlock
 
 SYNC = b"\xeb\x90"  # IRIG 106's 16-bit frame synchronisation pattern: few partial matches with itself

@@ -11,7 +11,8 @@ Other makers' boards open frames of other lengths with the same header: only the
 
 import numpy as np
 
-from drivers.wire.wire_format import FrameKind, Frames, WireFormat, fits, mpeg2_crc, mpeg2_is_intact, seal
+from drivers.wire.checksums import mpeg2_crc, mpeg2_is_intact, seal
+from drivers.wire.wire_format import FrameKind, Frames, WireFormat, fits
 from procedures.counts.sample_records import RateBlock
 
 HEADER = b"\xfe\x81\xff"

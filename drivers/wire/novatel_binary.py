@@ -16,6 +16,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from drivers.wire.checksums import seal
 from drivers.wire.wire_format import (
     FrameKind,
     Frames,
@@ -25,7 +26,6 @@ from drivers.wire.wire_format import (
     PulseForm,
     WireFormat,
     fits,
-    seal,
 )
 from procedures.arrays import FloatArray
 from procedures.counts.sample_records import CountBlock

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from drivers.wire.checksums import mpeg2_crc, mpeg2_is_intact_padded, seal
 from drivers.wire.wire_format import (
     FrameKind,
     Frames,
@@ -23,9 +24,6 @@ from drivers.wire.wire_format import (
     PulseForm,
     WireFormat,
     fits,
-    mpeg2_crc,
-    mpeg2_is_intact_padded,
-    seal,
 )
 from procedures.arrays import FloatArray, IntArray
 from procedures.counts.sample_records import CountBlock
@@ -176,7 +174,6 @@ FORMAT = WireFormat(
     trailer=b"\r\n",
     check="CRC-32/MPEG-2 over everything before it and zero bytes to a multiple of 4",
     check_bits=32,
-    is_intact=mpeg2_is_intact_padded,
     decode=decode,
     encode=encode,
     carries=frozenset({"device_time", "temperature", "healthy"}),

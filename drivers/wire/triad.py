@@ -13,7 +13,8 @@ import numpy as np
 
 from drivers.host_times import HINDSIGHT_S
 from drivers.wire import counts
-from drivers.wire.wire_format import FrameKind, WireFormat, seal
+from drivers.wire.checksums import seal
+from drivers.wire.wire_format import FrameKind, WireFormat
 from procedures.counts.sample_records import CountBlock
 
 SYNC = b"\x9d\x3a"

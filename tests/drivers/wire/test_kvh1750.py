@@ -5,7 +5,7 @@ import pytest
 
 from drivers.framing import Decoder, sniff
 from drivers.wire import FORMATS, kvh1750
-from drivers.wire.wire_format import mpeg2_crc
+from drivers.wire.checksums import mpeg2_crc
 
 WIRE = FORMATS["kvh1750"]
 # of a real 1750 at rest, kept as a comment in a vehicle project's CRC routine: format A, the CRC is the sensor's

@@ -7,7 +7,7 @@ import pytest
 
 from drivers.framing import Decoder, sniff
 from drivers.wire import FORMATS, stim300
-from drivers.wire.wire_format import mpeg2_crc, mpeg2_is_intact
+from drivers.wire.checksums import mpeg2_crc, mpeg2_is_intact
 from tests.drivers.wire.captures import CAPTURES, needs_captures
 
 WIRE = FORMATS["stim300"]
