@@ -1,7 +1,8 @@
 """The wire formats: the bytes of a device to blocks of counts, and back.
 
-A file describes frames by `wire_format`, checks them by `checksums` and gives its ``FORMATS``; `MODULES` lists them. NovAtel's take two:
-`novatel` (the logs and their text form) and `novatel_binary`. `drivers.framing` finds the frames in a stream.
+A file describes frames by `wire_format`, checks them by `checksums` and gives its ``FORMATS``; `MODULES` lists
+the files. NovAtel's take two: `novatel` (the logs and their text form) and `novatel_binary`. `drivers.framing`
+finds the frames in a stream.
 """
 
 from importlib import import_module

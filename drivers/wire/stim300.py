@@ -174,6 +174,7 @@ FORMAT = WireFormat(
     trailer=b"\r\n",
     check="CRC-32/MPEG-2 over everything before it and zero bytes to a multiple of 4",
     check_bits=32,
+    is_intact=mpeg2_is_intact_padded,
     decode=decode,
     encode=encode,
     carries=frozenset({"device_time", "temperature", "healthy"}),

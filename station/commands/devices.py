@@ -10,7 +10,7 @@ from station.commands._options import flag, option
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from station.device_survey import SurveyedPort
+    from station.port_detection import SurveyedPort
 
 RATE_TOLERANCE = 0.5  # of the declared rate; a look is short
 CLEAR = "\x1b[H\x1b[2J"
@@ -35,7 +35,7 @@ def devices(
     Example: station devices --url serial:///dev/ttyUSB0?baud=921600
     """
     from drivers.addresses import whole_url
-    from station.device_survey import SurveyedPort, ports_present, survey
+    from station.port_detection import SurveyedPort, ports_present, survey
 
     url = [whole_url(each) for each in url or ()]
     if url and len(url) == 1 and not watch and not json:
@@ -60,7 +60,7 @@ def _show(found: "Sequence[SurveyedPort]", *, json: bool, clear: bool) -> None:
     from json import dumps
     from shutil import get_terminal_size
 
-    from station.device_survey import fit_lines, port_lines
+    from station.port_detection import fit_lines, port_lines
 
     if json:
         typer.echo(dumps({"format": "devices/1", "devices": [asdict(each) for each in found]}))

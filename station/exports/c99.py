@@ -14,8 +14,8 @@ from procedures.units import RAD_PER_DEG, STANDARD_GRAVITY
 from station.calibrated.applied_effects import AppliedEffect
 from station.calibrated.correction_inputs import KEPT, KEPT_S, MIN_SLOPE_S, SLOPE_S
 from station.exports import Request
+from station.exports.c_and_matlab_expressions import CExpressions, c_functions
 from station.exports.exported_calibration import StoredCalibration, carried_effects
-from station.exports.expressions import CExpressions, c_functions
 from station.exports.known_samples import AUXILIARY, MAGNETIC_UT, Sample, known_samples, rounds_needed
 from station.exports.program_text import (
     OUTPUTS,

@@ -16,8 +16,8 @@ from procedures.units import RAD_PER_DEG, STANDARD_GRAVITY
 from station.calibrated.correction_inputs import KEPT_S, MIN_SLOPE_S, SLOPE_S
 from station.exports import Request
 from station.exports.c99 import DIGITS, WANTED
+from station.exports.c_and_matlab_expressions import MatlabExpressions
 from station.exports.exported_calibration import StoredCalibration, carried_effects
-from station.exports.expressions import MatlabExpressions
 from station.exports.known_samples import Sample, known_samples, rounds_needed
 from station.exports.program_text import (
     OUTPUTS,

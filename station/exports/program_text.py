@@ -10,8 +10,8 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from procedures.effects.term.grammar import names
 from procedures.units import RAD_PER_DEG, STANDARD_GRAVITY
 from station.calibrated.applied_effects import AppliedEffect
+from station.exports.c_and_matlab_expressions import Expressions
 from station.exports.exported_calibration import NotExported, StoredCalibration
-from station.exports.expressions import Expressions
 from station.exports.known_samples import Rounds
 
 SHORT = {"accelerometer": ("accel", "f", "g", "count/(g s)"), "gyroscope": ("gyro", "omega", "deg/s", "count/deg")}

@@ -15,7 +15,7 @@ from drivers.simulated.companions.truths import AutopilotTruth
 from drivers.simulated.server import SimulatedDevice
 from drivers.simulated.truth import Truth
 from station import cli
-from station.device_survey import (
+from station.port_detection import (
     BAUDS,
     SurveyedPort,
     survey,
