@@ -14,7 +14,7 @@ MAVLINK = "mavlink:udpin:0.0.0.0:14550"
 RECEIVER = re.compile(r"mavlink:((udpin|udpout|tcp):(//)?[^?]+:\d{1,5}|serial:(//)?/[^?]+)(\?.+)?")
 BARE = re.compile(r"((udp(in|out)?:([^?:\s]+:)?|[^?:\s]+:)\d{1,5}|(/dev/|tty)[^?]+)(\?.+)?")  # made a URL of later
 TextCheck = Callable[[str], str]  # returns what is wrong, or nothing
-MISSING = "is required"  # begins what is said of a field where something is yet to be typed
+MISSING = "is required:"  # begins what is said of a field yet to be typed, unless another field is why
 
 
 def number(
@@ -25,7 +25,7 @@ def number(
 
     def check(text: str) -> str:
         if not text:
-            return f"{MISSING}: {expected}" if is_needed else ""
+            return f"{MISSING} {expected}" if is_needed else ""
         try:
             value = float(text)
         except ValueError:
@@ -85,11 +85,11 @@ def problems(texts: Mapping[str, str]) -> dict[str, str]:
     if texts["gnss"] and not texts["latitude_deg"]:
         del found["latitude_deg"]  # the receiver says it
     if not texts["url"]:
-        found = {"url": f"{MISSING}: choose a port or type the device's address", **found}
+        found = {"url": f"{MISSING} choose a port or type the device's address", **found}
     if texts["gravity_std_m_s2"] and not texts["gravity_m_s2"]:
-        found["gravity_m_s2"] = f"{MISSING} with its uncertainty"
+        found["gravity_m_s2"] = "is required with its uncertainty"
     if "dwell_s" not in found and float(texts["dwell_s"]) == 0 and not texts["bias_ug"]:
-        found["bias_ug"] = f"{MISSING} when the dwell is 0: it determines the dwell time"
+        found["bias_ug"] = "is required when the dwell is 0: it determines the dwell time"
     return found
 
 

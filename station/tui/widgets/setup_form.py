@@ -276,7 +276,7 @@ class SetupForm(VerticalScroll, can_focus=False):
         found = problems(texts)
         if self._check and self._check.is_good:
             silent = [name for name in ("model", "serial") if not texts[name]]
-            found |= dict.fromkeys(silent, f"{MISSING}: this device does not send it")
+            found |= dict.fromkeys(silent, f"{MISSING} this device does not send it")
         return found
 
     def setup(self) -> Setup:

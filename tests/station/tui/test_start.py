@@ -8,7 +8,7 @@ from station.guide.setup_view import Choice, PortCheck, Readiness, ReadyLine, St
 from station.guide.view import CalibrationView, OperatorCommand
 from station.tui.screens.modals import HelpScreen, ReadyScreen
 from station.tui.screens.start import CONSIDER_S
-from station.tui.widgets.setup_entries import ENTRIES, problems, setup_of, texts_of
+from station.tui.widgets.setup_entries import ENTRIES, MISSING, problems, setup_of, texts_of
 from tests.station.tui import start_views
 from tests.station.tui.session import Screens, screens
 
@@ -332,7 +332,9 @@ def test_each_field_says_what_is_wrong_in_words(name: str, text: str, words: str
 
 
 def test_a_dwell_from_the_noise_needs_the_sigma_wanted() -> None:
-    assert "is required" in problems(texts_of(SETUP) | {"dwell_s": "0"})["bias_ug"]
+    found = problems(texts_of(SETUP) | {"dwell_s": "0"})["bias_ug"]
+    assert "is required" in found
+    assert not found.startswith(MISSING)  # it is marked at once, as another field is why
 
 
 def test_every_entry_is_a_field_of_the_set_up() -> None:
