@@ -263,7 +263,11 @@ def test_a_planted_effect_changes_the_evidence_by_its_columns(case) -> None:
     try:
         found = planted(name, sizes)
     except TruthRefused as refused:
-        pytest.skip(f"no twin, and the simulator cannot work out its equation: {refused}")
+        pytest.fail(
+            f"{name} has no twin, and the simulator cannot work out its equation ({refused}): add a "
+            "PlantedEffect(...) to drivers/simulated/effects.",
+            pytrace=False,
+        )
     agree(found, predicted(name, coefficients or sizes, where, shape), 0.03)
 
 
