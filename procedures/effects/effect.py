@@ -41,7 +41,7 @@ class Effect:
     these are fitted; ``ranges`` bound what is not linear. ``separate_by_certified`` stands for ``separate_by``
     where the cube has a certificate already. ``is_loss``: its coefficients are above zero, or it is another.
     ``is_turn``: it turns all that is seen, by as much as its columns say, which are for small angles alone.
-    ``driver`` is what it follows: input, temperature, channel, time, time at rest; that of a law if it has one.
+    ``driver`` is what it follows: "temperature", "channel", "time at rest" ...; of a law what its `Input` says.
     ``next_measurement`` is what separates it, "" where its driver determines that.
     ``multiplies_output``: it multiplies all that is put out, other effects included. ``same_at_rest`` names the
     effect that does the same while nothing but the driver changes. ``is_held_at_prior``: a campaign says no more
@@ -104,9 +104,9 @@ class Effect:
         return "instrument" if self.triad else "bench" if owner in BENCH else "procedure"
 
     @property
-    def vanishes_at_reference(self) -> bool:
-        """Say whether it vanishes at the reference temperature, as a coefficient of temperature does."""
-        return any(law.vanishes_at_reference for law in self.laws)
+    def is_of_steady_temperature(self) -> bool:
+        """Say whether it depends on the temperature also while nothing changes, as a temperature coefficient."""
+        return any(law.is_of_steady_temperature for law in self.laws)
 
     def law(self, shape: str = "") -> Law | None:
         """Return the equation of a shape, None where it has none."""

@@ -124,13 +124,13 @@ class Law:
 
     @property
     def driver(self) -> str:
-        """What drives it: what its first input is of that is not the sensor's own, else ``input``."""
+        """What drives it: that of its first input that is not of the sensor's own input, else ``input``."""
         drivers = [self._known(name).driver for name in (MEASURED[self.triad], *self.inputs)]
-        return next((one for one in drivers if one not in ("input", drivers[0])), "input")
+        return next((one for one in drivers if one not in ("", "input", drivers[0])), "input")
 
     @property
-    def vanishes_at_reference(self) -> bool:
-        """Say whether it depends on how warm it is while nothing changes: zero at the reference temperature."""
+    def is_of_steady_temperature(self) -> bool:
+        """Say whether it depends on the temperature also while nothing changes, so that values hold at one."""
         return any(_when_steady(node, 1.0) != _when_steady(node, 0.0) for node in self.nodes())
 
     @property

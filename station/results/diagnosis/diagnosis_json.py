@@ -226,8 +226,8 @@ def _on_table(sensors: Sequence[TableSensor], output: str) -> dict[str, Any]:
 
 
 def temperature_effect(name: str) -> bool:
-    """Say whether an effect is a coefficient of temperature, which vanishes at the reference temperature."""
-    return name in CATALOGUE and CATALOGUE[name].vanishes_at_reference
+    """Say whether an effect of the catalogue makes other parameters hold at the reference temperature alone."""
+    return name in CATALOGUE and CATALOGUE[name].is_of_steady_temperature
 
 
 def moved(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[dict[str, Any]]:
