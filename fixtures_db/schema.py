@@ -1,6 +1,6 @@
 """The tables, typed. Migrations create them (``migrations/versions``); a test holds the two equal.
 
-A unit is part of a column's name. `Chained` rows are never changed: triggers refuse it.
+A unit is part of a column's name. `ChainedRow`s are never changed: triggers refuse it.
 """
 
 from datetime import UTC, date, datetime
@@ -48,14 +48,14 @@ class Base(DeclarativeBase):
     type_annotation_map = {datetime: UtcDateTime, date: Date, float: Double, dict[str, str]: JSON}
 
 
-class Chained:
+class ChainedRow:
     """Columns of a row that is never changed: the hash of the row before it, and its own."""
 
     previous: Mapped[str] = mapped_column(SHA256, unique=True, sort_order=2)
     sha256: Mapped[str] = mapped_column(SHA256, unique=True, sort_order=2)
 
 
-class Measured(Chained):
+class Measured(ChainedRow):
     """A chained row of something that was measured, and until when it holds."""
 
     measured_utc: Mapped[datetime] = mapped_column(sort_order=1)
@@ -211,7 +211,7 @@ class StepRow(Base):
     superseded: Mapped[bool] = mapped_column(default=False)
 
 
-class CalibrationRow(Chained, Base):
+class CalibrationRow(ChainedRow, Base):
     """An accepted calibration: ``document`` is calibration/1 as text, ``sha256`` its hash."""
 
     __tablename__ = "calibrations"
@@ -226,7 +226,7 @@ class CalibrationRow(Chained, Base):
     campaign: Mapped[CampaignRow | None] = relationship()
 
 
-class IssuedCertificateRow(Chained, Base):
+class IssuedCertificateRow(ChainedRow, Base):
     """A certificate as it was handed out: ``html`` is all of it, ``html_sha256`` of its UTF-8 bytes.
 
     ``dcc`` is the same certificate as the XML of a digital calibration certificate, ``dcc_sha256`` of its bytes;
@@ -247,7 +247,7 @@ class IssuedCertificateRow(Chained, Base):
     dcc_sha256: Mapped[str | None] = mapped_column(SHA256)
 
 
-class SignedFileRow(Chained, Base):
+class SignedFileRow(ChainedRow, Base):
     """A signed file of a certificate as it was handed out: the SHA-256 of its bytes and of the key's certificate.
 
     ``number`` is the certificate's, ``kind`` xml or pdf.
@@ -262,7 +262,7 @@ class SignedFileRow(Chained, Base):
     signed_utc: Mapped[datetime]
 
 
-class EffectEventRow(Chained, Base):
+class EffectEventRow(ChainedRow, Base):
     """What became of an effect of one's own: ``event`` add or withdraw, for a model or, with ``serial``, one unit.
 
     ``definition`` is the text of the effect/1, empty of a withdrawal, ``effect_sha256`` its hash.
@@ -279,7 +279,7 @@ class EffectEventRow(Chained, Base):
     recorded_utc: Mapped[datetime]
 
 
-class JournalRow(Chained, Base):
+class JournalRow(ChainedRow, Base):
     """What became of a row of any other table, written with it: ``event`` carry, insert, update or delete.
 
     ``content`` has the row's columns as `fixtures_db.journal` writes them, empty of a deletion. The numbers
