@@ -227,7 +227,7 @@ def whole_url(text: str, role: Role = "imu") -> str:
     if found := _DEVICE.fullmatch(typed):
         return _of_device(typed if typed.startswith("/") else f"/dev/{typed}", role)
     if found := _UDP.fullmatch(typed):
-        way = "udpin" if found["way"] == "udp" else found["way"]  # which hears this machine alone, unless told
+        way = "udpin" if found["way"] == "udp" else found["way"]  # without a host it hears this machine alone
         return f"mavlink:{way}:{found['host'] or '127.0.0.1'}:{found['port']}{found['query'] or ''}"
     if found := _CAN.fullmatch(typed):
         return f"can://socketcan/{found['name']}{found['query'] or ''}"

@@ -122,8 +122,8 @@ def _equivalent_dof(exponent: int, n: int, m: int) -> float:
 
 TERMS = ("quantisation", "random_walk", "bias_instability", "rate_random_walk", "rate_ramp")
 MIN_CHI2 = 9.0  # by which a fit without a term must be worse: three sigma
-# of it more: a random walk that happens to go one way is likelier
-RAMP, RAMP_PRICE = TERMS.index("rate_ramp"), 0.3
+RAMP = TERMS.index("rate_ramp")
+RAMP_PRICE = 0.3  # of it more for a ramp: a random walk that happens to go one way is likelier
 MIN_DOF = 1.5  # of a point that is fitted
 ROUNDS = 3  # of weights by the curve fitted before
 MIN_RELATIVE_STD = 0.003  # of a point, independent of all others: what the limit of long records is off

@@ -6,6 +6,7 @@ more first differences of zero than that, samples on straight lines between two 
 sensor's samples lie at a regular rate under those of the logger they are taken out and analysed by themselves.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -256,9 +257,14 @@ def _without_bad_rows(found: Examined, is_counted: bool) -> Examined:
     """Cut or replace rows that are not the sensor's noise; leave all undetermined where little is left."""
     if not is_counted and not _is_coarse(found) and (mixed := interleaved_rows(found.rate)) is not None:
         return _with(found, mixed)
-    looks = (two_ranges, outlying_rows) if is_counted else (two_ranges, outlying_rows, copied_rows)
+    looks: list[Callable[[Examined], BadRows | None]] = [
+        lambda seen: two_ranges(seen.rate, seen.step),
+        lambda seen: outlying_rows(seen.rate, seen.step),
+    ]
+    if not is_counted:
+        looks.append(lambda seen: copied_rows(seen.rate))
     for look in looks:
-        if len(found.rate) >= MIN_SAMPLES and (bad := look(found.rate, found.step)) is not None:
+        if len(found.rate) >= MIN_SAMPLES and (bad := look(found)) is not None:
             found = _with(found, bad.condition) if bad.condition.undetermined else _cut(found, bad)
         if not found.is_usable:
             break

@@ -143,7 +143,7 @@ def clipped_rows(rate: FloatArray, step: float) -> Condition | None:
     return None
 
 
-def copied_rows(rate: FloatArray, _step: float = 0.0) -> BadRows | None:
+def copied_rows(rate: FloatArray) -> BadRows | None:
     """Return rows of ``rate`` (n,), any unit, that are a copy of earlier ones, longer than chance makes it."""
     n = len(rate)
     change = np.diff(rate)

@@ -65,13 +65,11 @@ def _triad(name: str, triad: SolvedTriad | None, unseen: Sequence[str]) -> list[
     excess = (triad.misalignment.value - np.eye(3)) * 1e6
     for axis, values, stds in zip(AXES, excess.tolist(), (triad.misalignment.std * 1e6).tolist(), strict=True):
         row = [
-            "not observable"
-            if any(each.startswith(f"{name}.misalignment.{axis}{other} ") for each in unseen)
-            else measured(v, s)
-            if s > EXACT
-            else measured(round(v, 2), 0.0)
-            for other, v, s in zip(AXES, values, stds, strict=True)
+            measured(v, s) if s > EXACT else measured(round(v, 2), 0.0) for v, s in zip(values, stds, strict=True)
         ]
+        for i, other in enumerate(AXES):
+            if any(each.startswith(f"{name}.misalignment.{axis}{other} ") for each in unseen):
+                row[i] = "not observable"
         lines.append(f"    {axis}  {'   '.join(row)}")
     return lines
 

@@ -83,9 +83,8 @@ def test_a_real_frame_inside_a_falsely_started_one_is_found(wire: WireFormat) ->
         gyro = a_block(wire, 2).gyro.tolist()
         assert got == [gyro[1], gyro[0]]
         assert decoder.counters.skipped_bytes == size
-        assert decoder.counters.bad_crc == 1 or not sync_of(
-            wire
-        )  # without one, a frame holds what may begin others
+        # without a sync, a frame holds what may begin others
+        assert decoder.counters.bad_crc == 1 or not sync_of(wire)
 
 
 @every_format

@@ -240,21 +240,25 @@ def structure(
 
     ``scale`` (2,) is focal length over sigma.
     """
-    s, sigmas, least = marks.sights, float(scale.mean()), "{:.0f} are needed: move further".format
+    s, sigmas = marks.sights, float(scale.mean())
     both = s.seen[:, 0] & s.seen[:, -1]
     if both.sum() < MIN_POINTS:
         return f"{both.sum()} features are followed over {t[-1] - t[0]:.1f} s, {MIN_POINTS} are needed"
     x0, x1 = s.z[both, 0], s.z[both, -1]
     if (bent := _parallax(x0, x1, _turn(x0, x1)) * sigmas) < MIN_BEND_SIGMAS:
-        return f"the image moves by {bent:.1f} sigmas more than by a turn, {least(MIN_BEND_SIGMAS)}"
+        return f"the image moves by {bent:.1f} sigmas more than by a turn, {_required(MIN_BEND_SIGMAS)}"
     found = two_view(x0, x1, EPIPOLAR_SIGMAS / sigmas, rng)
     if found is None:
         return "the features' motion does not match one camera in a static scene"
     if (parallax := _parallax(x0, x1, found.C_01) * sigmas) < MIN_PARALLAX_SIGMAS:
-        return f"the parallax is {parallax:.0f} sigmas of an image point, {least(MIN_PARALLAX_SIGMAS)}"
+        return f"the parallax is {parallax:.0f} sigmas of an image point, {_required(MIN_PARALLAX_SIGMAS)}"
     state = _between(t, found.C_01, found.p_0)
     _resect(state, marks, np.flatnonzero(both)[found.agree], scale)
     return _adjusted(state, marks, scale)
+
+
+def _required(sigmas: float) -> str:
+    return f"{sigmas:.0f} are needed: move further"
 
 
 def _parallax(x0: FloatArray, x1: FloatArray, C_01: FloatArray) -> float:

@@ -11,7 +11,9 @@ from station.guide.view import StepState, StepView
 MOVE_S = 45.0  # what a person takes to place the cube
 TURN_SPEED_DEG_S = 35.0
 GRIP_S = 20.0  # before and after a turn, in addition to its rests
-STEP_FIELDS = "position repeat number up axis direction revolutions start_position".split()  # of a view
+STEP_FIELDS = (  # of a view
+    "position", "repeat", "number", "up", "axis", "direction", "revolutions", "start_position",
+)  # fmt: skip
 
 
 class Checklist:
@@ -141,13 +143,8 @@ class Checklist:
         if state == "done" and name in self._redo:
             state = "redo"
         seconds, note = self._seconds.get(name, 0.0), self._notes.get(name, "")
-        shown = self._shown.get(name)
-        if shown is None or (shown.state, shown.attempts, shown.seconds, shown.note) != (
-            state,
-            attempts,
-            seconds,
-            note,
-        ):
+        now, shown = (state, attempts, seconds, note), self._shown.get(name)
+        if shown is None or (shown.state, shown.attempts, shown.seconds, shown.note) != now:
             own = {field: getattr(step, field) for field in STEP_FIELDS if hasattr(step, field)}
             shown = self._shown[name] = StepView(
                 name=name, state=state, attempts=attempts, seconds=seconds, note=note, is_free=is_free(step),

@@ -2,7 +2,7 @@
 
 import json
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack
 from datetime import UTC, datetime
 from pathlib import Path
@@ -174,7 +174,7 @@ def check_port(url: str, seconds: float = PORT_LOOK_S) -> PortCheck:
         return PortCheck(url=url, is_good=False, text=str(error))
     counters = seen.counters
     bad = counters.bad_crc + counters.bad_length
-    remedies = _remedies(seen, bad)
+    remedies = list(_remedies(seen, bad))
     return PortCheck(
         url=url, is_good=not remedies, format=seen.format, model=seen.model or "", serial=seen.serial or "",
         output="rate" if isinstance(seen.samples, RateBlock) else "increments", rate_hz=seen.rate_hz,
@@ -215,16 +215,23 @@ def noise_in_words(samples: SampleBlock, rate_hz: float | None) -> str:
     return f"gyroscopes {gyro:.2g}, accelerometers {accel:.2g} counts rms in 0.1 s"
 
 
-def _remedies(seen: "ImuProbe", bad: int) -> list[str]:
-    missing, jumps, faults = ALL_CHANNELS - seen.channels, seen.counters.counter_jumps, seen.counters.bad_status
-    problems = {
-        f"{bad} of {seen.frames + bad} frames are damaged, expected less than {BAD_SHARE:.0%}; check cable, "
-        "ground and termination": bad > BAD_SHARE * (seen.frames + bad),
-        f"frames are missing at {jumps} places, expected none; check that the baud rate is high enough and "
-        "nothing else reads the port": jumps,
-        f"the device reports a fault in {faults} of {seen.frames} frames, expected none; let it warm up, or see "
-        "its manual": faults,
-        seen.silent: seen.silent,
-        f"{seen.format} sends no {', '.join(sorted(missing))}, expected six channels; {RECORD_INSTEAD}": missing,
-    }
-    return [text for text, is_so in problems.items() if is_so]
+def _remedies(seen: "ImuProbe", bad: int) -> Iterator[str]:
+    if bad > BAD_SHARE * (seen.frames + bad):
+        yield (
+            f"{bad} of {seen.frames + bad} frames are damaged, expected less than {BAD_SHARE:.0%}; check cable, "
+            "ground and termination"
+        )
+    if jumps := seen.counters.counter_jumps:
+        yield (
+            f"frames are missing at {jumps} places, expected none; check that the baud rate is high enough and "
+            "nothing else reads the port"
+        )
+    if faults := seen.counters.bad_status:
+        yield (
+            f"the device reports a fault in {faults} of {seen.frames} frames, expected none; let it warm up, "
+            "or see its manual"
+        )
+    if seen.silent:
+        yield seen.silent
+    if missing := sorted(ALL_CHANNELS - seen.channels):
+        yield f"{seen.format} sends no {', '.join(missing)}, expected six channels; {RECORD_INSTEAD}"

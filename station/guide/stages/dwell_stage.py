@@ -54,7 +54,8 @@ class RestRecording(Stage):
     def _restarted(self, block: Block, look: BlockLook) -> Stage | None:
         """Take a second of the stream; return the stage that starts again, None while this one continues."""
         was_disturbed = self._dwelling.is_disturbed
-        self._temperatures += [] if math.isnan(block.temperature) else [block.temperature]
+        if not math.isnan(block.temperature):
+            self._temperatures.append(block.temperature)
         if why := self._dwelling.take(block, look):
             if why == TOUCHED:
                 self._context.event_log.say("still", "the cube is still touched: keep your hands off")

@@ -97,16 +97,16 @@ def _term_axis(law: Law, seen: Excitation, term: int, parameters: Mapping[str, f
     if len(inputs) > 1:
         label = f"{law.terms[term]}, times {law.unit} [{OUTPUT_UNITS[law.triad]}]"
         return ("", nothing) if law.is_inside else (label, law.values(seen, parameters)[:, :, term])
-    one = known_input(inputs.pop(), law.triad)
-    assert one is not None
-    if one.driver == "time at rest":
+    driving = known_input(inputs.pop(), law.triad)
+    assert driving is not None
+    if driving.driver == "time at rest":
         return "", nothing
-    per, unit = (1 / S_PER_H, "h") if one.unit == "s" else (1.0, one.unit)
+    per, unit = (1 / S_PER_H, "h") if driving.unit == "s" else (1.0, driving.unit)
     if lag := next((each for each in calls(node) if each.name in OPERATORS), None):
-        in_bases = {name: parameters[name] * parse_unit(one.unit).size for name, one in law.parameters.items()}
-        lagged = Values(seen, law.triad, in_bases, in_bases=False).of(lag)
-        return f"{one.meaning}, lagged [{unit}]", per * lagged
-    return f"{one.meaning} [{unit}]", per * one.value(seen, law.triad)
+        sizes = {name: parameters[name] * parse_unit(one.unit).size for name, one in law.parameters.items()}
+        lagged = Values(seen, law.triad, sizes, in_bases=False).of(lag)
+        return f"{driving.meaning}, lagged [{unit}]", per * lagged
+    return f"{driving.meaning} [{unit}]", per * driving.value(seen, law.triad)
 
 
 def _steps(evidence: Evidence, rows: BoolArray) -> Coordinate:
