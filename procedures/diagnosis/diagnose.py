@@ -16,6 +16,7 @@ from procedures.anomalies.checks import CheckedCampaigns, check_campaigns
 from procedures.anomalies.clock_rate_check import find_clock
 from procedures.anomalies.disturbances import find_disturbances, without_disturbances
 from procedures.anomalies.disturbed_soaks import without_shocks
+from procedures.anomalies.saturated_rates import without_saturated
 from procedures.calibration.joint_calibration import CampaignFits, fit_reduced
 from procedures.calibration.reduced_steps import ReducedSteps, reduce_steps
 from procedures.campaign.campaign import Campaign
@@ -96,8 +97,11 @@ def _of_recordings(
     campaigns: Sequence[Campaign], effects: Sequence[Effect], declared: Sequence[TermEffect]
 ) -> Diagnosis:
     """Diagnose rate tables, steps and soaks by their rows."""
-    tables, every = RateTables.of(campaigns), (*(one.effect() for one in declared), *effects)
+    every = (*(one.effect() for one in declared), *effects)
+    within, saturated = without_saturated(campaigns)
+    tables = RateTables.of(within)
     of_tables = None if tables is None else with_file_names(_closed(tables, every))
+    of_tables = of_tables and _with_found_before(of_tables, saturated, ())
     try:
         found = _of_steps(campaigns, effects, declared)
     except NotObservable:

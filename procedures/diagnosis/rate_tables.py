@@ -36,7 +36,6 @@ from procedures.statistics.significance import log_chi2_sf
 from procedures.units import DEG_H_PER_DEG_S
 
 GYROSCOPE = TRIADS.index("gyroscope")
-RAISED_DEG_S = 1e-6  # of the output, to see how what acts on it follows
 OFFSET_SHARE = 0.1  # of the fastest rate: no gyroscope's bias is a tenth of the rates that it is made for
 
 
@@ -45,8 +44,7 @@ class RateTables:
     """Tables with the linear model fitted to them: parameters ``x`` (p,) [output/(deg/s), output], ``noise`` (r,).
 
     ``added`` (n, 3) [deg/s] is what effects add to E omega + D at the points; ``inside`` what of it belongs to the
-    output that a change of scale multiplies; ``gain`` (n, 3) [1] is by how much the output follows
-    E omega + D with what acts on it in the model: 1 without, 0 beyond the end of the range.
+    output that a change of scale multiplies.
     """
 
     campaigns: tuple[Campaign, ...]
@@ -56,7 +54,6 @@ class RateTables:
     x: FloatArray
     added: FloatArray
     inside: FloatArray
-    gain: FloatArray
 
     @classmethod
     def of(cls, campaigns: Sequence[Campaign]) -> Self | None:
@@ -69,21 +66,13 @@ class RateTables:
         fitted = np.linalg.lstsq(design * root[:, None], points.output * root, rcond=None)[0]
         x = np.asarray(fitted, dtype=np.float64)
         nothing = np.zeros_like(points.omega)
-        return cls(
-            tuple(campaigns),
-            points,
-            *noise_of(points, points.output - design @ x),
-            x,
-            nothing,
-            nothing,
-            np.ones_like(nothing),
-        )
+        return cls(tuple(campaigns), points, *noise_of(points, points.output - design @ x), x, nothing, nothing)
 
     def evidence(self) -> Evidence:
         """Return a row an output, less what effects added."""
         p = self.points
-        k, r = p.scale(self.x)[p.sensor], len(p.output)
-        residual = (p.output - p.design() @ self.x) / k - self.added[p.at, p.sensor]
+        k, design, r = p.scale(self.x)[p.sensor], p.design(), len(p.output)
+        residual = (p.output - design @ self.x) / k - self.added[p.at, p.sensor]
         weights = tuple(
             NodeWeights(slice(at, at + 1), np.ones(1), slice(i, i + 1), GYROSCOPE, np.eye(3)[sensor][None])
             for i, (at, sensor) in enumerate(zip(p.at.tolist(), p.sensor.tolist(), strict=True))
@@ -91,24 +80,10 @@ class RateTables:
         columns = (np.zeros(0, dtype=np.int64), np.arange(len(self.x)))
         whole = np.ones(r, dtype=np.int64)
         return Evidence(
-            residual, self.noise / abs(k), -self.jacobian() / k[:, None], GYROSCOPE * whole,
-            KINDS.index("rate") * whole, p.block[p.at], p.sensor, np.zeros(r, dtype=bool), self.x, columns,
-            weights, self._seen(), self.noise_dof, gain=self.gain[p.at, p.sensor],
+            residual, self.noise / abs(k), -design / k[:, None], GYROSCOPE * whole, KINDS.index("rate") * whole,
+            p.block[p.at], p.sensor, np.zeros(r, dtype=bool), self.x, columns, weights, self._seen(),
+            self.noise_dof,
         )  # fmt: skip
-
-    def jacobian(self) -> FloatArray:
-        """Return by how much each output follows each parameter (r, p) [1, deg/s]; k times what is added stays.
-
-        ``N = k (o + added(o))``, ``o = E omega + D``: the bias and the other axes act through o, on which k, the
-        norm of a sensor's own row, has no influence.
-        """
-        p, k = self.points, self.points.scale(self.x)
-        design, gain = p.design(), self.gain[p.at, p.sensor]
-        is_own = (p.sensor[:, None] == p.parameters[:, 0]) & (p.parameters[:, 1] >= 0)
-        of_k = np.where(is_own, self.x / k[p.parameters[:, 0]], 0.0)
-        o = design @ self.x / k[p.sensor]
-        found: FloatArray = gain[:, None] * design + ((1 - gain) * o)[:, None] * of_k
-        return found
 
     def _seen(self) -> Excitation:
         p, n = self.points, len(self.points.omega)
@@ -142,21 +117,17 @@ class RateTables:
 
     def without(self, evidence: Evidence, added: Sequence[Candidate], values: Sequence[FloatArray]) -> Self:
         """Fit the linear model to the outputs less what effects add, with ``values`` (k,) each, in their units."""
-        total, inside, gain = np.zeros_like(self.added), np.zeros_like(self.added), np.ones_like(self.added)
-        raised = replace(evidence, excitation=_raised(evidence.excitation))
+        total, inside = np.zeros_like(self.added), np.zeros_like(self.added)
         for candidate, c in zip(added, values, strict=True):
-            (_, part, _), (_, more, _) = (added_at_nodes(candidate, each, c) for each in (evidence, raised))
-            if part is None or more is None:
-                continue
-            total = total + part
-            gain = gain + (more - part) / RAISED_DEG_S
-            inside = inside if candidate.effect.multiplies_output else inside + part
-        now = replace(self, added=total, inside=inside, gain=gain)
-        p, k = self.points, self.points.scale(self.x)
-        left = p.output - p.design() @ self.x - total[p.at, p.sensor] * k[p.sensor]
-        white = now.jacobian() / self.noise[:, None]
-        step = np.linalg.lstsq(white, left / self.noise, rcond=None)[0]
-        return replace(now, x=np.asarray(self.x + step, dtype=np.float64))
+            _, part, _ = added_at_nodes(candidate, evidence, c)
+            if part is not None:
+                total = total + part
+                inside = inside if candidate.effect.multiplies_output else inside + part
+        p, scale = self.points, self.points.scale(self.x)
+        less = p.output - total[p.at, p.sensor] * scale[p.sensor]
+        white = p.design() / self.noise[:, None]
+        x = np.asarray(np.linalg.lstsq(white, less / self.noise, rcond=None)[0], dtype=np.float64)
+        return replace(self, x=x, added=total, inside=inside)
 
     def report(self, found: Refit) -> Solution:
         """Return how well the model fits: one axis' scale factor and bias are no triad's calibration."""
@@ -169,10 +140,6 @@ class RateTables:
         p, size = self.points, len(self.x)
         x, C = found.evidence.x + found.linear.theta[:size], found.linear.covariance[:size, :size]
         return tuple(_sensor(p, x, C, int(sensor)) for sensor in np.unique(p.sensor))
-
-
-def _raised(seen: Excitation) -> Excitation:
-    return replace(seen, gyro_output=seen.gyro_output + RAISED_DEG_S)
 
 
 def _is_offset(points: RatePoints, x: FloatArray) -> BoolArray:

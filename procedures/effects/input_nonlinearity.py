@@ -1,14 +1,12 @@
 """What a sensor's own input does beyond the scale factor: powers, asymmetry, products, lost counts."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 
-from procedures.effects.effect import effect_of, twins
+from procedures.effects.effect import Effect, effect_of, twins
 from procedures.effects.excitation import KNEE, Columns, Excitation
 from procedures.effects.term.law import Law, Parameter
-from procedures.units import PPM_PER_ONE
 
 QUADRATIC = effect_of(
     "accelerometer.quadratic",
@@ -88,26 +86,37 @@ def _knees(seen: Excitation) -> Iterator[Columns]:
     if fastest > MIN_FASTEST:
         count = 1 + int(np.ceil(np.log(FASTEST / SLOWEST) / np.log(RATIO)))
         for knee in np.geomspace(SLOWEST * fastest, FASTEST * fastest, count).tolist():
-            yield from (Columns((), shape=shape, nonlinear={KNEE: knee}) for shape in ("", SATURATION))
+            yield Columns((), nonlinear={KNEE: knee})
 
 
-SATURATION = "saturation"
 ABOVE = f"-sign(out) * max(0, abs(out) - {KNEE})"
-LOST = Law(terms=(ABOVE,), parameters={KNEE: Parameter("deg/s", MIN_FASTEST, 1e4)})
 COUNTS_LOST = effect_of(
     "gyroscope.counts_lost",
-    LOST,
-    replace(LOST, shape=SATURATION, plausible=PPM_PER_ONE),
+    Law(terms=(ABOVE,), parameters={KNEE: Parameter("deg/s", MIN_FASTEST, 1e4)}),
     unit="ppm",
     plausible=1000.0,
     starts=_knees,
     meaning="Counts lost at rate",
-    about="A counter or a loop that no longer follows loses a share of its pulses from a rate on; where it loses "
-    "all of them, c of 1e6, the range ends at the knee: saturation. The knee is fitted. Turns at one speed put it "
-    "into the scale factor, and where a single speed lies above the knee its share and its knee are one. "
-    "Plausible: 1000 ppm, or all of them.",
+    about="A counter or a loop that no longer follows loses a share of its pulses from a rate on. The knee is "
+    "fitted. Turns at one speed put it into the scale factor, and where a single speed lies above the knee its "
+    "share and its knee are one. Where all are lost the range ends: saturation. Plausible: 1000 ppm.",
     source="IEEE Std 952, maximum input rate; saturation of a counter or loop",
     separate_by="turns at four speeds in each direction, or a rate table",
     is_loss=True,
     not_corrected="counts lost above a rate cannot be restored",
+)
+SATURATION = Effect(
+    name="gyroscope.saturation",
+    meaning="The range of the gyroscopes ends",
+    about="The output stays as it is while the table turns faster. No column: beyond its range a sensor says "
+    "nothing, and the points there are left out. Found where the output no longer follows at two rates or more. "
+    "The coefficients are the rates at which it ends, on either side. Plausible: any.",
+    unit="deg/s",
+    physics="abs(out) <= c",
+    source="IEEE Std 952, input rate limits",
+    plausible=1000.0,
+    driver="input",
+    next_measurement="other_speeds",
+    separate_by="a rate table within the range",
+    not_corrected="beyond its range an output says nothing of the rate",
 )

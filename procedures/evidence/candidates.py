@@ -231,7 +231,7 @@ def term_of(evidence: Evidence, effect: Effect, columns: Columns) -> Term:
     What is not linear, of which a search says nothing yet, is not among them.
     """
     kept = np.array([name not in columns.nonlinear for name in columns.coefficients])
-    ranges, H = effect.plausible_of(columns)[kept], evidence.column_of(effect, columns)[:, kept]
+    ranges, H = effect.plausible_of(columns)[kept], evidence.column(columns)[:, kept]
     if effect.is_scatter and effect.kind != "instrument":
         return Term(H, ranges)
     widened = ranges * grade_factor(evidence, effect)

@@ -77,7 +77,7 @@ def _less(
     return replace(record, series=replace(series, gyro=less))
 
 
-MAX_ITERATIONS = 10
+MAX_ITERATIONS = 10  # an effect that is nearly linear settles in three
 ITERATIONS_WITH_GIVEN_VALUES = 3  # what an effect adds hangs on the fit by its misalignment alone
 LARGEST_STEP = 1.0  # of a time constant's logarithm in one round
 CONVERGED_SIGMAS = 1e-3  # sigma by which the last round still moved a coefficient
@@ -241,7 +241,7 @@ def terms_at(
     for candidate, c in zip(added, values, strict=True):
         columns = columns_at(candidate, evidence)
         exact, columns = _bent(candidate, columns, evidence, c)
-        H = evidence.column_of(candidate.effect, columns)
+        H = evidence.column(columns)
         ranges = candidate.term.plausible
         terms.append(Term(H, np.append(ranges, np.full(H.shape[1] - len(ranges), LOG_RANGE))))
         beyond.append(np.zeros(len(H)) if exact is None else evidence.column(exact)[:, 0] - H @ c)

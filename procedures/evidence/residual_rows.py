@@ -20,7 +20,6 @@ import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.calibration.joint_calibration import CampaignFits
-from procedures.effects.effect import Effect
 from procedures.effects.excitation import Columns, Excitation, ExcitationStep
 from procedures.evidence.excitation import (
     NodeBuilder,
@@ -51,8 +50,7 @@ class Evidence:
     priors, ``axis`` the sensor. ``is_range`` marks priors that only keep a parameter in bounds. ``x`` (p,) is
     where the model was linearised; ``columns_of`` says for each triad which columns of A its fit's parameters
     are. ``noise_dof`` are the degrees of freedom behind sigma, infinite where it is as good as known. ``stepped``
-    are the rows that were freed of the steps of turn-ons. ``gain`` (n,) is how much of the input the output still
-    follows, 0 beyond the end of its range; None where all of it.
+    are the rows that were freed of the steps of turn-ons.
     """
 
     residual: FloatArray
@@ -69,12 +67,6 @@ class Evidence:
     excitation: Excitation
     noise_dof: float = np.inf
     stepped: tuple[SteppedRows, ...] = ()
-    gain: FloatArray | None = None
-
-    def column_of(self, effect: Effect, columns: Columns) -> FloatArray:
-        """Return H (n, k) of an effect: what acts on the input shows only as far as the output follows it."""
-        H = self.column(columns)
-        return H if self.gain is None or effect.multiplies_output else H * self.gain[:, None]
 
     def column(self, columns: Columns) -> FloatArray:
         """Return H (n, k): what a unit of each coefficient adds to every row."""

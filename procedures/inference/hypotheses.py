@@ -47,12 +47,6 @@ class Way:
     note: str = ""
     rows: IntArray | None = None
 
-    def followed(self, evidence: Evidence) -> "Way":
-        """Return it as far as the output follows the input: beyond its range the input does not show."""
-        if evidence.gain is None or self.candidate is None or self.candidate.effect.multiplies_output:
-            return self
-        return replace(self, H=self.H * evidence.gain[:, None])
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Library:
@@ -68,8 +62,7 @@ class Library:
 
     def with_adopted(self, evidence: Evidence, adopted: Sequence[Candidate]) -> "Library":
         """Return the library with the columns of some candidates where the model stands with them in it."""
-        number = {each.name: i for i, each in enumerate(self.hypotheses)}
-        ways = [way.followed(evidence) for way in self.ways]
+        ways, number = list(self.ways), {each.name: i for i, each in enumerate(self.hypotheses)}
         for one in adopted:
             exact = _way(evidence, number[one.effect.name], one, 0.0)
             same = [i for i, way in enumerate(ways) if way.candidate is not None and _is_same(way.candidate, one)]

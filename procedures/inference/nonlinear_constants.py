@@ -86,7 +86,7 @@ def _resolved(board: Board, one: Candidate, name: str, mask: list[int], apart: f
         columns = one.effect.at(
             board.evidence.excitation, replace(one.columns, nonlinear={**one.columns.nonlinear, name: value})
         )
-        H = board.evidence.column_of(one.effect, columns)[:, : one.term.H.shape[1]]
+        H = board.evidence.column(columns)[:, : one.term.H.shape[1]]
         return replace(one, columns=columns, term=Term(H, one.term.plausible))
 
     def left(log: float) -> float:

@@ -102,6 +102,15 @@ def _turned(sizes: Sizes, seen: FloatArray) -> FloatArray:
     return added
 
 
+def _within_range(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
+    """Return what an output lacks (n, 3) [deg/s] beyond the ends x+, x- ... of its range; it has none where 0."""
+    out = triad.raw + triad.bias
+    low = [sizes.get(axis + "-", 0.0) or -np.inf for axis in AXES]
+    high = [sizes.get(axis + "+", 0.0) or np.inf for axis in AXES]
+    found: FloatArray = np.clip(out, low, high) - out
+    return found
+
+
 def _counts_lost(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
     out = triad.raw + triad.bias
     above = np.abs(out) - sizes["knee_deg_s"]
@@ -206,6 +215,8 @@ GYROSCOPE = (
     PlantedEffect("gyroscope.sagnac_sine", "rad/(deg/s)", VECTOR_KEYS,
                   gyro=lambda seen, triad, sizes: triad.raw * (np.sinc(vector(sizes) * triad.raw / np.pi) - 1)),
     PlantedEffect("gyroscope.counts_lost", "ppm", VECTOR_KEYS, {"knee_deg_s": 30.0}, gyro=_counts_lost),
+    PlantedEffect("gyroscope.saturation", "deg/s", tuple(axis + side for axis in AXES for side in "+-"),
+                  gyro=_within_range),
 )  # fmt: skip
 
 

@@ -80,6 +80,11 @@ def test_counts_are_lost_above_the_knee_alone() -> None:
     np.testing.assert_allclose(found, -1e-6 * C * (out - np.clip(out, -0.6, 0.6)), rtol=1e-12)
 
 
+def test_an_output_stays_at_the_ends_of_its_range() -> None:
+    out = RAW + BIAS + added("gyroscope.saturation", {"x+": 0.5, "x-": -1.0, "z+": 0.9})
+    np.testing.assert_allclose(out, [[0.5, -0.83, 0.9], [-1.0, 0.27, 0.71]], rtol=1e-12)
+
+
 @pytest.mark.parametrize("name", ["accelerometer.jump", "gyroscope.jump"])
 def test_a_jump_may_be_of_scale_and_at_another_time(name: str) -> None:
     found = added(name, {**SIZES, "scale": 1.0})

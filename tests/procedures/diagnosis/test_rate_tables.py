@@ -18,6 +18,7 @@ SITE = Site(0.7, 9.8, 1e-3)
 RATES = np.concatenate((np.arange(0, 101, 5), -np.arange(0, 101, 5)))
 BIAS = 0.01  # deg/s
 SWEEPS, NOISE = 5, 1.5e-3  # deg/s
+ASYMMETRY = 900e-6  # (k+ - k-) / k
 NONLINEAR = {"gyroscope.scale_nonlinearity", "gyroscope.sagnac_sine"}
 
 
@@ -131,7 +132,7 @@ def test_the_measured_fog_is_nonlinear_then_warm_and_nothing_more() -> None:
 # A curve that resembles an error term leaves structure in the residual and is ambiguous
 
 
-LOST = "gyroscope.counts_lost"
+LOST, SATURATION = "gyroscope.counts_lost", "gyroscope.saturation"
 Bend = Callable[[np.ndarray], np.ndarray]
 
 
@@ -175,32 +176,56 @@ def test_a_knee_in_the_scale_factor_is_found_where_it_is() -> None:
 
 
 @pytest.mark.parametrize("knee", [37.0, 62.0, 87.0])
-@pytest.mark.parametrize("lost", [0.3, 1.0])
-def test_a_range_that_ends_is_named_with_its_end(knee: float, lost: float) -> None:
-    """Of what lies above the knee a part is lost, or all: a million sigmas, between the points of any grid.
-
-    It is the output that ends, bias and all.
-    """
-    (finding,) = bent(1, lambda u: lost * (np.clip(u + BIAS, -knee, knee) - (u + BIAS))).findings
+def test_a_part_lost_from_a_rate_on_is_named_with_that_rate(knee: float) -> None:
+    """Of what lies above the knee 30 % are lost, a thousand sigmas: it is the output that loses, bias and all."""
+    (finding,) = bent(1, lambda u: 0.3 * (np.clip(u + BIAS, -knee, knee) - (u + BIAS))).findings
     assert (finding.effect, finding.confidence) == (LOST, "established")
     at = dict(zip(finding.coefficients, zip(finding.value, finding.std, strict=True), strict=True))
     assert abs(at["knee_deg_s"][0] - knee) < 4 * at["knee_deg_s"][1]
     assert at["knee_deg_s"][1] < 0.01
 
 
-@pytest.mark.parametrize("knee", [37.0, 62.0])
-def test_what_bends_the_input_of_a_saturating_sensor_shows_below_its_range_alone(knee: float) -> None:
-    """Asymmetry before the end of the range; scale factor, bias and asymmetry come from the rates within it."""
-    plain = table(1)
-    bend = 0.5 * ASYMMETRY * np.abs(plain.reference)
-    o = np.clip(plain.reference + BIAS + bend, -knee, knee)
-    output = plain.output - 2e4 * (o - plain.reference - BIAS)[:, None]
-    diagnosis = diagnose([campaign(replace(plain, output=output))])
-    assert {each.effect for each in diagnosis.findings} == {LOST, "gyroscope.scale_asymmetry"}
-    asymmetry, std = value(diagnosis, "gyroscope.scale_asymmetry")
-    assert abs(asymmetry - 900) < 4 * std < 200
+def ending(low: float, high: float, asymmetry: float = 0.0, cubic: float = 0.0, seed: int = 1) -> Diagnosis:
+    """Diagnose a table whose output stays as it is beyond ``low`` and ``high`` [deg/s]."""
+    plain, rng = table(seed), np.random.default_rng([seed, 1])
+    u = plain.reference
+    out = np.clip(u + BIAS + asymmetry / 2 * np.abs(u) + 1e-6 * cubic * u**3, low, high)
+    output = plain.output.copy()
+    output[:, 2] = -2e4 * (out + NOISE * rng.standard_normal(len(u)))
+    return diagnose([campaign(replace(plain, output=output))])
+
+
+@pytest.mark.parametrize(("low", "high"), [(-25, 25), (-37, 37), (-62, 62), (-87, 87), (-np.inf, 60)])
+@pytest.mark.parametrize("asymmetry", [0.0, ASYMMETRY])
+def test_a_range_that_ends_is_named_and_takes_no_part_in_what_else_is_found(
+    low: float, high: float, asymmetry: float
+) -> None:
+    diagnosis = ending(low, high, asymmetry)
+    ends, *others = diagnosis.findings
+    assert ends.effect == SATURATION
+    assert {each.effect for each in others} <= {"gyroscope.scale_asymmetry"}
+    assert ends.coefficients == (("z+",) if np.isinf(low) else ("z+", "z-"))
+    for found, std, output in zip(ends.value, ends.std, (high, low), strict=False):
+        rate = (output - BIAS) / (1 + asymmetry / 2 * np.sign(output))
+        assert abs(found - rate) < 4 * std < 0.02
     (sensor,) = diagnosis.on_table
+    assert abs(sensor.scale + 2e4) < 4 * sensor.scale_std
     assert abs(sensor.bias - 3600 * BIAS) < 4 * sensor.bias_std
+    if asymmetry and high > 60:
+        found, std = value(diagnosis, "gyroscope.scale_asymmetry")
+        assert abs(found - 1e6 * asymmetry) < 4 * std < 200
+
+
+def test_a_range_ends_where_a_nonlinear_output_comes_to_its_end() -> None:
+    ends = ending(-87.0, 87.0, cubic=-2.0).findings[0]
+    rate = float(np.roots([-2e-6, 0.0, 1.0, BIAS - 87.0])[-1].real)
+    assert rate == pytest.approx(88.36, abs=0.1)
+    assert abs(ends.value[0] - rate) < max(4 * ends.std[0], 0.1)
+
+
+@pytest.mark.parametrize("bend", [periodic, worn, saturated, lambda u: -2e-5 * u * np.abs(u)])
+def test_an_output_that_goes_on_is_not_called_saturated(bend: Bend) -> None:
+    assert SATURATION not in {each.effect for each in bent(1, bend).findings}
 
 
 def test_what_explains_less_than_half_is_not_named() -> None:
@@ -214,7 +239,6 @@ def test_what_explains_less_than_half_is_not_named() -> None:
 
 
 K, OFFSET, CUBIC = 12.4, 2500.0, 1.6e-7  # mV/(deg/s), mV, 1/(deg/s)^2
-ASYMMETRY = 900e-6  # (k+ - k-) / k
 UP = np.linspace(-100.0, 100.0, 11)
 ORDERS = {
     "up and down": np.concatenate((UP, UP[::-1])),

@@ -117,7 +117,6 @@ BY_HAND: Mapping[tuple[str, str], Value] = {
     ("gyroscope.scale_nonlinearity", "u^3"): of(lambda felt: felt.u**3, PPM),
     ("gyroscope.sagnac_sine", ""): of(lambda felt: -(felt.u**3) / 6),  # of q = s^2, to first order
     ("gyroscope.counts_lost", ""): of(lost, PPM),
-    ("gyroscope.counts_lost", "saturation"): of(lost, PPM),
     ("accelerometer.relaxation", ""): of(fading),
     ("accelerometer.relaxation", "by the change of f"): of(lambda felt: fading(felt) * np.nan_to_num(felt.change)),
     ("accelerometer.relaxation", "by f"): of(lambda felt: fading(felt) * felt.f),
