@@ -229,10 +229,13 @@ MIN_WRAP_STEPS = 8.0  # usual steps that a stamp must fall back for a wrap
 
 
 class StampsGoBack(ValueError):
-    """Stamps fall back at ``row`` from ``before`` to ``after``, and not by a modulus that they wrap at."""
+    """Stamps fall back at ``row`` from ``before`` to ``after``, and not by a modulus that they wrap at.
 
-    def __init__(self, row: int, before: float, after: float) -> None:
-        self.row, self.before, self.after = row, before, after
+    ``usual`` is the step between other rows, in the stamps' own unit.
+    """
+
+    def __init__(self, row: int, before: float, after: float, usual: float) -> None:
+        self.row, self.before, self.after, self.usual = row, before, after, usual
         super().__init__(f"time stamps fall back from {before:.12g} to {after:.12g} in row {row}")
 
 
@@ -283,7 +286,7 @@ def log_times(stamps: FloatArray, tick: float) -> LogTimes:
     out_of_order = int(np.sum(t < late))
     if out_of_order > MAX_SHARE_OUT_OF_ORDER * len(t):
         row = int(np.flatnonzero(t < late)[0])
-        raise StampsGoBack(row, float(stamps[row - 1]), float(stamps[row]))
+        raise StampsGoBack(row, float(stamps[row - 1]), float(stamps[row]), usual)
     spread, shared = _spread(late, usual * tick)
     origin, shared = float(stamps[0] * tick), shared - out_of_order
     return LogTimes(spread - spread[0], origin, len(wrapped), modulus, shared, out_of_order)
@@ -301,7 +304,7 @@ def _modulus(stamps: FloatArray, step: FloatArray, wrapped: IntArray, usual: flo
     if len(wrapped) > 1 and np.all(np.abs(fall - middle) <= within):
         return middle
     row = int(wrapped[0])
-    raise StampsGoBack(row, float(stamps[row - 1]), float(stamps[row]))
+    raise StampsGoBack(row, float(stamps[row - 1]), float(stamps[row]), usual)
 
 
 def _spread(t: FloatArray, usual: float) -> tuple[FloatArray, int]:

@@ -102,7 +102,8 @@ class LogSource:
             triads=tuple(n for n, own in (("accelerometer", found.accel), ("gyroscope", found.gyro)) if any(own)),
             accelerometers=tuple(name is not None for name in found.accel),
         )  # fmt: skip
-        if stated.rate_hz and stated.time is None and (column := guessed_time(list(table.head.columns))):
+        numbers = [name for name in table.head.columns if name not in table.head.unreadable]
+        if stated.rate_hz and stated.time is None and (column := guessed_time(numbers)):
             with closing(table.read([column])) as read:
                 block = next(read)
             unit = unit_of_time(table.head, column, stated.unit_time, stated.rate_hz, [], partial(_stamps, table))

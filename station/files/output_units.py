@@ -26,8 +26,10 @@ OTHER_QUANTITIES = frozenset({  # in brackets behind a name they say that it is 
 SPELLED = {  # as headers and people write units
     "dps": "deg/s", "deg_s": "deg/s", "degps": "deg/s", "°/s": "deg/s", "deg/sec": "deg/s", "rad_s": "rad/s",
     "rads": "rad/s", "radps": "rad/s", "rad/sec": "rad/s", "deg_h": "deg/h", "dph": "deg/h", "°/h": "deg/h",
-    "deg/hr": "deg/h", "mdps": "mdeg/s", "m_s2": "m/s2", "m/s^2": "m/s2", "m/s/s": "m/s2", "m_s^2": "m/s2",
+    "deg/hr": "deg/h", "deg_sec": "deg/s", "rad_sec": "rad/s", "deg_hr": "deg/h", "deg_hour": "deg/h",
+    "mdps": "mdeg/s", "m_s2": "m/s2", "m_s_2": "m/s2", "m/s^2": "m/s2", "m/s/s": "m/s2", "m_s^2": "m/s2",
     "m/s²": "m/s2", "ms2": "m/s2", "mps2": "m/s2", "cm_s2": "cm/s2", "mdeg_s": "mdeg/s", "mrad_s": "mrad/s",
+    "milli_g": "mg", "micro_g": "ug",
     "sec": "s", "seconds": "s", "µs": "us", "usec": "us",  # noqa: RUF001
     "msec": "ms", "nsec": "ns",
     "millis": "ms", "micros": "us", "nanos": "ns", "minutes": "min", "hours": "h", "day": "days",
@@ -39,16 +41,18 @@ SPELLED = {  # as headers and people write units
 _SPELLED_OUT = {  # in brackets or as an option: behind ``_`` they may be words
     "degrees": "deg", "degree": "deg", "radians": "rad", "radian": "rad", "°": "deg", "º": "deg", "mps": "m/s",
     "gee": "g", "gees": "g", "gs": "g", "g0": "g", "gn": "g", "gravity": "g", "g-force": "g", "gforce": "g",
-    "milli-g": "mg", "millig": "mg", "milligee": "mg", "mgee": "mg", "microg": "ug", "gal": "cm/s2", "digit": RAW,
-    "digits": RAW, "codes": RAW, "adu": RAW,
+    "milligee": "mg", "mgee": "mg", "gal": "cm/s2", "digit": RAW, "digits": RAW, "codes": RAW, "adu": RAW,
 }  # fmt: skip
 _WRITTEN = (  # parts of units of sensors, in the order in which they are replaced
     (r"_", ""), (r"[·*\u22c5]", ""), (r"[µμ]", "u"), (r"[°º]", "deg"), (r"²", "2"), (r"⁻", "-"), (r"¹", "1"),
-    (r"per", "/"), (r"milli-?", "m"), (r"degrees?", "deg"), (r"radians?", "rad"), (r"met(?:er|re)s?", "m"),
+    (r"per", "/"), (r"milli-?", "m"), (r"micro-?", "u"),
+    (r"degrees?", "deg"), (r"radians?", "rad"), (r"met(?:er|re)s?", "m"),
     (r"seconds?|sec(?![a-z])", "s"), (r"hours?|hr", "h"), (r"squared", "2"), (r"\^", ""),
     (r"^(m?(?:deg|rad))(s|h)-1$", r"\1/\2"), (r"^(c?m)s-2$", r"\1/s2"), (r"^(c?m)/\(?s[*/]?[s2]\)?$", r"\1/s2"),
     (r"^m/ss$", "m/s2"), (r"^\((.*)\)$", r"\1"),
 )  # fmt: skip
+NOT_BEHIND_A_NAME = ("min", "h", "day", "days")  # temp_min is a minimum
+_BEHIND_A_NAME = frozenset({*SPELLED, *GYRO_UNITS, *ACCEL_UNITS, *TIME_UNITS} - {*NOT_BEHIND_A_NAME})
 _SENSOR_UNITS = frozenset({*GYRO_UNITS, *ACCEL_UNITS, *OTHER_QUANTITIES, RAW})
 
 TEMPERATURE_UNITS: Mapping[str, tuple[float, float]] = MappingProxyType({  # degC: (value - first) * second
@@ -76,11 +80,27 @@ def unit_named(text: str) -> str:
     plain = text.strip().lower().replace(" ", "")
     if (known := SPELLED.get(plain) or _SPELLED_OUT.get(plain)) is not None:
         return known
-    short = plain
-    for written, meant in _WRITTEN:
-        short = re.sub(written, meant, short)
-    short = SPELLED.get(short, short)
+    short = _composed(plain)
     return short if short in _SENSOR_UNITS else plain
+
+
+def unit_behind_name(words: str) -> str:
+    """Return the unit that words behind a name are, as ``deg_per_h``; empty where they may be of the name."""
+    if words in _BEHIND_A_NAME:
+        return unit_named(words)
+    composed = _composed(words)
+    return composed if is_quotient(composed) else ""
+
+
+def is_quotient(unit: str) -> bool:
+    """Return whether a unit is a known quotient, as deg/s, that no word or letter of a name is."""
+    return "/" in unit and unit in _SENSOR_UNITS
+
+
+def _composed(plain: str) -> str:
+    for written, meant in _WRITTEN:
+        plain = re.sub(written, meant, plain)
+    return SPELLED.get(plain, plain)
 
 
 def time_unit(text: str) -> TimeUnit:

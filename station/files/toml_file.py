@@ -11,6 +11,7 @@ import unicodedata
 from collections.abc import Iterator, Mapping, Sequence
 from datetime import date, datetime
 from pathlib import Path
+from shlex import quote
 from typing import Annotated, Any, TypeVar, get_args
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstraints, ValidationError
@@ -95,14 +96,15 @@ def read_folder_toml(folder: Path, name: str, kind: type[T]) -> tuple[T, dict[Ke
     Raises
     ------
     DataRefused
-        If there is no such folder; with the line of the first key that is wrong, unknown or missing.
+        If there is no such folder, or a file in its place; with the line of the first key that is wrong, unknown
+        or missing.
     """
     path = folder / name
     if not folder.is_dir():
-        raise DataRefused(
-            folder, None, "no such folder", f"a folder with a {name}", f"name a {path.stem} folder",
-            ErrorCode.FILE_MISSING,
-        )  # fmt: skip
+        found, remedy = "no such folder", f"name a {path.stem} folder"
+        if folder.is_file():
+            found, remedy = "a file", f"{remedy}, or type station diagnose {quote(str(folder))} if it is a log"
+        raise DataRefused(folder, None, found, f"a folder with a {name}", remedy, ErrorCode.FILE_MISSING)
     with open_inside(folder, name, folder, None) as stream:
         content = stream.read(MAX_LINE + 1)
     if len(content) > MAX_LINE:

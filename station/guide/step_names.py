@@ -11,7 +11,7 @@ _FILED = re.compile(
 )
 _KINDS = {"dwell": "position", "move": "move", "free": "free position", "soak": "soak", "monitor": "monitor"}
 _WAYS = {"plus": "+", "minus": "-"}
-_GAP = re.compile(r"^(?:.*/)?(?P<file>[^:/]+\.mcap)(?::\d+)?: a gap of (?P<seconds>[\d.]+) s$")
+_GAP = re.compile(r"^(?:.*/)?(?P<file>[^:/]+\.mcap)(?::\d+)?: a gap of (?P<seconds>[\d.]+) s(?P<place> at \S+ s)$")
 _NEAR_S = 0.5
 _TYPED = (  # what people type, and what the step's words then are
     (re.compile(r"^(?:position |p)?(\d+|[udewns]{3})$"), "position {0}"),
@@ -64,7 +64,7 @@ def gap_in_words(warning: str, left_out: Mapping[str, Sequence[float]]) -> str:
         return warning
     file, seconds = found["file"], float(found["seconds"])
     if not any(abs(seconds - each) < _NEAR_S for each in left_out.get(file, ())):
-        return f"{file}: a gap of {seconds:.3g} s: samples were lost"
+        return f"{file}: a gap of {seconds:.3g} s{found['place']}: samples were lost"
     return f"{file}: {seconds:.1f} s discarded, because the cube was disturbed; the rest was accepted"
 
 

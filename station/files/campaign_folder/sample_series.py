@@ -127,7 +127,7 @@ def _refuse_outside_word(table: Table, values: FloatArray, names: tuple[str, ...
 def _warnings(table: Table, times: SampleTimes, imu: CampaignImuTable) -> Iterator[str]:
     t, gaps = table.columns["t_s"], times.begins[1:]
     for row in gaps[:_MAX_GAPS_NAMED].tolist():
-        yield f"{table.file}:{table.line(row)}: a gap of {t[row] - t[row - 1]:.6g} s"
+        yield f"{table.file}:{table.line(row)}: a gap of {t[row] - t[row - 1]:.6g} s at {t[row - 1] - t[0]:.7g} s"
     if len(gaps) > _MAX_GAPS_NAMED:
         yield f"{table.file}: {len(gaps) - _MAX_GAPS_NAMED} more gaps"
     if times.is_uneven:

@@ -8,7 +8,7 @@ or acceleration decides the kind of sensor, whatever the letters before it: ``Gx
 """
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
@@ -20,11 +20,14 @@ from procedures.units import RAD_PER_DEG
 from station.files.output_units import (
     ACCEL_UNITS,
     GYRO_UNITS,
+    NOT_BEHIND_A_NAME,
     OTHER_QUANTITIES,
     RAW,
-    SPELLED,
     TIME_UNITS,
+    is_quotient,
+    is_unit,
     temperature_unit,
+    unit_behind_name,
     unit_named,
 )
 
@@ -40,11 +43,9 @@ _TIME_OF_DEVICE = re.compile(  # VectorNav, ROS, SensorLog, Shimmer, NovAtel
     r"time_?startup|(?:.*[_./])?header[_./]stamp|.*time_?stamp_?(?:since_?reboot|unix(?:_cal)?|sample)|gnss_?time"
 )
 _AXIS = r"[xyz](?:_?axis)?"
+_OPENS = re.compile(r"[\[({]")
+_CAPITAL = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[XYZ])(?=[A-Z][a-z])")  # GyroXDegPerSec
 _BRACKET = re.compile(r"_?[\[(].*[\])]$")
-_NOT_BEHIND_A_NAME = ("min", "h", "day", "days")  # temp_min is a minimum
-_BEHIND_A_NAME = sorted(
-    {*SPELLED, *GYRO_UNITS, *ACCEL_UNITS, *TIME_UNITS} - {*_NOT_BEHIND_A_NAME}, key=len, reverse=True
-)
 _STEP_IN_BRACKETS = re.compile(r"([0-9.]+(?:e[+-]?[0-9]+)?)_?(.+)")  # as in [0.1 ms]
 _HINT_ODDS = 30.0  # such words are seldom used for another unit
 _HINTS: tuple[tuple[str, tuple[str, ...], float], ...] = (  # words, units that they leave, odds for these
@@ -59,18 +60,30 @@ _TEMPERATURE = re.compile(r"(?:.*[_./])?temp(?:erature?|eratur)?(?:_.*)?|t_?degc
 
 @lru_cache(maxsize=1024)  # each name is asked for some twenty times
 def split_unit(name: str) -> tuple[str, str]:
-    """Return a column's name in lower case without its unit, and the unit in its brackets or behind ``_``."""
-    plain = _lower(name)
-    plain = re.sub(rf"_?[\[({{]({_AXIS})[\])}}]", r"_\1", plain)  # acceleration (x)
-    if bracket := re.fullmatch(rf"(.*?)_?/?_?[\[({{](.*)[\])}}](_?{_AXIS})?", plain):
-        return bracket[1] + (bracket[3] or ""), unit_named(bracket[2])
+    """Return a column's name in lower case without its unit, and the unit in its brackets or behind its words."""
+    name = _INDEX.sub(_axis_of_index, name)
+    plain = re.sub(rf"_?[\[({{]({_AXIS})[\])}}]", r"_\1", _lower(name))  # acceleration (x)
+    opens = [found.start() for found in _OPENS.finditer(plain)]
+    brackets = [re.fullmatch(rf"(.{{{at}}}).(.*)[\])}}](_?{_AXIS})?", plain) for at in opens]
+    if inside := [found for found in brackets if found]:
+        found = next((each for each in inside if is_unit(each[2])), inside[0])
+        return found[1].rstrip("_/,:") + (found[3] or ""), unit_named(found[2])
     if quotient := re.fullmatch(r"(.+?)_/_(.+)", plain):  # ISO 80000: a_x / g
         if (unit := unit_named(quotient[2])) in {*GYRO_UNITS, *ACCEL_UNITS, *TIME_UNITS}:
             return quotient[1], unit
-    for unit in _BEHIND_A_NAME:
-        if plain.endswith(f"_{unit}") and len(plain) > len(unit) + 1:
-            return plain.removesuffix(f"_{unit}"), unit_named(unit)
-    return plain, ""
+    return _unit_behind(plain) or _unit_behind(_lower(_CAPITAL.sub("_", name)), is_quotient) or (plain, "")
+
+
+def _unit_behind(plain: str, may_be: Callable[[str], bool] = bool) -> tuple[str, str] | None:
+    """Return a name without the longest unit behind its words, or before its axis, and the unit; None of none."""
+    words = re.split(r"[_,:]+", plain)
+    axis = words.pop() if len(words) > 2 and words[-1] in AXES else ""
+    for i in range(len(words)):
+        unit = unit_behind_name("_".join(words[i:]))
+        is_sensors = is_quotient(unit) or (unit in ACCEL_UNITS and len(unit) > 1)  # not g of imu_g_x
+        if may_be(unit) and (is_sensors if axis or not i else True):
+            return "_".join([*words[:i], *([axis] if axis else [])]), unit
+    return None
 
 
 def guessed_time(names: Sequence[str]) -> str | None:
@@ -89,7 +102,7 @@ def _is_time(plain: str) -> bool:
 
 def _bare_unit_of_time(name: str) -> str:
     unit = unit_named(re.sub(r"[\[\]()]", "", name))
-    return unit if unit in TIME_UNITS and unit not in _NOT_BEHIND_A_NAME else ""
+    return unit if unit in TIME_UNITS and unit not in NOT_BEHIND_A_NAME else ""
 
 
 def time_unit_in_name(name: str) -> TimeUnit | None:
@@ -208,7 +221,7 @@ _GYRO = (
 )
 _ACCEL = (
     r"(?:accelerometer|(?:scaled|uncomp)?_?accel(?:eration)?(?:_[lw][nr])?|accl|accelerometer_?acceleration|acc|"
-    r"accel(?:erometer)?_m_s2|acc_?smooth|total_?acceleration|lin(?:ear)?_?acc(?:el(?:eration)?)?|"
+    r"acc_?smooth|total_?acceleration|lin(?:ear)?_?acc(?:el(?:eration)?)?|"
     r"specific_?force|g_?force|g?f|a)"
 )
 _WORDS = MappingProxyType({"gyroscope": _GYRO, "accelerometer": _ACCEL})
@@ -216,9 +229,9 @@ _UNITS: Mapping[str, Mapping[str, float]] = MappingProxyType(
     {"gyroscope": GYRO_UNITS, "accelerometer": ACCEL_UNITS}
 )
 _TURNS = MappingProxyType({"x": r"p|roll(?:_?rate)?", "y": r"q|pitch(?:_?rate)?", "z": r"r|yaw(?:_?rate)?"})
-_SINGLE_GYRO = re.compile(rf"(?:.*[_./-])?(?:fog|rlg|{_GYRO})(?:_?raw)?")
-_REFERENCE = re.compile(r"(?!sampl)(?:.*_)?(?:ref|cmd|command|table|target|set_?point|rate|enc(?:oder)?)(?:_.*)?")
-_NO_SENSOR = re.compile(r"ref|cmd|command|table|target|set_?point|true|enc|gravity")
+_OF_A_TABLE = r"ref|cmd|command|table|target|set_?point|enc|soll|input|applied|nominal"
+_REFERENCE = re.compile(rf"(?!sampl)(?:.*_)?(?:(?:{_OF_A_TABLE})[a-z]*|rate)(?:_.*)?")
+_NO_SENSOR = re.compile(rf"{_OF_A_TABLE}|true|gravity|heading|course")
 _MAGNETIC = re.compile(r"(?:^|_)(?:mag|compass|field|[mbh]_?[xyz]$)")
 _GRAVITY_REMOVED = re.compile(r"(?:lin(?:ear)?|user|free)_?acc")
 _BARE = r"(?:.*_)?"
@@ -252,14 +265,15 @@ def guessed_triad(names: Sequence[str], triad: str) -> list[str | None]:
     return [None if whole is None else f"{whole}:{i + 1}" for i in range(len(AXES))]
 
 
-def guessed_single_gyro(names: Sequence[str]) -> str | None:
-    """Return the column of the only gyroscope: the only one in its unit, and called so; None of another.
+def guessed_single(names: Sequence[str], triad: str) -> str | None:
+    """Return the column of the only sensor of a ``triad``: the only one in a unit of it; None of another.
 
     It is of no axis: `guessed_triad` has found none. What is called a reference or a command is none.
     """
-    in_unit = [name for name in names if split_unit(name)[1] in GYRO_UNITS]
-    only = split_unit(in_unit[0])[0] if len(in_unit) == 1 else ""
-    return in_unit[0] if _SINGLE_GYRO.fullmatch(only) and not _NO_SENSOR.search(only) else None
+    in_unit = [name for name in names if sensor_of_unit(name) == triad]
+    only = _plain(in_unit[0]) if len(in_unit) == 1 else None
+    is_sensor = only is not None and not (_NO_SENSOR.search(only) or _GRAVITY_REMOVED.search(only))
+    return in_unit[0] if is_sensor else None
 
 
 def guessed_reference(names: Sequence[str]) -> str | None:

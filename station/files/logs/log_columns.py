@@ -15,7 +15,8 @@ from station.files.logs.header_guesses import (
     bare_axes,
     degrees_per_angle,
     guessed_reference,
-    guessed_single_gyro,
+    guessed_single,
+    guessed_temperature,
     guessed_time,
     guessed_triad,
     guessed_utc,
@@ -28,6 +29,7 @@ from station.files.logs.header_guesses import (
 from station.files.logs.time_units import compare_clocks, other_clocks, unit_of_time
 from station.files.logs.unit_checks import temperature_column
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW
+from station.files.tables.dates import readings
 from station.files.tables.table import MAX_NAMES_SHOWN, Table
 
 _SAY_Z = "(state -,-,COL for z)"
@@ -93,10 +95,13 @@ def choose_columns(
     names, guesses = list(table.columns), list[str]()
     free = _not_stated(table, stated)
     gyro, accel = (_triad(table, stated, triad, free, guesses) for triad in ("gyro", "accel"))
+    gyro = gyro if any(gyro) or stated.gyro is not None else _single(free, "gyroscope", guesses)
+    accel = accel if any((*gyro, *accel)) or stated.accel is not None else _single(free, "accelerometer", guesses)
     if not any((*gyro, *accel)):
         raise DataRefused(
             table.file, None, f"columns {', '.join(names[:30])}", "outputs",
             f"name them: --gyro A,B,C or --accel A,B,C{_or_a_table(free, stated)}",
+            ErrorCode.COLUMNS,
         )  # fmt: skip
     time = None if stated.time is None else table.name_of(stated.time)
     reference = None if stated.reference is None else table.name_of(stated.reference)
@@ -109,6 +114,7 @@ def choose_columns(
             table.file, None, "no time column", "--time COL or --rate HZ, or --reference COL of a rate table",
             f"name one of them{_or_a_table(free, stated)}", code=ErrorCode.COLUMNS,
         )  # fmt: skip
+    _refuse_unreadable_time(table, time)
     temperature, temperature_unit = temperature_column(table, stated.temperature, free, guesses)
     unit_gyro = stated.unit_gyro or _unit(names, gyro, guesses, "gyroscopes", GYRO_UNITS)
     unit_gyro = unit_gyro or unit_by_logger(names, gyro, "gyro", guesses)
@@ -139,8 +145,15 @@ def choose_columns(
 
 
 def _or_a_table(free: Sequence[str], stated: ColumnOptions) -> str:
-    """Return the option of a rate table, where a column is called as its rate and nobody named it."""
+    """Return the option of a rate table, where a column is called as its rate and nobody named it.
+
+    Another column must be left for its outputs.
+    """
     called = None if stated.reference is not None else guessed_reference(free)
+    others = {called, guessed_time(free), guessed_temperature(free)}
+    is_stated = stated.gyro is not None or stated.accel is not None
+    if not is_stated and others.issuperset(free):
+        return ""
     return "" if called is None else f"; if this is a rate table, type --reference {quote(called)}"
 
 
@@ -158,9 +171,28 @@ def _unused_hint(unused: Sequence[str], found: LogColumns, stated: ColumnOptions
 
 
 def _guessed_time(table: Table, free: Sequence[str]) -> str | None:
-    """Return the column of time by its name, else the first of moments, else UTC, which is a time as well."""
+    """Return the column of time by its name, else the first of moments, else UTC, which is a time as well.
+
+    A column of text is one where no other is, so that it can be named.
+    """
     moments = (name for name in free if name in table.moments)
-    return guessed_time(free) or next(moments, None) or guessed_utc(free)
+    numbers = [name for name in free if name not in table.unreadable]
+    return guessed_time(numbers) or next(moments, None) or guessed_utc(numbers) or guessed_time(free)
+
+
+def _refuse_unreadable_time(table: Table, time: str | None) -> None:
+    """Refuse a column of time that holds text, or dates whose day and month may be in either order."""
+    if time is None or time not in table.unreadable:
+        return
+    row, text = table.unreadable[time]
+    expected, remedy = "a number, a clock or a date", "write it as ISO 8601 (2026-03-12T09:14:03.000)"
+    if len(dates := readings(text)) > 1:
+        expected = f"a date that can be read in one way, not as {' and as '.join(dates)}"
+        remedy = f"write it as ISO 8601, {' or '.join(dates)}"
+    raise DataRefused(
+        table.file, table.line(row), f"{text[:40]!a} in column {time}", expected,
+        f"{remedy}, or state --rate HZ in place of a time column", ErrorCode.COLUMNS,
+    )  # fmt: skip
 
 
 def _utc(
@@ -197,9 +229,6 @@ def _triad(
         found = tuple(guessed_triad(free, "gyroscope" if triad == "gyro" else "accelerometer"))
         if any(found):
             guesses.append(f"{triad} is {','.join(name or ABSENT for name in found)}")
-        elif triad == "gyro" and (single := guessed_single_gyro(free)) is not None:
-            guesses.append(f"{single} is used as gyroscope x, its name states no axis {_SAY_Z}")
-            found = (single, None, None)
         elif (bare := bare_axes(free, table.file)) is not None and bare[0] == triad:
             found = bare[1]
             guesses += bare[2]
@@ -216,6 +245,13 @@ def _triad(
         guesses.append(f"{names[0]} is the sensor {AXES[axis]} {_SAY_Z}")
         names = [names[0] if i == axis else None for i in range(3)]
     return (*names, *(None,) * (3 - len(names)))
+
+
+def _single(free: Sequence[str], triad: str, guesses: list[str]) -> tuple[str | None, ...]:
+    single = guessed_single(free, triad)
+    if single is not None:
+        guesses.append(f"{single} is used as {triad} x, its name states no axis {_SAY_Z}")
+    return (single, None, None)
 
 
 def _reference_unit(reference: str | None, guesses: list[str]) -> float:

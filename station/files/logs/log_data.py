@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from procedures.arrays import BoolArray, FloatArray
+from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.counts.encoder_angle import (
     LEAST_ROWS,
     SURE,
@@ -16,8 +16,9 @@ from procedures.counts.encoder_angle import (
     slope_and_correlation,
     unwrapped,
 )
-from procedures.counts.sample_times import StampsGoBack, log_times
+from procedures.counts.sample_times import SAME_WRAP_STEPS, StampsGoBack, log_times
 from procedures.errors import ErrorCode
+from procedures.units import S_PER_H
 from station.errors import DataRefused
 from station.files.logs.log_columns import LogColumns, outputs
 from station.files.output_units import GYRO_UNITS, TEMPERATURE_UNITS, outputs_per_unit
@@ -204,14 +205,24 @@ def _times(
     try:
         times = log_times(stamps[keep], found.unit_time.seconds)
     except StampsGoBack as error:
-        row = int(np.flatnonzero(keep)[error.row])
-        stamp = f"{found.time} {error.after:.12g} after {error.before:.12g}"
-        remedy = "cut the log in two there, or name another column"
-        expected = "times that rise, or wrap at one number"
-        line = found.table.line(row)
-        raise DataRefused(found.table.file, line, stamp, expected, remedy, ErrorCode.TIME_ORDER) from None
+        raise _set_back(found, error, np.flatnonzero(keep)) from None
     notes += times.notes()
     return {"t_s": times.t}, None if times.wraps else times.origin
+
+
+def _set_back(found: LogColumns, error: StampsGoBack, kept: IntArray) -> DataRefused:
+    """Return the refusal of a time that goes back, in the words of the file."""
+    assert found.time is not None
+    before, row = (int(each) for each in kept[error.row - 1 : error.row + 1])
+    stamp = f"{found.time} {found.table.cell(row, found.time)} after {found.table.cell(before, found.time)}"
+    remedy = "cut the log in two there, or name another column"
+    fall_s = (error.before - error.after + error.usual) * found.unit_time.seconds
+    if abs(fall_s - S_PER_H) <= SAME_WRAP_STEPS * error.usual * found.unit_time.seconds:
+        stamp += ", a clock set back by 3600 s as at the end of summer time"
+        remedy = "add one hour from there on (UTC has no such step), or state --rate HZ in place of a time column"
+    expected = "times that rise, or wrap at one number"
+    line = found.table.line(row)
+    return DataRefused(found.table.file, line, stamp, expected, remedy, ErrorCode.TIME_ORDER)
 
 
 def _say_constant(values: FloatArray, names: Sequence[str | None], notes: list[str]) -> None:

@@ -12,6 +12,7 @@ import zlib
 from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -42,6 +43,7 @@ class Table:
     had to assume; ``moments`` are columns of dates or clocks, in seconds since 1970 or since midnight.
     ``time_scale_s`` is how many seconds one unit of the time column is by the file's own header, None where that
     states no scale. ``damaged`` are rows that are nan where they are damaged, which ``notes`` say already.
+    ``text_of`` reads a cell, by line and column, as a text file writes it; None of a file without text.
     ``host_span`` is the station's own time [ns] of the first and last row where the file has it; ``damage`` says
     what is missing of a recording cut short.
     """
@@ -57,6 +59,7 @@ class Table:
     damaged: frozenset[int] = frozenset()
     host_span: tuple[int, int] | None = None
     damage: str | None = None
+    text_of: Callable[[int, str], str] | None = None
 
     @property
     def name(self) -> str:
@@ -76,6 +79,13 @@ class Table:
         """Return a table of some rows, by their indices (m,), each still with its own line."""
         columns = {name: column[rows] for name, column in self.columns.items()}
         return replace(self, columns=columns, lines=[self.line(row) for row in rows.tolist()])
+
+    def cell(self, row: int, name: str) -> str:
+        """Return a cell of a column as its file writes it, for a message."""
+        if self.text_of is not None:
+            return self.text_of(self.line(row), name)
+        value = float(self.columns[name][row])
+        return f"{datetime.fromtimestamp(value, UTC):%F %T.%f}" if name in self.moments else f"{value:.12g}"
 
     def name_of(self, key: str) -> str:
         """Return the name of the column that ``key`` names, or numbers from 1.

@@ -1,17 +1,16 @@
-"""How rows of a text are parted: delimiter, decimal mark, names and units of columns, dates and clocks."""
+"""How rows of a text are parted: delimiter, decimal mark, names and units of columns, which of them are dates."""
 
 import csv
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
 
 from procedures.errors import ErrorCode
-from procedures.units import S_PER_H
 from station.errors import DataRefused
 from station.files.output_units import is_unit
+from station.files.tables.dates import DateOrder, date_order, may_be_moment, moment
 
 COMMENT = ("#", "%", "//")
 
@@ -65,31 +64,6 @@ def _unique(names: Sequence[str]) -> Iterator[str]:
         yield name if seen.count(name) == 1 else f"{name}_{seen.count(name)}"
 
 
-_ISO = re.compile(
-    r"(\d{4})[-/](\d\d)[-/](\d\d)[T ](\d\d:\d\d:\d\d)(?:[.,](\d{1,9}))?\s?(Z|UTC|[+-]\d\d:?\d\d)?", re.ASCII
-)
-_CLOCK = re.compile(r"(\d{1,3}):([0-5]\d):([0-5]\d)(?:[.,](\d{1,9}))?", re.ASCII)
-
-
-def moment(cell: str) -> float | None:
-    """Return the seconds since 1970 of a date and time (UTC without a zone), or since midnight of a clock.
-
-    None of what is neither.
-    """
-    if found := _CLOCK.fullmatch(cell):
-        hours, minutes, seconds, fraction = found.groups()
-        return int(hours) * S_PER_H + int(minutes) * 60 + float(f"{seconds}.{fraction or 0}")
-    if (found := _ISO.fullmatch(cell)) is None:
-        return None
-    year, month, day, clock, fraction, zone = found.groups()
-    zone = "+00:00" if zone in {None, "Z", "UTC"} else zone
-    try:
-        whole = datetime.fromisoformat(f"{year}-{month}-{day}T{clock}{zone}").astimezone(UTC).timestamp()
-    except (ValueError, OverflowError):
-        return None
-    return whole + float(f"0.{fraction or 0}")
-
-
 LOOKED_AT = 200  # lines in which the table must begin
 SAME_LINES = 6  # lines of one shape that make a table
 DELIMITERS = (",", ";", "\t", "|", None)  # None: blanks
@@ -106,8 +80,9 @@ _DECIMALS = re.compile(r"[+-]?[0-9]*\.([0-9]+)")
 class Layout:
     """How rows of a text are parted, the first of them, their names; ``numbers`` less text in the first rows.
 
-    ``moments`` are the columns that hold dates or clocks (`text_moments`), ``decimals`` how many each column
-    prints, None where that differs. ``all_numbers`` are those of all rows looked at.
+    ``moments`` are the columns that hold dates or clocks, each with the order of its dates where that matters;
+    ``decimals`` how many each column prints, None where that differs. ``all_numbers`` are those of all rows looked
+    at.
     ``grouping`` is what separates thousands, empty where nothing does.
     """
 
@@ -117,7 +92,7 @@ class Layout:
     has_decimal_comma: bool
     numbers: int
     all_numbers: int
-    moments: tuple[int, ...]
+    moments: Mapping[int, DateOrder | None]
     decimals: tuple[int | None, ...] = ()
     grouping: str = ""
     notes: tuple[str, ...] = ()
@@ -209,7 +184,9 @@ def _layout(
     ends_empty = all(not row[-1] for row in rows) and count > 1
     names, mismatch = column_names(above, lambda line: cells_of(line, delimiter), is_number, count, ends_empty)
     looked = [row[: len(names)] for row in split[first:] if len(row) >= len(names)]
-    moments = tuple(i for i in range(len(names)) if all(moment(row[i]) is not None for row in rows))
+    dated = [i for i in range(len(names)) if all(may_be_moment(row[i]) for row in rows)]
+    orders = {i: date_order([row[i] for row in looked]) for i in dated}
+    moments = {i: order for i, order in orders.items() if moment(rows[0][i], order) is not None}
     grouping = _grouping([cell for row in looked for cell in row], comma=comma)
     is_decimal = comma and grouping != ","
     total = sum(_is_cell(cell, comma) for row in looked for cell in row)
@@ -222,7 +199,7 @@ def _layout(
 
 def _is_cell(cell: str, comma: bool) -> bool:
     """Return whether a cell is a number or a moment; ``comma``: also one with a comma in it."""
-    if is_number(cell) or moment(cell) is not None:
+    if is_number(cell) or may_be_moment(cell):
         return True
     return comma and bool(_DECIMAL_COMMA.fullmatch(cell) or _COMMA_GROUPS.fullmatch(cell))
 
@@ -234,7 +211,7 @@ def _grouping(cells: Sequence[str], *, comma: bool) -> str:
     """
     if not comma:
         return ""
-    with_comma = [cell for cell in cells if "," in cell and _is_cell(cell, comma) and not moment(cell)]
+    with_comma = [cell for cell in cells if "," in cell and _is_cell(cell, comma) and not may_be_moment(cell)]
     if any(_SURE_COMMA_GROUPS.fullmatch(cell) for cell in with_comma):
         return ","
     if any("." in cell for cell in with_comma):

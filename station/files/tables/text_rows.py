@@ -8,6 +8,7 @@ always prints as many; what is damaged becomes nan. A column in which text is co
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,8 @@ from numpy.typing import NDArray
 from procedures.arrays import FloatArray, IntArray
 from procedures.errors import ErrorCode
 from station.errors import DataRefused
-from station.files.tables.text_layout import MISSING, Layout, moment
+from station.files.tables.dates import DateOrder, moment
+from station.files.tables.text_layout import MISSING, Layout
 
 MAX_DAMAGED = 0.01  # of the rows: more is no line that lost a few bytes
 MAX_KEPT = 100_000  # cells of a column: a column of text is one from the first on
@@ -136,7 +138,9 @@ def _together(rows: Sequence[str], layout: Layout) -> tuple[FloatArray, Damage] 
     if (grid := _grid(one_blank, delimiter or " ", count)) is None:
         return None
     try:
-        seconds: dict[int | str, Callable[[str], float]] = dict.fromkeys(layout.moments, _moment)
+        seconds: dict[int | str, Callable[[str], float]] = {
+            i: partial(_moment, order=order) for i, order in layout.moments.items()
+        }
         columns = None if delimiter is None else range(count)
         plain = text.replace(",", ".").split("\n") if layout.has_decimal_comma else rows
         values = np.loadtxt(
@@ -177,8 +181,8 @@ def _not_as_printed(octets: NDArray[np.uint8], ends: IntArray, layout: Layout) -
     return found
 
 
-def _moment(cell: str) -> float:
-    if (seconds := moment(cell.strip())) is None:
+def _moment(cell: str, order: DateOrder | None) -> float:
+    if (seconds := moment(cell.strip(), order)) is None:
         raise ValueError(cell)
     return seconds
 
@@ -193,7 +197,7 @@ def _one_by_one(rows: Sequence[str], layout: Layout) -> tuple[FloatArray, Damage
         for j, cell in enumerate(cells):
             if (number := layout.number(cell)) is not None:
                 values[i, j] = number
-            elif j in layout.moments and (seconds := moment(cell)) is not None:
+            elif j in layout.moments and (seconds := moment(cell, layout.moments[j])) is not None:
                 values[i, j] = seconds
             elif cell.lower() not in MISSING:
                 damage.text.setdefault(j, Cells()).add(i, cell)

@@ -10,6 +10,7 @@ from collections.abc import Generator, Iterable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -148,7 +149,14 @@ class TextForm:
             unreadable=damage.unreadable(self.scales.names), notes=(*self._notes(), *notes),
             moments=frozenset(self.scales.names[i] for i in self.layout.moments),
             time_scale_s=self.scales.time_s, damaged=frozenset(damage.descriptions(self.layout)),
+            text_of=self.cell,
         )  # fmt: skip
+
+    def cell(self, line: int, name: str) -> str:
+        """Return a cell of a line, counted from 1, as the file writes it."""
+        every = (each for text, _ in _texts(self.file) for each in lines_of(text))
+        row = next(islice(every, line - 1, None))
+        return self.layout.cells(row.strip("\0"))[self.scales.names.index(name)]
 
     def _notes(self) -> Iterator[str]:
         """Yield what was assumed of the form."""

@@ -46,13 +46,13 @@ def test_a_step_is_meant_by_what_people_type(typed: str, step: str) -> None:
 
 def test_a_gap_that_the_guide_made_is_called_what_it_is_and_lost_samples_are_not() -> None:
     left_out = {"dwell_02.mcap": [4.02]}
-    disturbed = gap_in_words("dwell_02.mcap:301: a gap of 4.02 s", left_out)
+    disturbed = gap_in_words("dwell_02.mcap:301: a gap of 4.02 s at 30.5 s", left_out)
     assert (
         files_as_steps(disturbed)
         == "position 2: 4.0 s discarded, because the cube was disturbed; the rest was accepted"
     )
-    lost = gap_in_words("dwell_02.mcap:301: a gap of 0.06 s", left_out)
-    assert files_as_steps(lost) == "position 2: a gap of 0.06 s: samples were lost"
+    lost = gap_in_words("dwell_02.mcap:301: a gap of 0.06 s at 1.25 s", left_out)
+    assert files_as_steps(lost) == "position 2: a gap of 0.06 s at 1.25 s: samples were lost"
     assert gap_in_words("anything else", left_out) == "anything else"
 
 

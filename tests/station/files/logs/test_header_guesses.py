@@ -4,7 +4,7 @@ import pytest
 
 from station.files.logs.header_guesses import (
     degrees_per_angle,
-    guessed_single_gyro,
+    guessed_single,
     guessed_temperature,
     guessed_time,
     guessed_triad,
@@ -57,7 +57,7 @@ def test_roles_of_columns(header: str, time: str | None, gyro: str, accel: str, 
 def test_a_gyroscope_without_an_axis_is_guessed_where_it_is_the_only_one(
     header: str, expected: str | None
 ) -> None:
-    assert guessed_single_gyro(header.split(",")) == expected
+    assert guessed_single(header.split(","), "gyroscope") == expected
 
 
 @pytest.mark.parametrize(
