@@ -29,7 +29,7 @@ SPELLED = {  # as headers and people write units
     "deg/hr": "deg/h", "deg_sec": "deg/s", "rad_sec": "rad/s", "deg_hr": "deg/h", "deg_hour": "deg/h",
     "mdps": "mdeg/s", "m_s2": "m/s2", "m_s_2": "m/s2", "m/s^2": "m/s2", "m/s/s": "m/s2", "m_s^2": "m/s2",
     "m/s²": "m/s2", "ms2": "m/s2", "mps2": "m/s2", "cm_s2": "cm/s2", "mdeg_s": "mdeg/s", "mrad_s": "mrad/s",
-    "milli_g": "mg", "micro_g": "ug",
+    "m_s": "m/s", "km_h": "km/h", "milli_g": "mg", "micro_g": "ug",
     "sec": "s", "seconds": "s", "µs": "us", "usec": "us",  # noqa: RUF001
     "msec": "ms", "nsec": "ns",
     "millis": "ms", "micros": "us", "nanos": "ns", "minutes": "min", "hours": "h", "day": "days",

@@ -40,7 +40,7 @@ _TIME = re.compile(rf"(?:.*[./])?{_TIME_WORD}(?:_?{_UNIT_OF_TIME})?")
 _BY_LAST_WORD = re.compile(r"(?:.*_)?(datenum|hhmmss|excel|filetime|julian)(?:_(?:time|date))?")
 _TIME_WITH_UNIT = re.compile(rf"(?:.*time_?stamp|.*time|t)_?({_UNIT_OF_TIME})|(millis|micros|nanos)")
 _TIME_OF_DEVICE = re.compile(  # VectorNav, ROS, SensorLog, Shimmer, NovAtel
-    r"time_?startup|(?:.*[_./])?header[_./]stamp|.*time_?stamp_?(?:since_?reboot|unix(?:_cal)?|sample)|gnss_?time"
+    r"time_?startup|(?:.*[_./])?header[_./]stamp|.*time_?stamp_?(?:since_?reboot|unix(?:_cal)?|sample)|g(?:ns|p)s_?time"
 )
 _AXIS = r"[xyz](?:_?axis)?"
 _OPENS = re.compile(r"[\[({]")
@@ -265,15 +265,14 @@ def guessed_triad(names: Sequence[str], triad: str) -> list[str | None]:
     return [None if whole is None else f"{whole}:{i + 1}" for i in range(len(AXES))]
 
 
-def guessed_single(names: Sequence[str], triad: str) -> str | None:
-    """Return the column of the only sensor of a ``triad``: the only one in a unit of it; None of another.
+def sensors_without_axis(names: Sequence[str], triad: str) -> list[str]:
+    """Return the columns in a unit of a ``triad`` of which `guessed_triad` has found none.
 
-    It is of no axis: `guessed_triad` has found none. What is called a reference or a command is none.
+    None where one of them is called a reference or a command, which may be in the unit of the others.
     """
     in_unit = [name for name in names if sensor_of_unit(name) == triad]
-    only = _plain(in_unit[0]) if len(in_unit) == 1 else None
-    is_sensor = only is not None and not (_NO_SENSOR.search(only) or _GRAVITY_REMOVED.search(only))
-    return in_unit[0] if is_sensor else None
+    others = any(words.search(_plain(name)) for name in in_unit for words in (_NO_SENSOR, _GRAVITY_REMOVED))
+    return [] if others else in_unit
 
 
 def guessed_reference(names: Sequence[str]) -> str | None:
@@ -317,7 +316,8 @@ def _of_axis(written: Mapping[str, str], triad: str, i: int) -> str | None:
         family, at = _place(base)
         is_called = called.fullmatch(base) is not None
         is_whole = at == i and places.issuperset((family, k) for k in range(3))
-        is_other = any(words.search(base) for words in (_MAGNETIC, _NO_SENSOR, _GRAVITY_REMOVED))
+        is_magnetic = not is_quotient(split_unit(full)[1]) and _MAGNETIC.search(base)  # mag_x (G)
+        is_other = is_magnetic or _NO_SENSOR.search(base) or _GRAVITY_REMOVED.search(base)
         if kind == triad and is_called:
             rank = 0
         elif kind == triad and (is_whole or other.fullmatch(base)) and not is_other:

@@ -15,13 +15,13 @@ from station.files.logs.header_guesses import (
     bare_axes,
     degrees_per_angle,
     guessed_reference,
-    guessed_single,
     guessed_temperature,
     guessed_time,
     guessed_triad,
     guessed_utc,
     is_by_letter_g,
     is_called_as_other,
+    sensors_without_axis,
     split_unit,
     unit_by_logger,
     unit_of_triad,
@@ -100,7 +100,8 @@ def choose_columns(
     if not any((*gyro, *accel)):
         raise DataRefused(
             table.file, None, f"columns {', '.join(names[:30])}", "outputs",
-            f"name them: --gyro A,B,C or --accel A,B,C{_or_a_table(free, stated)}",
+            f"name them: {_named_as('--gyro', free, 'gyroscope')} or {_named_as('--accel', free, 'accelerometer')}"
+            f"{_or_a_table(free, stated)}",
             ErrorCode.COLUMNS,
         )  # fmt: skip
     time = None if stated.time is None else table.name_of(stated.time)
@@ -248,10 +249,19 @@ def _triad(
 
 
 def _single(free: Sequence[str], triad: str, guesses: list[str]) -> tuple[str | None, ...]:
-    single = guessed_single(free, triad)
-    if single is not None:
-        guesses.append(f"{single} is used as {triad} x, its name states no axis {_SAY_Z}")
-    return (single, None, None)
+    """Return the only sensor in a unit of a ``triad`` as its x, by the unit alone."""
+    if len(found := sensors_without_axis(free, triad)) != 1:
+        return (None, None, None)
+    guesses.append(f"{found[0]} is used as {triad} x, its name states no axis {_SAY_Z}")
+    return (found[0], None, None)
+
+
+def _named_as(option: str, free: Sequence[str], triad: str) -> str:
+    """Return the option that names a triad, with the columns in a unit of it where these are as many."""
+    found = sensors_without_axis(free, triad)
+    is_short = 2 <= len(found) <= len(AXES) and not any("," in name for name in found)
+    shown = ",".join(found) if is_short else "A,B,C"
+    return f"{option} {quote(shown)}"
 
 
 def _reference_unit(reference: str | None, guesses: list[str]) -> float:

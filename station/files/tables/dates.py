@@ -22,28 +22,22 @@ class DateOrder(Enum):
     MONTH_FIRST = "month/day/year"
 
 
-_FRACTION = r"(?:[.,](?P<fraction>\d{1,9})|:(?P<ms>\d{3}))?"
-_HALF = r"(?:\s?(?P<half>[AP])M)?"
-_CLOCK = re.compile(
-    rf"(?P<hour>\d{{1,3}}):(?P<minute>[0-5]\d):(?P<second>[0-5]\d){_FRACTION}{_HALF}", re.ASCII | re.IGNORECASE
-)
 _MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
-_DATE = (
-    r"(?:(?P<year>\d{4})(?P<by>[-/.])(?P<month>\d\d?)(?P=by)(?P<day>\d\d?)"
+_DATE = re.compile(
+    r"(?!\d{5,7}$)(?P<year>\d{4})(?P<by>[-/.]?)(?P<month>\d\d?)(?P=by)(?P<day>\d\d?)"
     r"|(?P<first>\d\d?)(?P<mark>[-/])(?P<then>\d\d?)(?P=mark)(?P<last>\d{4})"
     r"|(?P<dotted_day>\d\d?)\.(?P<dotted_month>\d\d?)\.(?P<dotted_year>\d{4}|\d\d)"
-    rf"|(?P<named_day>\d\d?)[- ](?P<named_month>{'|'.join(_MONTHS)})[- ](?P<named_year>\d{{4}}))"
-)
-_MOMENT = re.compile(
-    rf"{_DATE}(?:T|_|,?\s+)(?P<hour>\d\d?):(?P<minute>[0-5]\d)(?::(?P<second>[0-5]\d){_FRACTION})?{_HALF}"
-    r"\s?(?P<zone>Z|UTC|[+-]\d\d:?\d\d)?",
+    rf"|(?P<named_day>\d\d?)[- ](?P<named_month>{'|'.join(_MONTHS)})[- ](?P<named_year>\d{{4}})",
     re.ASCII | re.IGNORECASE,
 )
-_COMPACT = re.compile(  # ISO 8601, basic format
-    r"(?P<year>\d{4})(?P<month>\d\d)(?P<day>\d\d)[T_ ](?P<hour>\d\d)(?P<minute>[0-5]\d)(?P<second>[0-5]\d)"
-    r"(?:[.,](?P<fraction>\d{1,9}))?(?P<zone>Z|[+-]\d\d:?\d\d)?",
-    re.ASCII,
+_FRACTION = r"(?:[.,](\d{1,9})|:(\d{3}))?"  # LabVIEW and others write 09:14:03:125
+_CLOCK = re.compile(rf"(\d{{1,3}}):([0-5]\d):([0-5]\d){_FRACTION}(?:\s?([AP])M)?", re.ASCII | re.IGNORECASE)
+_ZONE = r"\s?(Z|UTC|[+-]\d\d:?\d\d)?"
+_MOMENT = re.compile(
+    rf"(\d[^:]{{5,10}}?)(?:T|_|,?\s+)(\d\d?):([0-5]\d)(?::([0-5]\d){_FRACTION})?(?:\s?([AP])M)?{_ZONE}",
+    re.ASCII | re.IGNORECASE,
 )
+_COMPACT = re.compile(rf"(\d{{8}})[T_ ](\d\d)([0-5]\d)([0-5]\d){_FRACTION}(){_ZONE}", re.ASCII)  # ISO 8601 basic
 
 
 def moment(cell: str, order: DateOrder | None = None) -> float | None:
@@ -52,12 +46,12 @@ def moment(cell: str, order: DateOrder | None = None) -> float | None:
     None of what is neither, and of a date whose day and month may be in either ``order`` where that is not known.
     """
     if found := _CLOCK.fullmatch(cell):
-        return _clock(found.groupdict(), 1000)
+        return _clock(*found.groups(), hours=1000)
     if (found := _MOMENT.fullmatch(cell) or _COMPACT.fullmatch(cell)) is None:
         return None
-    parts = found.groupdict()
-    day, clock = _day(parts, order), _clock(parts, 24)
-    return None if day is None or clock is None else day - _zone(parts["zone"]) + clock
+    date, *clock, zone = found.groups()
+    midnight, seconds = _midnight(date, order), _clock(*clock, hours=24)
+    return None if midnight is None or seconds is None else midnight - _zone(zone) + seconds
 
 
 def date_order(cells: Sequence[str]) -> DateOrder | None:
@@ -78,21 +72,19 @@ def readings(cell: str) -> list[str]:
     return [f"{datetime.fromtimestamp(seconds, UTC):%Y-%m-%d}" for seconds in both]
 
 
-def _day(parts: dict[str, str | None], order: DateOrder | None) -> float | None:
-    if parts.get("first"):
+@lru_cache(maxsize=64)  # a log has few days
+def _midnight(date: str, order: DateOrder | None) -> float | None:
+    if (found := _DATE.fullmatch(date)) is None:
+        return None
+    if found["first"]:
         if order is None:
             return None
-        pair = (parts["first"], parts["then"])
+        pair = found["first"], found["then"]
         day, month = pair if order is DateOrder.DAY_FIRST else pair[::-1]
-        return _midnight(parts["last"] or "", month or "", day or "")
-    for kind in ("", "dotted_", "named_"):
-        if year := parts.get(f"{kind}year"):
-            return _midnight(year, parts[f"{kind}month"] or "", parts[f"{kind}day"] or "")
-    return None
-
-
-@lru_cache(maxsize=64)  # a log has few days
-def _midnight(year: str, month: str, day: str) -> float | None:
+        year = found["last"]
+    else:
+        kind = next(kind for kind in ("", "dotted_", "named_") if found[f"{kind}year"])
+        year, month, day = (found[f"{kind}{part}"] for part in ("year", "month", "day"))
     number = _MONTHS.index(month.lower()) + 1 if month.isalpha() else int(month)
     try:
         return datetime(int(year) + (2000 if len(year) == 2 else 0), number, int(day), tzinfo=UTC).timestamp()
@@ -100,17 +92,25 @@ def _midnight(year: str, month: str, day: str) -> float | None:
         return None
 
 
-def _clock(parts: dict[str, str | None], hours: int) -> float | None:
+def _clock(
+    hour: str,
+    minute: str,
+    second: str | None,
+    fraction: str | None,
+    ms: str | None,
+    half: str | None,
+    *,
+    hours: int,
+) -> float | None:
     """Return the seconds since midnight, None of an hour from ``hours`` on, or of no half day."""
-    hour = int(parts["hour"] or 0)
-    if half := parts.get("half"):
-        if not 1 <= hour <= 12:
+    h = int(hour)
+    if half:
+        if not 1 <= h <= 12:
             return None
-        hour = hour % 12 + (12 if half in "pP" else 0)
-    if hour >= hours:
+        h = h % 12 + (12 if half in "pP" else 0)
+    if h >= hours:
         return None
-    fraction = float(f"0.{parts.get('fraction') or parts.get('ms') or 0}")
-    return hour * S_PER_H + int(parts["minute"] or 0) * 60 + int(parts["second"] or 0) + fraction
+    return h * S_PER_H + int(minute) * 60 + float(f"{second or 0}.{fraction or ms or 0}")
 
 
 def _zone(text: str | None) -> float:

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from procedures.errors import ErrorCode
 from station import cli
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import read_campaign_toml
@@ -18,6 +19,7 @@ from station.files.toml_file import checked_name, checked_text, line_of, line_of
 from tests.benchmarks.hostile_values import judged
 from tests.benchmarks.hostile_values.files import kinds
 from tests.benchmarks.hostile_values.values import mutants, toml_of
+from tests.refusals import refused
 
 
 @pytest.mark.parametrize("name", ["FOG-3", "S0103", "Prüfling 7", "測定-1", "a.b", "x" * 64, "№ 5 (left)"])
@@ -127,3 +129,9 @@ def test_the_line_of_a_key_is_that_of_its_own_table() -> None:
     assert line_of(("fixture", "face", 0, "covariance_rad2", 1, 0), lines) == 15
     assert line_of(("dwell", 1, "up"), lines) == 19
     assert line_of(("soak",), lines) == 1
+
+
+def test_a_log_in_place_of_a_folder_names_the_command_that_reads_it(tmp_path: Path) -> None:
+    (log := tmp_path / "quiet 0.csv").write_text("t,gx\n0,1\n")
+    with refused(DataRefused, ErrorCode.FILE_MISSING, f"station diagnose '{log}'"):
+        read_campaign_toml(log)

@@ -46,6 +46,7 @@ def test_increments_are_taken_as_they_are() -> None:
     assert found.series.period == pytest.approx(PERIOD)
     assert found.span == (0.01, 0.1)
     assert found.warnings[0].startswith("a.csv:5: ")
+    assert found.warnings[0].endswith(f" at {2 * PERIOD:g} s")  # behind the third row
 
 
 def test_running_totals_lose_the_first_row_of_each_stretch() -> None:

@@ -4,10 +4,10 @@ import pytest
 
 from station.files.logs.header_guesses import (
     degrees_per_angle,
-    guessed_single,
     guessed_temperature,
     guessed_time,
     guessed_triad,
+    sensors_without_axis,
     time_unit_in_name,
 )
 
@@ -57,7 +57,8 @@ def test_roles_of_columns(header: str, time: str | None, gyro: str, accel: str, 
 def test_a_gyroscope_without_an_axis_is_guessed_where_it_is_the_only_one(
     header: str, expected: str | None
 ) -> None:
-    assert guessed_single(header.split(","), "gyroscope") == expected
+    found = sensors_without_axis(header.split(","), "gyroscope")
+    assert (found[0] if len(found) == 1 else None) == expected
 
 
 @pytest.mark.parametrize(

@@ -27,7 +27,7 @@ BEHIND = {
     # words, and letters, that are no unit
     "temp_min": ("temp_min", ""), "imu_g_x": ("imu_g_x", ""), "upper_h": ("upper_h", ""),
     "gravity": ("gravity", ""), "super_s": ("super", "s"), "gyro_adc_x": ("gyro_adc_x", ""),
-    "vel_m_per_s": ("vel", "m/s"), "TimeUS": ("timeus", ""),
+    "vel_m_per_s": ("vel", "m/s"), "vx_m_s": ("vx", "m/s"), "TimeUS": ("timeus", ""),
 }  # fmt: skip
 
 
@@ -82,6 +82,13 @@ def test_the_unit_says_what_a_single_sensor_is(
 def test_what_is_no_sensor_or_one_of_several_is_asked_for(header: str, tmp_path: Path) -> None:
     with refused(DataRefused, ErrorCode.COLUMNS, "--gyro"):
         choose_columns(read_table(written(tmp_path, header)), ColumnOptions())
+
+
+def test_sensors_that_are_numbered_are_named_in_the_option(tmp_path: Path) -> None:
+    with refused(DataRefused, ErrorCode.COLUMNS, "--gyro 'Gyro1 (deg/h),Gyro2 (deg/h),Gyro3 (deg/h)'"):
+        choose_columns(
+            read_table(written(tmp_path, "t_s;Gyro1 (deg/h);Gyro2 (deg/h);Gyro3 (deg/h)")), ColumnOptions()
+        )
 
 
 @pytest.mark.parametrize(("header", "is_named"), [("t;rate;temp", False), ("t;Vout;rate;temp", True)])

@@ -67,6 +67,13 @@ HEADERS = [  # names, gyroscopes, accelerometers
     ("t;max [g];y", "", ""),
     ("t;motionGravityX(G);motionGravityY(G);motionGravityZ(G)", "", ""),  # a filter's
     ("t;nx;ny;nz", "", ""),
+    ("t;w_ib_b_x_deg_per_s;w_ib_b_y_deg_per_s;w_ib_b_z_deg_per_s",
+     "w_ib_b_x_deg_per_s;w_ib_b_y_deg_per_s;w_ib_b_z_deg_per_s", ""),
+    ("t;gyro_dps_x;gyro_dps_y;gyro_dps_z;acc_mg_x;acc_mg_y;acc_mg_z", "gyro_dps_x;gyro_dps_y;gyro_dps_z",
+     "acc_mg_x;acc_mg_y;acc_mg_z"),
+    ("t;gyroXRadPerSec;gyroYRadPerSec;gyroZRadPerSec", "gyroXRadPerSec;gyroYRadPerSec;gyroZRadPerSec", ""),
+    ("t;Wx, deg/h;Wy, deg/h;Wz, deg/h", "Wx, deg/h;Wy, deg/h;Wz, deg/h", ""),
+    ("t;imu_g_x;imu_g_y;imu_g_z;vx_m_s;vy_m_s;vz_m_s", "imu_g_x;imu_g_y;imu_g_z", ""),
 ]  # fmt: skip
 
 

@@ -41,7 +41,7 @@ def test_clocks(cell: str, seconds: float) -> None:
 @pytest.mark.parametrize(
     "cell",
     ["", "12.03", "12.03.2026", "31.02.2026 00:00:00", "2026-13-01 00:00:00", "13:00:00 PM", "0:10:00 AM",
-     "2026-03-12 24:10:00", "12-Mxr-2026 09:14:03", "1.2.3", "03/12/2026 09:14:03", "1:2"],
+     "2026-03-12 24:10:00", "12-Mxr-2026 09:14:03", "1.2.3", "2026112 09:14:03", "03/12/2026 09:14:03", "1:2"],
 )  # fmt: skip
 def test_what_is_no_date_or_one_of_two(cell: str) -> None:
     assert moment(cell) is None
