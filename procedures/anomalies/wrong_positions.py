@@ -103,7 +103,8 @@ def _finding(campaigns: Sequence[Campaign], each: Mislabelled) -> Finding:
     return Finding(
         EFFECT, "procedure", ("actual",), np.array([float(each.position)]), np.array([std]), "position", where,
         label, "the dwell again, in the position it was asked for", shares=shares,
-        aliases=tuple(name for name in shares if name != EFFECT), joint=sum(shares.values()) if shares else None,
+        aliases=tuple(name for name in shares if name != EFFECT),
+        joint=min(sum(shares.values()), 1.0) if shares else None,
     )  # fmt: skip
 
 

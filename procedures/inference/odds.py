@@ -61,4 +61,4 @@ def probability(log_odds: float) -> float:
 def shares(log_odds: Mapping[str, float]) -> dict[str, float]:
     """Return the probabilities of explanations that exclude each other, by ln of their odds over that of none."""
     none = log_sum(np.array([0.0, *log_odds.values()]))
-    return {name: float(np.exp(each - none)) for name, each in log_odds.items()}
+    return {name: min(float(np.exp(each - none)), 1.0) for name, each in log_odds.items()}

@@ -84,7 +84,7 @@ def posterior(search: Search) -> Posterior:
     for i, model in enumerate(models):
         held[i, list(model.names)] = True
     present = weights @ held
-    probabilities = weights @ (held & ~_bent_further(board, models, held))
+    probabilities = _at_most_one(weights @ (held & ~_bent_further(board, models, held)))
     alone = np.divide(probabilities, present, out=np.ones_like(present), where=present > 0)
     best, causes = search.best, list[Cause]()
     for hypothesis, own in _acting(board, best.members):
@@ -95,22 +95,21 @@ def posterior(search: Search) -> Posterior:
             total[hypothesis] = log_sum(
                 np.array([total[hypothesis], best.log_odds - search.polished(rest).log_odds])
             )
-        shares = np.exp(total - log_sum(np.append(total, 0.0)))
+        shares = _at_most_one(np.exp(total - log_sum(np.append(total, 0.0))))
         order = [int(j) for j in np.argsort(-shares) if shares[j] >= priors.NEGLIGIBLE]
         first = order[0] if order else int(np.argmax(shares))
         named = [j for j in order if board.hypotheses[j].is_named]
-        nameless = float(sum(
-            s * (1 - a) if h.is_named else s for s, a, h in zip(shares, alone, board.hypotheses, strict=True)
-        ))  # fmt: skip
+        without = [1 - a if h.is_named else 1.0 for a, h in zip(alone, board.hypotheses, strict=True)]
+        nameless = float(_at_most_one(shares @ np.array(without)))
         top = named[0] if named else first
         member = ranking.member(board, top)
         found = averaged(board, rest, top, member) if board.hypotheses[top].is_named else None
         if top == hypothesis and len(own) > 1:
             found = _together(board, best.members, own)
         forms = [j for j in order if not board.hypotheses[j].is_named] or [first]
-        form, of_group = forms[0], float(weights @ held[:, order or [first]].any(axis=1))
+        form, of_group = forms[0], _at_most_one(weights @ held[:, order or [first]].any(axis=1))
         causes.append(Cause(
-            board.hypotheses[top], float(min(probabilities[top], shares[top])), of_group,
+            board.hypotheses[top], float(min(probabilities[top], shares[top])), float(of_group),
             {board.hypotheses[j].name: float(shares[j]) for j in order}, nameless, found,
             board.hypotheses[form].curve, board.options[ranking.member(board, form).option].note,
             float(log_sum(total)),
@@ -118,6 +117,12 @@ def posterior(search: Search) -> Posterior:
         ))  # fmt: skip
     every = {h.name: float(p) for h, p in zip(board.hypotheses, probabilities, strict=True)}
     return Posterior(tuple(sorted(causes, key=lambda each: -each.evidence)), every, best)
+
+
+def _at_most_one(sums: FloatArray) -> FloatArray:
+    """Return probabilities (m,) that rounding in their sums may have lifted above one."""
+    found: FloatArray = np.minimum(sums, 1.0)
+    return found
 
 
 def _bent_further(board: Board, models: Sequence[Model], held: BoolArray) -> BoolArray:

@@ -29,7 +29,7 @@ from procedures.uncertainty.budget import ParameterBudget, budget
 from procedures.uncertainty.sources import GivenValues
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign, effects_of
 from station.files.effect_file import EffectFile
-from station.results.diagnosis.log_measurements import fitted_to, next_in_words, recording_of, separating
+from station.results.diagnosis.log_measurements import Recorded, fitted_to, next_in_words, separating
 from station.results.diagnosis.uncalibrated import (
     channels_of,
     in_specified_unit,
@@ -102,9 +102,9 @@ def diagnosis_json(
     if not has_plan and (far := _far_above(diagnosis.errors)):
         after["warnings"] = [*after.get("warnings", ()), *far]
     channels = channels_of(campaigns, [triad for triad in TRIADS if triad in before])
-    recording = recording_of(campaigns)
+    recorded = Recorded.of(campaigns)
     findings = [
-        fitted_to(recording, finding_document(finding) | own_definition(finding.effect, files))
+        fitted_to(recorded, finding_document(finding) | own_definition(finding.effect, files))
         for finding in diagnosis.findings
     ]
     if not diagnosis.is_calibrated:
@@ -112,7 +112,7 @@ def diagnosis_json(
         errors = [in_specified_unit(error, error["quantity"], campaigns) for error in errors]
     return {
         "format": FORMAT,
-        "recording": recording,
+        "recording": recorded.kind,
         "verdict": diagnosis.verdict,
         "p_value": max(exp(min(float(diagnosis.log_p), 0.0)), sys.float_info.min),
         "log10_p": float(diagnosis.log_p) / log(10),
@@ -124,11 +124,11 @@ def diagnosis_json(
         "unnamed": [unnamed_document(each) for each in diagnosis.unnamed],
         "probabilities": probabilities_document(diagnosis.probabilities),
         "not_separable": {
-            name: way if recording == "campaign" else separating(recording, name).phrase
+            name: way if recorded.kind == "campaign" else separating(recorded, name).phrase
             for name, way in diagnosis.not_separable.items()
         },
         "tests": [test_document(each) for each in diagnosis.tried],
-        "next_measurement": next_in_words(recording, findings, diagnosis.next_measurement),
+        "next_measurement": next_in_words(recorded, findings, diagnosis.next_measurement),
         **({"left": [left_document(each) for each in diagnosis.left]} if diagnosis.left else {}),
         **({"channels": channels} if channels else {}),
     }

@@ -2,9 +2,10 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import degrees
+from math import degrees, floor
 from typing import Any
 
+from procedures.inference.priors import word
 from procedures.units import ARCSEC_PER_DEG, ARCSEC_PER_RAD, PPM_PER_ONE, UG_PER_G
 from station.results.solution_text import measured
 from station.text import plural, significant
@@ -42,10 +43,16 @@ def confidence_in_words(finding: Mapping[str, Any]) -> str:
 
 
 def probability_text(p: float) -> str:
-    """Return a probability as text: ``0.42``, ``0.996``, ``> 0.999``; never 0 or 1."""
+    """Return a probability as text: ``0.42``, ``0.996``, ``> 0.999``; never 0 or 1, nor one of another word."""
     if p > CERTAIN:
         return f"> {CERTAIN}"
-    return f"{p:.3f}" if p > 0.95 else f"{p:.2f}" if p >= NEGLIGIBLE else "< 0.01"
+    if p < NEGLIGIBLE:
+        return f"< {NEGLIGIBLE}"
+    digits = 3 if p > 0.95 else 2
+    if word(round(p, digits)) == word(p):
+        return f"{p:.{digits}f}"
+    finer = 10 ** (digits + 1)
+    return f"{floor(p * finer) / finer:.{digits + 1}f}"  # just below the limit of a word
 
 
 def probabilities_text(findings: Sequence[Mapping[str, Any]]) -> str:

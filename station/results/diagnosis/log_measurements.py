@@ -7,6 +7,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+import numpy as np
+
+from procedures.arrays import FloatArray
 from procedures.effects import CATALOGUE
 from procedures.effects.effect import MeasurementName
 from procedures.positions import FACES
@@ -16,6 +19,7 @@ from station.results.diagnosis.next_measurements import (
     DWELL_S,
     FREE,
     SOAK_S,
+    STATIC,
     Measurement,
     measurement_name,
     next_measurements,
@@ -23,6 +27,8 @@ from station.results.diagnosis.next_measurements import (
 )
 
 Recording = Literal["campaign", "rests", "rotation", "rest", "rate table"]
+Temperature = Literal["not recorded", "recorded", "cycled"]
+CYCLE_K = 15.0  # of heating and of cooling in one recording, that `HEATED` asks for
 AT_REST = {"soak": [{"attitude": "free", "seconds": SOAK_S}]}
 ATTITUDES = {"dwell": [{"attitude": "free", "seconds": DWELL_S}] * FREE}
 
@@ -41,6 +47,12 @@ HEATED = Measurement(
     "Leave the unit at rest and record it while it is heated by 15 K or more and cooled again, with plateaus: "
     "effects of time, of temperature and of its rate can then be separated.",
     AT_REST,
+)
+HEATED_SLOWLY = Measurement(
+    "rest_heated_slowly",
+    "Leave the unit at rest and record it while it is heated and cooled at half the rate of this recording, with "
+    "plateaus twice as long: a lag, a rate of the temperature and the temperature itself then differ more.",
+    {"soak": [{"attitude": "free", "seconds": 2 * SOAK_S}]},
 )
 REST_AGAIN = Measurement(
     "rest_again",
@@ -75,8 +87,13 @@ OTHER_ATTITUDES = Measurement(
 )
 OTHER_DAY = Measurement(
     "rests_in_another_order",
-    "Record the rests again in another order, on another day, with the unit 5 K warmer or colder: effects of time "
-    "and of temperature can then be separated.",
+    "Record the rests again in another order, on another day: an error that does not repeat is no error term.",
+    ATTITUDES,
+)
+WARMER = Measurement(
+    "rests_at_another_temperature",
+    "Record the rests again in another order, with the unit 5 K warmer or colder: effects of time and of "
+    "temperature can then be separated.",
     ATTITUDES,
 )
 OTHER_SPEEDS = Measurement(
@@ -107,7 +124,7 @@ REPETITIONS: Mapping[Recording, Repetition] = {
         },
         {"temperature": HEATED},
     ),
-    "rests": Repetition(OTHER_ATTITUDES, by_driver={"temperature": OTHER_DAY, "time": OTHER_DAY}),
+    "rests": Repetition(OTHER_ATTITUDES, by_driver={"temperature": WARMER, "time": WARMER}),
     "rotation": Repetition(OTHER_SPEEDS),
     "rate table": Repetition(
         OTHER_RATES, {"again": TABLE_AGAIN}, {"temperature": TABLE_HEATED, "time": TABLE_AGAIN}
@@ -116,6 +133,41 @@ REPETITIONS: Mapping[Recording, Repetition] = {
 AGAIN: Mapping[Recording, Measurement] = {  # of what is left without a cause
     "rest": REST_AGAIN, "rests": OTHER_DAY, "rotation": OTHER_SPEEDS, "rate table": TABLE_AGAIN,
 }  # fmt: skip
+INSTEAD: Mapping[Temperature, Mapping[str, Measurement]] = {  # of what asks for another temperature
+    "not recorded": {HEATED.name: REST_AGAIN, WARMER.name: OTHER_DAY},
+    "recorded": {},
+    "cycled": {HEATED.name: HEATED_SLOWLY},
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """The kind of a recording, and what is known of the temperature in it."""
+
+    kind: Recording
+    temperature: Temperature
+
+    @classmethod
+    def of(cls, campaigns: Sequence[LoadedCampaign]) -> "Recorded":
+        """Return it of campaigns together."""
+        return cls(recording_of(campaigns), temperature_of(campaigns))
+
+
+def temperature_of(campaigns: Sequence[LoadedCampaign]) -> Temperature:
+    """Return what is known of the temperature in campaigns."""
+    recorded = list[FloatArray]()
+    for one in (each.campaign for each in campaigns):
+        for steps in (one.dwells, one.turns, one.rests, one.moves, one.sequences, one.soaks):
+            recorded += [step.series.temperature for step in steps]
+        recorded += [table.temperature for table in one.rate_tables]
+    known = [T[np.isfinite(T)] for T in recorded if np.isfinite(T).any()]
+    return "cycled" if any(map(_is_cycled, known)) else "recorded" if known else "not recorded"
+
+
+def _is_cycled(T: FloatArray) -> bool:
+    """Say whether temperatures T (n,) rise and fall by `CYCLE_K`."""
+    rise, fall = np.max(T - np.minimum.accumulate(T)), np.max(np.maximum.accumulate(T) - T)
+    return bool(min(rise, fall) >= CYCLE_K)
 
 
 def recording_of(campaigns: Sequence[LoadedCampaign]) -> Recording:
@@ -130,42 +182,61 @@ def recording_of(campaigns: Sequence[LoadedCampaign]) -> Recording:
     return "rest" if any(one.soaks for one in every) or not any(one.rate_tables for one in every) else "rate table"
 
 
-def fitted_to(recording: Recording, finding: Mapping[str, Any]) -> dict[str, Any]:
+def fitted_to(recorded: Recorded, finding: Mapping[str, Any]) -> dict[str, Any]:
     """Return a finding whose ``separate_by`` fits this kind of recording; what is sampled has its own."""
-    if recording == "campaign" or finding["effect"] not in CATALOGUE:
+    if recorded.kind == "campaign" or finding["effect"] not in CATALOGUE:
         return dict(finding)
-    return {**finding, "separate_by": separating(recording, finding["effect"]).phrase}
+    return {**finding, "separate_by": separating(recorded, finding["effect"]).phrase}
 
 
-def separating(recording: Recording, name: str) -> Measurement:
+def separating(recorded: Recorded, name: str) -> Measurement:
     """Return what separates an error term from others in a recording that is no campaign."""
-    ways = REPETITIONS[recording]
+    ways = REPETITIONS[recorded.kind]
     driver = CATALOGUE[name].driver if name in CATALOGUE else ""
-    return ways.by_name.get(measurement_name(name)) or ways.by_driver.get(driver) or ways.otherwise
+    found = ways.by_name.get(measurement_name(name)) or ways.by_driver.get(driver) or ways.otherwise
+    return INSTEAD[recorded.temperature].get(found.name, found)
 
 
-def next_in_words(recording: Recording, findings: Sequence[Mapping[str, Any]], of_campaign: str) -> str:
-    """Return ``next_measurement`` of a `diagnosis/2`; ``of_campaign`` is a campaign's, empty if none is needed.
+def _measurement(recorded: Recorded, finding: Mapping[str, Any]) -> Measurement:
+    """Return what a finding's ``separate_by`` asks for, as `fitted_to` has it."""
+    if finding["effect"] in CATALOGUE:
+        return separating(recorded, finding["effect"])
+    words = finding["separate_by"]
+    return Measurement(finding["effect"], f"{words[0].upper()}{words[1:]}.")
 
-    It separates the possible findings; without one it shows whether what is left repeats.
-    """
-    if recording == "campaign" or not of_campaign:
+
+def _following(recorded: Recorded, findings: Sequence[Mapping[str, Any]]) -> list[Measurement]:
+    """Return what separates the possible findings; without one what shows whether the residual repeats."""
+    ways = [_measurement(recorded, each) for each in findings if each["confidence"] == "possible"]
+    return ways or [AGAIN[recorded.kind]]
+
+
+def next_in_words(recorded: Recorded, findings: Sequence[Mapping[str, Any]], of_campaign: str) -> str:
+    """Return ``next_measurement`` of a `diagnosis/2`; ``of_campaign`` is a campaign's, empty if none is needed."""
+    if recorded.kind == "campaign" or not of_campaign:
         return of_campaign
-    ways = [each["separate_by"] for each in findings if each["confidence"] == "possible"]
-    return "; ".join(dict.fromkeys(ways)) or AGAIN[recording].phrase
+    return "; ".join(dict.fromkeys(each.phrase for each in _following(recorded, findings)))
 
 
 def wanted(
     document: Mapping[str, Any], campaigns: Sequence[LoadedCampaign], first: Sequence[Measurement] = ()
 ) -> list[Measurement]:
-    """Return what to measure next: ``first``, then what separates findings, then what cannot be separated here."""
-    recording, findings = document["recording"], known_findings(document)
+    """Return what to measure next: ``first``, then ``next_measurement``, then what cannot be separated here.
+
+    Where no next measurement is needed, the findings are confirmed.
+    """
+    findings, is_needed = known_findings(document), bool(document["next_measurement"])
+    possible = [each for each in findings if each["confidence"] == "possible"]
     hidden = [{"effect": name, "confidence": "possible"} for name in document.get("not_separable", {})]
-    if recording == "campaign":
+    if document["recording"] == "campaign":
         is_certified = all(len(one.campaign.fixture.faces) == len(FACES) for one in campaigns)
         axes = campaigns[0].tables.fixture.imu_axes
-        known = next_measurements([*findings, *hidden], axes, is_certified)
+        known = [STATIC["repeat"]] if is_needed and not possible else []
+        if hidden or not known:
+            known += next_measurements([*findings, *hidden], axes, is_certified)
     else:
-        possible = [one for one in findings if one["confidence"] == "possible"] + hidden
-        known = [separating(recording, one["effect"]) for one in possible or findings] or [AGAIN[recording]]
+        recorded = Recorded(document["recording"], temperature_of(campaigns))
+        confirmed = [] if hidden else [_measurement(recorded, each) for each in findings]
+        known = _following(recorded, findings) if is_needed or (not confirmed and not hidden) else confirmed
+        known = known + [separating(recorded, one["effect"]) for one in hidden]
     return list({one.name: one for one in [*first, *known]}.values())

@@ -53,6 +53,20 @@ def test_of_draws_from_the_prior_a_probability_is_the_share_that_acts(draws: int
         assert float(np.mean(is_true[inside])) == pytest.approx(expected, abs=3 * sigma + 0.01)
 
 
+def test_no_probability_is_above_one() -> None:
+    rng = np.random.default_rng(4)
+    for _ in range(10):  # odds of exp(1e8) are differences of large logarithms, which round
+        y, columns, _ = drawn(rng)
+        search = Search(board(1e4 * y, columns, 1e4 * AMPLITUDES, float(np.log(ODDS))))
+        search.run()
+        found = posterior(search)
+        every = [*found.probabilities.values()]
+        for one in found.causes:
+            every += [one.probability, one.joint, one.nameless, *one.shares.values()]
+        assert max(every) <= 1.0
+        assert max(every) > 0.99
+
+
 def test_the_order_of_hypotheses_does_not_matter() -> None:
     rng = np.random.default_rng(12)
     for _ in range(20):

@@ -3,14 +3,24 @@
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from procedures.effects import EFFECTS
+from procedures.inference.priors import word
 from station.results.diagnosis.diagnosis_document import DiagnosisDocument, Table, channel_table, document_of
 from station.results.diagnosis.diagnosis_html import section_html
 from station.results.diagnosis.diagnosis_text import diagnosis_text
 from station.results.diagnosis.finding_wording import MANY, probability_text, where_text
-from station.results.diagnosis.log_measurements import AGAIN, REPETITIONS, fitted_to, recording_of, wanted
+from station.results.diagnosis.log_measurements import (
+    AGAIN,
+    REPETITIONS,
+    Recorded,
+    fitted_to,
+    next_in_words,
+    recording_of,
+    wanted,
+)
 from station.results.diagnosis.next_measurements import write_plans
 
 
@@ -89,6 +99,11 @@ def test_few_findings_of_a_term_stand_each_for_itself() -> None:
     assert len(document_of(found).causes) == MANY
 
 
+@pytest.mark.parametrize("p", [0.89999, 0.9, 0.98995, 0.9899999, 0.99])
+def test_a_probability_is_shown_on_its_side_of_the_limit_of_a_word(p: float) -> None:
+    assert word(float(probability_text(p))) == word(p)
+
+
 @pytest.mark.parametrize("p", [0.0, 1e-9, 0.5, 0.9999, 1.0])
 def test_no_probability_is_zero_or_one(p: float) -> None:
     text = probability_text(p)
@@ -157,13 +172,40 @@ def test_the_kind_of_a_recording(step: str, recording: str) -> None:
 
 @pytest.mark.parametrize("recording", REPETITIONS)
 def test_outside_a_campaign_nothing_asks_for_positions_of_a_cube(recording: Any, tmp_path: Any) -> None:
-    findings = [fitted_to(recording, finding(each.name, 0.5)) for each in EFFECTS]
+    recorded = Recorded(recording, "recorded")
+    findings = [fitted_to(recorded, finding(each.name, 0.5)) for each in EFFECTS]
     assert all(each["separate_by"] for each in findings)
-    every = [*wanted(diagnosis(*findings, recording=recording), []), AGAIN[recording]]
+    document = diagnosis(*findings, recording=recording, next_measurement="something")
+    every = [*wanted(document, []), AGAIN[recording]]
     steps = [step for one in every for of_kind in one.steps.values() for step in of_kind]
     assert not any("position" in step for step in steps)
     assert bool(steps) is (recording != "rate table")
     assert all(path.read_text() for path in write_plans(tmp_path / "next.toml", every))
+
+
+def at_rest(*temperature: float) -> Any:
+    return loaded(soaks=(SimpleNamespace(series=SimpleNamespace(temperature=np.array(temperature))),))
+
+
+@pytest.mark.parametrize(
+    ("temperature", "asked", "is_named"),
+    [((np.nan, np.nan), "another day", False), ((20.0, 21.0), "heated by 15 K", True),
+     ((20.0, 40.0, 20.0), "half the rate", True)],
+)  # fmt: skip
+@pytest.mark.parametrize("p", [0.5, 0.97])
+def test_the_next_measurement_is_the_one_that_the_plan_has(
+    temperature: tuple[float, ...], asked: str, is_named: bool, p: float
+) -> None:
+    """A heated rest is no news after a heating cycle, and none is asked for where no temperature is recorded."""
+    campaigns = [at_rest(*temperature)]
+    recorded = Recorded.of(campaigns)
+    findings = [fitted_to(recorded, finding("gyroscope.bias_drift", p))]
+    reported = next_in_words(recorded, findings, "needed")
+    document = diagnosis(*findings, recording="rest", next_measurement=reported)
+    assert "; ".join(one.phrase for one in wanted(document, campaigns)) == reported
+    if p < 0.9:
+        assert asked in reported
+        assert ("heated" in reported) is is_named
 
 
 def test_the_document_of_a_bare_verdict_is_its_headline() -> None:
