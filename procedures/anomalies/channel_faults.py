@@ -85,7 +85,7 @@ def _changed_finding(one: RestingChannel, found: "_Change", names: Sequence[str]
     return Finding(
         EFFECT, "procedure", ("value",), value, np.abs(value) / found.sigmas, one.unit, where,
         found.probability, "the recording again, elsewhere and at another temperature",
-        f"noise of a sample, {found.after / found.before:.2g} times what it was",
+        f"noise of a sample, {found.after / found.before:.2g} times what it was", fault="noise",
     ).or_else(f"{one.triad}.noise")  # fmt: skip
 
 
@@ -163,7 +163,7 @@ def _clipped_finding(one: RestingChannel, value: float, rows: int, name: str) ->
         np.array([float(one.samples.std())]) / one.per_unit, one.unit,
         {"file": one.rest.name, "channel": one.label}, CERTAIN,
         "the recording again with a wider range",
-        f"clipped: {share:.2g} % of the rows stand at its {name} value",
+        f"{share:.2g} % of the rows stand at its {name} value", fault="clipped",
     )  # fmt: skip
 
 
@@ -207,5 +207,5 @@ def _frozen_finding(one: RestingChannel, first: int, end: int) -> Finding:
     return Finding(
         EFFECT, "procedure", ("value",), np.array([x[first]]) / one.per_unit,
         np.array([float(others.std())]) / one.per_unit, one.unit, where, CERTAIN, "the recording again",
-        "frozen at one value",
+        fault="frozen",
     )  # fmt: skip

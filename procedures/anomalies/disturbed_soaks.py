@@ -248,5 +248,5 @@ def _finding_of(campaign: Campaign, rest: RestRecord, found: Disturbance) -> Fin
     unit, alive = "g" if triad == "accelerometer" else "deg/h", np.flatnonzero(sigma > TINY)
     return replace(
         finding, coefficients=tuple(AXES[axis] for axis in alive), value=(off / k)[alive], std=(sigma / k)[alive],
-        unit=unit, where=where, shape="a wrong row",
+        unit=unit, where=where, shape="", fault="wrong row",
     )  # fmt: skip

@@ -49,8 +49,9 @@ class Effect:
     ``carried_with`` is what other campaigns must share for it to act in them: cube or unit, "" of the instrument.
     ``is_bench_parameter``: every model of a bench holds it, as a parameter with its prior; it is no cause.
     ``laws`` are its equations where the inputs of a sensor determine it, from which ``columns``, ``at`` and
-    ``physics`` are made: `effect_of`. ``meaning`` is what it is in a phrase, ``about`` what it looks like and why
-    its plausible size is what it is. ``not_corrected`` says why it is not taken out of samples; empty if it is.
+    ``physics`` are made: `effect_of`. ``meaning`` is what it is in a phrase, ``of_shape`` the same of a shape.
+    ``about`` is what it looks like and why its plausible size is what it is. ``not_corrected`` says why it is not
+    taken out of samples; empty if it is.
     """
 
     name: str
@@ -79,6 +80,7 @@ class Effect:
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     laws: tuple[Law, ...] = ()
     meaning: str = ""
+    of_shape: Mapping[str, str] = field(default_factory=dict)
     about: str = ""
     not_corrected: str = OF_CAMPAIGN
 
@@ -92,10 +94,10 @@ class Effect:
         owner = self.name.partition(".")[0]
         return owner if owner in INSTRUMENT else ""
 
-    @property
-    def title(self) -> str:
-        """What it is in a phrase, which names its triad."""
-        return self.meaning if self.triad in self.meaning else f"{self.meaning}, {self.triad}"
+    def title(self, shape: str = "") -> str:
+        """Return what it is in a phrase, which names its triad."""
+        meaning = self.of_shape.get(shape, self.meaning)
+        return meaning if self.triad in meaning else f"{meaning}, {self.triad}"
 
     @property
     def kind(self) -> Kind:

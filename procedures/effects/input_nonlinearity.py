@@ -96,7 +96,7 @@ COUNTS_LOST = effect_of(
     unit="ppm",
     plausible=1000.0,
     starts=_knees,
-    meaning="Counts lost at rate",
+    meaning="Counts lost at high rates",
     about="A counter or a loop that no longer follows loses a share of its pulses from a rate on. The knee is "
     "fitted. Turns at one speed put it into the scale factor, and where a single speed lies above the knee its "
     "share and its knee are one. Where all are lost the range ends: saturation. Plausible: 1000 ppm.",
@@ -107,7 +107,7 @@ COUNTS_LOST = effect_of(
 )
 SATURATION = Effect(
     name="gyroscope.saturation",
-    meaning="The range of the gyroscopes ends",
+    meaning="Saturation of the gyroscopes",
     about="The output stays as it is while the table turns faster. No column: beyond its range a sensor says "
     "nothing, and the points there are left out. Found where the output no longer follows at two rates or more. "
     "The coefficients are the rates at which it ends, on either side. Plausible: any.",

@@ -187,7 +187,8 @@ def _campaign_of(excitation: Excitation, step: ExcitationStep) -> dict[str, obje
 
 ACCELEROMETER_JUMP = Effect(
     name="accelerometer.jump",
-    meaning="A bias or scale factor that jumped",
+    meaning="Jump of a bias or scale factor",
+    of_shape={"bias": "Jump of a bias", "scale factor": "Jump of a scale factor"},
     about=(
         "c or 1e-6 c u in every step after it. Where the unit was switched off and on in between it is its "
         "turn-on bias. Each place between two neighbouring steps of a campaign is a way of its own, to "
@@ -239,7 +240,7 @@ def _own(excitation: Excitation) -> tuple[tuple[str, ...], FloatArray]:
 
 ACCELEROMETER_TURN_ON = Effect(
     name="accelerometer.turn_on_bias",
-    meaning="Biases differ from one recording at rest to the next by draws of one variance",
+    meaning="Turn-on bias, another one in each recording at rest",
     about=(
         "Turn-on to turn-on repeatability. A column for every soak and sensor. It shows in the means of soaks "
         "that determine no calibration (`procedures.evidence.thermal_soaks`), of which two or more lie side by "

@@ -26,7 +26,7 @@ def dwell_columns(excitation: Excitation) -> list[Columns]:
 
 DWELL = Effect(
     name="placement.dwell",
-    meaning="One seating off",
+    meaning="Tilted seating of the cube in one dwell",
     about=(
         "In one dwell the cube stands turned by a small rotation, dirt or a chip under it. The rotation vector "
         "is in the cube's axes and turns every vector as the cube sees it. Where faces are free, a seating and "
@@ -45,7 +45,7 @@ DWELL = Effect(
 
 LABEL = Effect(
     name="placement.label",
-    meaning="The wrong position recorded",
+    meaning="Wrong position or direction recorded",
     about=(
         "The cube stood in another one than its dwell says. Not small, so no column: vectors differ by quarter "
         "and half turns. Found where a dwell fits another position better. The coefficient is the position where "
@@ -81,7 +81,7 @@ def scatter_columns(excitation: Excitation) -> list[Columns]:
 
 SCATTER = Effect(
     name="placement.scatter",
-    meaning="Seats scatter",
+    meaning="Scatter of the seating tilt",
     about=(
         "In every dwell and turn the IMU in the cube, or the cube on the slab, is tilted by its own draw. One "
         "variance for both level axes, fitted. A turn then goes about another axis of the IMU. Plausible: 1e-4 "
@@ -100,14 +100,14 @@ SCATTER = Effect(
 
 DISTURBANCE = Effect(
     name="disturbance.dwell",
-    meaning="A disturbance while at rest",
+    meaning="Shock or vibration while at rest",
     about=(
         "A shock, a footstep, a machine nearby. It averages out of the counts' mean, or nearly: what shows it is "
         "their variance, over short stretches of the dwell, and so it has no column. Plausible: 0.01 g, what a "
         "shock on the plate gives."
     ),
     unit="g",
-    physics="specific force that comes and goes within a dwell",
+    physics="an output that comes and goes within a rest",
     source="IEEE Std 1293, seismic noise of the test site",
     plausible=1e-2,
     next_measurement="again",

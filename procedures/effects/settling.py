@@ -53,7 +53,7 @@ ACCELEROMETER_BIAS, GYROSCOPE_BIAS = twins(
     unit=("g", "deg/h"),
     plausible=(2e-4, 1.0),
     starts=_since_power_on,
-    meaning="Bias that settles since power-on",
+    meaning="Bias that settles after power-on",
     about="Electronics, servo loop and source come to their temperature by their own heat after power-on, and a "
     "bias with them: the warm-up time of a data sheet. A thermometer of the case need not see it. t_on is the "
     "time since the first sample. One time constant for the triad, fitted; of one far longer than what was "
@@ -99,7 +99,7 @@ ACCELEROMETER_CYCLE, GYROSCOPE_CYCLE = twins(
     unit=("g", "deg/h"),
     plausible=(1e-4, 0.5),
     starts=_cycles,
-    meaning="Bias that cycles in time",
+    meaning="Periodic change of a bias",
     about="Air conditioning or a thermostat warm the unit and let it cool, and no thermometer was read that shows "
     "it; where one was, the bias follows that. t_on is the time since the first sample. One period for the triad, "
     "fitted. It is looked for in a soak of 32 blocks or more, from two blocks to 1 / 1.5 of what was recorded: "
@@ -117,7 +117,7 @@ ACCELEROMETER_SCALE, GYROSCOPE_SCALE = twins(
     unit="ppm",
     plausible=300.0,
     starts=_since_power_on,
-    meaning="Scale factor that settles since power-on",
+    meaning="Scale factor that settles after power-on",
     about="The wavelength of a FOG's source settles after power-on as its own junction and its cooler do, and "
     "the Sagnac phase goes with 1 / wavelength; an accelerometer's torquer magnet and pendulum come to their "
     "temperature by their own heat. No thermometer of the case needs to see either. t_on is the time since the "

@@ -24,7 +24,7 @@ def _earth_turned(about: str) -> Callable[[Excitation], list[Columns]]:
 
 AZIMUTH = Effect(
     name="site.azimuth",
-    meaning="The slab's North mark points east of true north",
+    meaning="Azimuth error of the surface plate's North mark, positive to the east",
     about=(
         "Horizontal Earth rate comes from elsewhere. Seen by the gyroscopes alone; a heading error of one step "
         "is one draw, this is common to all. Plausible: 0.02 rad, a slab aligned by compass."
@@ -55,7 +55,7 @@ def gravity_columns(excitation: Excitation) -> list[Columns]:
 
 GRAVITY = Effect(
     name="site.gravity",
-    meaning="True gravity exceeds the stated one",
+    meaning="Error of the stated gravity, true less stated",
     about=(
         "More specific force along up. One with the scale factors of all accelerometers. Plausible: 1e-3 m/s2, "
         "normal gravity's error over rough country."
@@ -73,7 +73,7 @@ GRAVITY = Effect(
 
 LATITUDE = Effect(
     name="site.latitude",
-    meaning="The bench lies further north than stated",
+    meaning="Error of the stated latitude, true less stated",
     about=(
         "The Earth's rate dips by another angle. Seen by the gyroscopes alone: gravity is stated on its own. "
         "Omega = W (0, cos L, sin L) in East-North-Up; its change with L, W (0, -sin L, cos L), is a small "
@@ -98,7 +98,7 @@ def clock_columns(excitation: Excitation) -> list[Columns]:
 
 CLOCK_RATE = Effect(
     name="clock.rate",
-    meaning="The device's clock is fast",
+    meaning="Rate error of the device's clock, positive where fast",
     about=(
         "Its sample lasts dt / (1 + 1e-6 value) of true seconds. Counts per stated second fall by that much, of "
         "the whole output E u + D. The accelerometers' scale factor takes all of it, and a closed turn or a move "

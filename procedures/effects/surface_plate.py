@@ -73,7 +73,7 @@ def tilt_columns(excitation: Excitation) -> list[Columns]:
 
 TILT = Effect(
     name="slab.tilt",
-    meaning="Tilt of the slab",
+    meaning="Tilt of the surface plate",
     about=(
         "Every vector of the world turns as the slab sees it. Coefficients are the East and North components of "
         "the up vector seen from the slab. Plausible: 5e-3 rad, 0.3 deg."
@@ -117,7 +117,7 @@ def heading_columns(excitation: Excitation) -> list[Columns]:
 
 HEADING = Effect(
     name="procedure.heading",
-    meaning="Headings of placements are set looser than stated",
+    meaning="Headings of placements scatter more than stated",
     about=(
         "A turn about the vertical in each dwell, a fitted variance. The gyroscopes see it by the Earth's "
         "horizontal rate, accelerometers by the tilt of the slab. Plausible: twice what is stated."
@@ -154,7 +154,7 @@ def closure_columns(excitation: Excitation) -> list[Columns]:
 
 CLOSURE = Effect(
     name="procedure.closure",
-    meaning="Turns close looser than stated",
+    meaning="Closure errors of rotations larger than stated",
     about=(
         "Each comes back to where it began but for a draw of its own, a fitted variance. A turn about the slab's "
         "normal n adds its angle along n, as the gyroscopes see it. Plausible: twice what is stated."

@@ -93,7 +93,7 @@ ACCELEROMETER_RATE, GYROSCOPE_RATE = twins(
     Law(terms=("T_rate",)),
     unit=("g/(K/min)", "deg/h/(K/min)"),
     plausible=(2e-5, 3.0),
-    meaning="Bias while temperature changes",
+    meaning="Bias that follows the rate of the temperature",
     about="Of a FOG's coil it is the Shupe effect. With one single exponential T and dT/dt are one. Plausible: 3 "
     "deg/h/(K/min), of a coil wound quadrupolar and not potted; 20 ug/(K/min), of a proof mass' suspension "
     "between plates of two temperatures.",
@@ -110,7 +110,7 @@ ACCELEROMETER_RATE_LAG, GYROSCOPE_RATE_LAG = twins(
     unit=("g/(K/min)", "deg/h/(K/min)"),
     plausible=(2e-5, 3.0),
     starts=_rate_lags,
-    meaning="Bias while the sensor's own temperature changes",
+    meaning="Bias that follows the rate of the sensor's own temperature",
     about="The coil follows the thermometer by tau dT_s/dt = T - T_s, and the Shupe effect goes by dT_s/dt. It is "
     "a temperature coefficient less one that lags, of equal size: (T - T_s) / tau. Two of them, of the coil and "
     "of its spool, are the usual thermal model of a FOG. Plausible: as without a lag.",
@@ -173,6 +173,7 @@ ACCELEROMETER_HYSTERESIS, GYROSCOPE_HYSTERESIS = twins(
     plausible=(1e-4, 0.5),
     starts=_plays,
     meaning="Hysteresis of a bias between warming and cooling",
+    of_shape={WITH_PLAY: "Hysteresis of a bias between warming and cooling, with backlash"},
     about="What mounting, adhesive and winding keep of the way they came. Either the direction turns at once "
     "where temperature has come back by half a kelvin, from the turning point on; or with a play, whose half "
     "width w is fitted: backlash(T, w) = (T - P) / w, where P follows T as soon as T is farther away than w "

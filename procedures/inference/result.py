@@ -17,6 +17,7 @@ from procedures.evidence.residual_rows import Evidence
 from procedures.inference.priors import Confidence, word
 from procedures.uncertainty.sources import ByTriad
 
+Fault = Literal["", "wrong row", "frozen", "clipped", "noise"]
 Verdict = Literal["consistent", "established", "likely", "ambiguous", "partly", "unexplained"]
 CERTAIN = 1.0  # probability of what stands in the samples, as a value that never changes
 UNEXPLAINED_LOG_P = log(0.01)  # of the global test, below which the residual is more than noise
@@ -51,7 +52,8 @@ class Finding:
     measurement that separates them. ``errors`` are those held out of what the effect acts on, without and with it.
     ``share`` (0 to 1) is by how much of their squares it reduces them. ``same_here`` are effects whose columns are
     this one's in a recording at one attitude that calibrates nothing: the finding is of the output there, whatever
-    its name. ``times_expected`` is the largest coefficient over the size that its catalogue expects.
+    its name. ``fault`` is of a disturbance what of the channel fails. ``times_expected`` is the largest
+    coefficient over the size that its catalogue expects.
     """
 
     effect: str
@@ -71,6 +73,7 @@ class Finding:
     errors: tuple["ResidualRms", ...] = ()
     same_here: tuple[str, ...] = ()
     times_expected: float | None = None
+    fault: Fault = ""
 
     @property
     def confidence(self) -> Confidence:

@@ -76,8 +76,9 @@ RESULTS: dict[str, ResultFormat] = {
             "findings": "the causes that have a name: `effect`, `kind`, `coefficients`, `unit`, `where`, "
             "`probability` of the name, `confidence` (`established` from 0.99, `likely` from 0.9, `possible`), "
             "`joint_probability` that one of the names in `shares` acts, `aliases` (the other names), "
-            "`separate_by`, `times_expected` (largest coefficient over its expected size), `error` held out "
-            "without and with it, `share` of its square, `same_here`; "
+            "`separate_by`, `times_expected` (largest coefficient over the size expected of a fibre-optic IMU), "
+            "`error` held out without and with it, `share` of its square, `same_here`, `fault` of a channel "
+            "(`wrong row`, `frozen`, `clipped`, `noise`); "
             "of a user-defined term `term`, `sha256`, `definition`; of a proposed one "
             "`latex`, `readings`, `held_out_sigmas`",
             "unnamed": "causes that no known error term explains: `what` each looks like, `note`, `probability`, "

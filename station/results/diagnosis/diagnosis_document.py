@@ -31,6 +31,7 @@ from station.results.diagnosis.finding_wording import (
     equation_of,
     error_text,
     explained,
+    importance,
     notable_sizes,
     notes,
     place_of,
@@ -165,12 +166,12 @@ def document_of(found: Mapping[str, Any]) -> DiagnosisDocument:
 
 
 def causes_of(found: Mapping[str, Any]) -> tuple[Cause, ...]:
-    """Return the causes, the likeliest first, proposed ones last."""
-    named = [(several[0]["probability"], _named(found, several)) for several in by_term(found["findings"])]
-    unnamed = [(each["joint_probability"], _unnamed(found, each)) for each in found.get("unnamed", ())]
+    """Return the causes, the surest and largest first, proposed ones last."""
+    named = [(importance(several[0]), _named(found, several)) for several in by_term(found["findings"])]
+    unnamed = [(importance(each), _unnamed(found, each)) for each in found.get("unnamed", ())]
     proposed = [cause for _, cause in named if cause.latex]
     known = [each for each in (*named, *unnamed) if each[1] not in proposed]
-    return (*(cause for _, cause in sorted(known, key=lambda each: -each[0])), *proposed)
+    return (*(cause for _, cause in sorted(known, key=lambda each: each[0])), *proposed)
 
 
 def _named(found: Mapping[str, Any], several: Sequence[Mapping[str, Any]]) -> Cause:
@@ -317,6 +318,7 @@ CHANNEL_COLUMNS = {
     "random_walk": "random walk", "bias_instability": "bias instability",
 }  # fmt: skip
 NOISE_COLUMNS = ("random_walk", "bias_instability")
+STILL_IN = " (the causes above are still in it)"
 CONFOUNDED = "the temperature went with the time: drift and temperature cannot be separated"
 NOT_KNOWN = "unknown random walk: the recording is too short, or the counts are too coarse"
 
@@ -347,7 +349,8 @@ def channel_table(
     open_ones = [each for each in channels if each["channel"].partition(" ")[0] not in separated]
     remarks = [CONFOUNDED] if any(each.get("is_confounded") for each in open_ones) else []
     remarks += [NOT_KNOWN] if not has_noise and any("random_walk" not in each for each in channels) else []
-    title = f"each channel by itself{f', {recordings[0]}' if is_one else ''}"
+    of = f", {recordings[0]}" if is_one else ""
+    title = f"each channel by itself, as recorded{STILL_IN if findings else ''}{of}"
     header = ("channel", *(CHANNEL_COLUMNS[key] for key in keys))
     return Table(title, "<" * len(header), header, tuple(rows), "; ".join(remarks))
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from station.files.atomic_file import replace_file
-from station.results.diagnosis.diagnosis_document import CAUSE_COLUMNS, document_of
+from station.results.diagnosis.diagnosis_document import CAUSE_COLUMNS, STILL_IN, document_of
 from station.results.html_templates import html_template
 from station.results.report.noise_page import noise_section
 
@@ -41,7 +41,9 @@ def section_html(
     shown = document_of(document)
     plots = {} if diagnosis is None else _plots(document, diagnosis, more)
     noise = Markup(noise_section(shown.noise))
-    return html_template("section.html").render(document=shown, columns=CAUSE_COLUMNS, plots=plots, noise=noise)
+    return html_template("section.html").render(
+        document=shown, columns=CAUSE_COLUMNS, plots=plots, noise=noise, still_in=STILL_IN
+    )
 
 
 def _plots(

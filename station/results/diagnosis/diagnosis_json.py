@@ -174,6 +174,7 @@ def finding_document(finding: Finding) -> dict[str, Any]:
         **({} if finding.times_expected is None else {"times_expected": float(finding.times_expected)}),
         **({"same_here": list(finding.same_here)} if finding.same_here else {}),
         **({"shape": finding.shape} if finding.shape else {}),
+        **({"fault": finding.fault} if finding.fault else {}),
     }
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 from station.results.diagnosis.diagnosis_document import (
     CAUSE_COLUMNS,
+    STILL_IN,
     Cause,
     DiagnosisDocument,
     Lines,
@@ -43,7 +44,8 @@ def _parts(document: DiagnosisDocument) -> Iterator[list[str]]:
             yield _cause(number, cause)
     for section in document.sections:
         yield section_lines(section)
-    noise = "noise at rest, 95 % (all five terms, spectrum and lines: `station noise`)"
+    still_in = STILL_IN if document.causes else ""
+    noise = f"noise at rest, as recorded{still_in}, 95 % (all five terms, spectrum and lines: `station noise`)"
     yield _titled(noise, [*noise_summary(document.noise)])
     yield _folded(f"not observable: {document.not_observable}" if document.not_observable else "")
     yield [line for text in document.warnings for line in _folded(f"warning: {text}")]

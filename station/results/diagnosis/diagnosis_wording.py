@@ -11,6 +11,7 @@ from station.results.diagnosis.finding_wording import (
     PROPOSED,
     both,
     error_text,
+    importance,
     meaning_of,
     most_reduced,
     notable_sizes,
@@ -18,6 +19,7 @@ from station.results.diagnosis.finding_wording import (
     place_of,
     probabilities_text,
     probability_text,
+    shape_of,
     share_text,
 )
 from station.text import significant
@@ -64,17 +66,17 @@ def verdict_sentence(document: Mapping[str, Any]) -> str:
                 "record more attitudes, to check the result."
             )
         case "consistent":
-            return f"Residuals are consistent with noise ({chance}). No further error term was detected."
+            further = " further" if document.get("solution", {}).get("effects") else ""
+            whose = " of the accelerometers" if not_looked_at(document) else ""
+            return f"Residuals{whose} are consistent with noise ({chance}). No{further} error term was detected."
         case "established" | "likely":
             return f"{known}With that in the model, residuals are consistent with noise ({chance})."
         case "ambiguous":
-            also = f" Also found: {_named(sure)}" if sure else ""
-            return (
-                "An error term was detected, but the data cannot determine which: "
-                f"{_groups(document, possible)}.{also}"
-            )
+            detected = "Another error term was detected" if sure else "An error term was detected"
+            which = f"{detected}, but the data cannot determine which: {_groups(document, possible)}."
+            return f"{known}{which}"
         case _:
-            maybe = f" Possible: {_groups(document, possible)}." if possible else ""
+            maybe = f" Also possible: {_groups(document, possible)}." if possible else ""
             return f"{known}{_excess_text(document, chance, is_after=bool(sure))}{maybe} {TAKEN_FOR_SCATTER}"
 
 
@@ -94,11 +96,11 @@ def _named(findings: Sequence[Mapping[str, Any]]) -> str:
 
 def _sentence(several: Sequence[Mapping[str, Any]]) -> str:
     first = several[0]
-    meaning, name = meaning_of(first["effect"]), first["effect"]
+    meaning, name = meaning_of(first), first["effect"]
     of = f"probability {probabilities_text(several)}"
     text = f"{meaning} ({name}, {of})" if meaning else f"{name} ({of})"
     is_one = len(several) == 1 and COUNTED not in first["where"]
-    own = (first.get("shape", ""), notable_sizes(first)) if is_one else ()
+    own = (shape_of(first), notable_sizes(first)) if is_one else ()
     parts = [part for part in (*own, place_of(several)) if part]
     return f"{text}{': ' if parts else ''}{', '.join(parts)}."
 
@@ -162,14 +164,14 @@ def left_in_words(document: Mapping[str, Any], budgets: Sequence["ParameterBudge
 
 
 def by_term(findings: Iterable[Mapping[str, Any]]) -> list[list[Mapping[str, Any]]]:
-    """Return findings in their order, those of an error term that is found more than `MANY` times together."""
-    by_name = dict[str, list[Mapping[str, Any]]]()
+    """Return findings, the surest and largest first; what is found more than `MANY` times stands together."""
+    by_name = dict[tuple[str, str], list[Mapping[str, Any]]]()
     for each in findings:
-        by_name.setdefault(each["effect"], []).append(each)
+        by_name.setdefault((each["effect"], each.get("fault", "")), []).append(each)
     found = list[list[Mapping[str, Any]]]()
     for several in by_name.values():
         found += [several] if len(several) > MANY else [[each] for each in several]
-    return sorted(found, key=lambda several: (several[0]["confidence"] == PROPOSED, -several[0]["probability"]))
+    return sorted(found, key=lambda several: (several[0]["confidence"] == PROPOSED, importance(several[0])))
 
 
 PROBABILITY_NOTE = (

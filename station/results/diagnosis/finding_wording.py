@@ -3,9 +3,10 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import degrees, floor
-from typing import Any
+from typing import Any, get_args
 
-from procedures.inference.priors import word
+from procedures.inference.priors import Confidence, word
+from procedures.inference.result import Fault
 from procedures.units import ARCSEC_PER_DEG, ARCSEC_PER_RAD, PPM_PER_ONE, UG_PER_G
 from station.results.solution_text import measured
 from station.text import plural, significant
@@ -77,11 +78,42 @@ def share_text(share: float) -> str:
     return f"{100 * share:.0f} %" if share > 0.095 else f"{100 * share:.2g} %"
 
 
-def meaning_of(name: str) -> str:
-    """Return what an error term is, in words: ``Second-order nonlinearity of the accelerometers``."""
+OF_SAMPLES = {  # what is found sample by sample and has no entry in the catalogue
+    "auxiliary.periodic": "Error that repeats with an auxiliary channel",
+    "accelerometer.count_periodic": "Error that repeats with an accelerometer's own count",
+    "gyroscope.count_periodic": "Error that repeats with a gyroscope's own count",
+    "disturbance.line": "Sinusoidal disturbance of one frequency",
+}
+FAULTS: Mapping[Fault, str] = {
+    "wrong row": "Single wrong samples",
+    "frozen": "Output frozen at one value",
+    "clipped": "Output clipped at the end of its range",
+    "noise": "Noise that is different from some moment on",
+}
+
+
+def importance(cause: Mapping[str, Any]) -> tuple[int, float, float]:
+    """Return by what causes are sorted: the surest in words first, of these what explains most."""
+    p = cause.get("joint_probability", 0.0) if "effect" not in cause else cause["probability"]
+    return get_args(Confidence).index(word(p)), -round(cause.get("share", 0.0), 2), -p
+
+
+def meaning_of(finding: Mapping[str, Any]) -> str:
+    """Return what a finding is, in words: ``Second-order nonlinearity of the accelerometers``."""
     from procedures.effects import CATALOGUE
 
-    return CATALOGUE[name].title if name in CATALOGUE else ""
+    name = finding["effect"]
+    if (fault := finding.get("fault", "")) or name in OF_SAMPLES:
+        return FAULTS[fault] if fault else OF_SAMPLES[name]
+    return CATALOGUE[name].title(finding.get("shape", "")) if name in CATALOGUE else ""
+
+
+def shape_of(finding: Mapping[str, Any]) -> str:
+    """Return the shape of a finding, "" where `meaning_of` says it."""
+    from procedures.effects import CATALOGUE
+
+    shape, known = str(finding.get("shape", "")), CATALOGUE.get(finding["effect"])
+    return "" if known is not None and shape in known.of_shape else shape
 
 
 EQUATIONS = {  # of what acts sample by sample, a the channel, the count or the time
@@ -95,6 +127,8 @@ EQUATIONS = {  # of what acts sample by sample, a the channel, the count or the 
 
 def equation_of(finding: Mapping[str, Any]) -> str:
     """Return what a finding adds to the sensors' output, as the catalogue has it."""
+    if finding.get("fault"):
+        return ""
     if is_of_samples(finding):
         return EQUATIONS.get(finding["effect"], EQUATIONS["auxiliary.periodic"])
     if "term" in finding:  # of a file of its own, not of the catalogue
@@ -135,12 +169,15 @@ def error_text(error: Mapping[str, Any], held: str = "held_out_") -> tuple[str, 
 
 def notes(finding: Mapping[str, Any]) -> list[str]:
     """Return what else is to be reported of a finding, a sentence each."""
-    found = [f"shape: {finding['shape']}"] if finding.get("shape") else list[str]()
+    found = [f"shape: {shape}"] if (shape := shape_of(finding)) else list[str]()
     if (angle := finding.get("levelling_deg")) is not None:
         along = [f"{degrees(c['value']):.2f} along {n[-1]}" for n, c in finding["coefficients"].items()]
         found.append(f"the face is {angle:.2f} deg off the vertical: {', '.join(along)}")
     if (times := finding.get("times_expected", 0.0)) > BEYOND_BELIEF:
-        found.append(f"it is {significant(times)} times the expected size: check the unit and the channel")
+        found.append(
+            f"it is {significant(times)} times the size expected of a fibre-optic IMU: check the unit and the "
+            "channel, unless the sensor is of a lower grade"
+        )
     if same := finding.get("same_here"):
         found.append(
             f"at the one attitude recorded it is indistinguishable from {both(same)}: record a second attitude"
