@@ -9,7 +9,13 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.bench.position_checks import heading_warnings, refuse_wrong_faces
 from procedures.bench.sign_errors import backward_gyroscopes, sign_warnings
 from procedures.calibration.reduced_steps import ReducedSteps, reduce_steps
-from procedures.calibration.residuals import fit_quality, step_residuals, turn_on_warnings
+from procedures.calibration.residuals import (
+    chi2_by_part,
+    fit_quality,
+    p_value_of,
+    step_residuals,
+    turn_on_warnings,
+)
 from procedures.calibration.solution_values import (
     DOUBTFUL_P_VALUE,
     Estimate,
@@ -282,10 +288,7 @@ def _left_open(accelerometer: TriadFit, moves_show_skew: bool) -> list[str]:
 def _warnings(fits: CampaignFits, quality: FitQuality, tilts: Sequence[UndetectableTilt]) -> tuple[str, ...]:
     found = list(fits.left_out)
     if quality.p_value < DOUBTFUL_P_VALUE:
-        found.append(
-            f"residuals exceed counting noise (chi-square {quality.chi2:.4g} at {quality.dof} "
-            f"degrees of freedom): the uncertainties are too small; run `station diagnose`"
-        )
+        found.append(_excess(fits, quality))
     if fits.accel is not None and fits.accelerometer is None:
         found.append(f"accelerometer not solved: {_why_not(fits.accel)}")
     if (joint := fits.accelerometer) is not None and joint.is_turned_freely and len(fits.rests) < FEW_RESTS:
@@ -315,6 +318,20 @@ def _warnings(fits: CampaignFits, quality: FitQuality, tilts: Sequence[Undetecta
 def _why_not(accel: TriadDwells) -> str:
     missing = missing_positions(accel)
     return f"missing {', '.join(missing)}" if missing else "a channel does not respond to gravity"
+
+
+def _excess(fits: CampaignFits, quality: FitQuality) -> str:
+    """Return whose residuals exceed counting noise, as far as one of the parts alone shows it."""
+    gyroscope = fits.gyroscope.joint if fits.gyroscope else None
+    parts = chi2_by_part(fits.accelerometer, gyroscope, fits.moves)
+    beyond = {name: each for name, each in parts.items() if p_value_of(*each) < DOUBTFUL_P_VALUE}
+    is_of_some = 0 < len(beyond) < len(parts)
+    chi2, dof = map(sum, zip(*beyond.values(), strict=True)) if is_of_some else (quality.chi2, quality.dof)
+    whose = f" of the {' and '.join(beyond)}" if is_of_some else ""
+    return (
+        f"residuals{whose} exceed counting noise (chi-square {chi2:.4g} at {dof} degrees of freedom): "
+        f"{'their' if whose else 'the'} uncertainties are too small; run `station diagnose`"
+    )
 
 
 def _turn_warnings(gyroscope: GyroscopeFit) -> list[str]:

@@ -72,19 +72,32 @@ def fit_quality(
 
     What the campaign itself states of an unsettled unit is expected.
     """
-    fits: Sequence[TriadFit] = [fit for fit in (accelerometer, gyroscope) if fit is not None]
-    chi2 = sum(_chi2(fit) for fit in fits) + (moves.chi2 if moves else 0.0)
-    dof = sum(fit.dof for fit in fits) + (moves.dof if moves else 0)
+    parts = chi2_by_part(accelerometer, gyroscope, moves).values()
+    chi2, dof = sum(each for each, _ in parts), sum(each for _, each in parts)
     gyroscope_rms = _rms(gyroscope) if gyroscope else None
     if moves is not None:
         gyroscope_rms = float(np.sqrt(np.mean(moves.rate_error**2)))
     return FitQuality(
-        chi2=chi2,
+        chi2=float(chi2),
         dof=dof,
-        p_value=float(gammaincc(dof / 2, chi2 / 2)) if dof > 0 else 1.0,
+        p_value=p_value_of(chi2, dof),
         accelerometer_rms_g=_rms(accelerometer) if accelerometer else None,
         gyroscope_rms_dph=gyroscope_rms * DEG_H_PER_DEG_S if gyroscope_rms is not None else None,
     )
+
+
+def chi2_by_part(
+    accelerometer: TriadFit | None, gyroscope: TriadFit | None, moves: MovesFit | None
+) -> dict[str, tuple[float, int]]:
+    """Return chi-square and degrees of freedom of each part of a solve that is there, by its name."""
+    fits = {"accelerometers": accelerometer, "gyroscopes": gyroscope}
+    found = {name: (_chi2(fit), fit.dof) for name, fit in fits.items() if fit is not None}
+    return found | ({"gyroscopes in the transfers": (moves.chi2, moves.dof)} if moves is not None else {})
+
+
+def p_value_of(chi2: float, dof: int) -> float:
+    """Return the probability of a chi-square as large or larger by noise alone."""
+    return float(gammaincc(dof / 2, chi2 / 2)) if dof > 0 else 1.0
 
 
 def _chi2(joint: TriadFit) -> float:

@@ -152,7 +152,7 @@ def _of_sensors(parts: list[FloatArray], note: str) -> Options:
     """Return columns of all three sensors, and of each, in units of what they do to all rows together."""
     found: Options = []
     sets = [(float(len(parts)), np.hstack(parts), note)]
-    sets += [(1.0, part, f"{note}, {axis}") for part, axis in zip(parts, AXES, strict=True)]
+    sets += [(1.0, part, f"{note}, in {axis}") for part, axis in zip(parts, AXES, strict=True)]
     for share, H, what in sets:
         size = float(np.linalg.norm(H))
         if size > 0:
@@ -160,11 +160,14 @@ def _of_sensors(parts: list[FloatArray], note: str) -> Options:
     return found
 
 
+BENT = dict(zip(priors.BENDS, ("a smooth curve", "a curve with many bends"), strict=True))
+
+
 def waves(x: FloatArray, by: FloatArray | float = 1.0) -> list[Way]:
     """Return a smooth function of x (n,) or (n, 3) in [0, 1] at each bend, times ``by``."""
     k = np.arange(1, priors.HALF_PERIODS + 1)
     values = [np.cos(np.pi * each * x) * by for each in k.tolist()]
-    return [(f"bend {bend:g}", values, (1 / (1 + (k / bend) ** 2)).tolist()) for bend in priors.BENDS]
+    return [(BENT[bend], values, (1 / (1 + (k / bend) ** 2)).tolist()) for bend in priors.BENDS]
 
 
 def _equal(note: str, values: list[FloatArray]) -> Way:
@@ -212,9 +215,13 @@ def _coordinates(seen: Excitation, output: FloatArray, triad: str) -> dict[str, 
         )
         vectors = [each[:, [i]] for each in (f, B) for i in range(each.shape[1])]
         products = [at, rate, at * rate, at**2, rate**2]
-        found["temperature"] = [*waves(x), _equal("lags", history), _equal("products", products)]
+        found["temperature"] = [
+            *waves(x),
+            _equal("lags of it", history),
+            _equal("products", products),
+        ]
         found["temperature times the output"] = [
-            *waves(x[:, None], output), _equal("lags", [each * output for each in history])
+            *waves(x[:, None], output), _equal("lags of it", [each * output for each in history])
         ]  # fmt: skip
         about = (T - REFERENCE_C) / spread  # the model takes what is constant, but no vector
         found["temperature and attitude"] = [
@@ -225,7 +232,7 @@ def _coordinates(seen: Excitation, output: FloatArray, triad: str) -> dict[str, 
     cubic = [f[:, i] * f[:, j] * f[:, k] for i in range(3) for j in range(i, 3) for k in range(j, 3)]
     around = [np.roll(f, shift, axis=1) for shift in (1, 2)]
     others = square if triad == "gyroscope" else [each**2 for each in around]  # a sensor's own are named
-    found["specific force"] = [_equal("squares", others), _equal("cubes", [*others, *cubic])]
+    found["specific force"] = [_equal("second order", others), _equal("second and third order", [*others, *cubic])]
     histories = seen.histories[seen.step]
     first = [resting & np.isnan(seen.change[:, 0]) & (histories == one) for one in np.unique(histories)]
     before = [np.nan_to_num(seen.f_before[:, i]) * resting for i in range(3)] + [1.0 * each for each in first]
@@ -240,9 +247,9 @@ def _coordinates(seen: Excitation, output: FloatArray, triad: str) -> dict[str, 
     if seen.C_sn is not None and np.isfinite(seen.C_sn).any():
         east, north = (np.nan_to_num(seen.C_sn[:, :, i]) for i in range(2))
         second = [east, north, east * north, north**2, east**2]
-        found["the heading"] = [_equal("first", [east, north]), _equal("second", second)]
+        found["the heading"] = [_equal("once a turn", [east, north]), _equal("twice a turn", second)]
     if attitudes := _attitudes(seen, resting):
-        found["the attitude"] = [_equal("each its own", attitudes)]
+        found["the attitude"] = [_equal("one value for each attitude", attitudes)]
     if triad == "accelerometer" and np.isfinite(seen.magnetic).any():  # of a gyroscope it is named
         found["the magnetic field"] = [_equal("linear", [seen.magnetic[:, i] for i in range(3)])]
     if triad == "gyroscope" and turning.any():
@@ -250,12 +257,12 @@ def _coordinates(seen: Excitation, output: FloatArray, triad: str) -> dict[str, 
         around = [np.where(turning[:, None], np.roll(u, s, axis=1), 0.0) for s in (1, 2)]
         found["the rate"] = _of_input(np.where(turning[:, None], output, np.nan))
         found["the other axes' rates"] = [
-            _equal("even and odd", [g for v in around for g in (v**2, v * np.abs(v))])
+            _equal("even and odd part", [g for v in around for g in (v**2, v * np.abs(v))])
         ]
         if is_timed:
             warmth = [warmth_of_turning(seen, turning, tau) for tau in priors.TIMES_S]
             warmth = [each / max(float(np.max(np.abs(each))), 1e-300) for each in warmth]
-            found["the warmth of turning"] = [_equal("fades", warmth)]
+            found["the warmth of turning"] = [_equal("fading", warmth)]
     return found
 
 
@@ -285,7 +292,7 @@ def _of_input(u: FloatArray) -> list[Way]:
     found = waves(np.where(known, (x + 1) / 2, 0.0), 1.0 * known)
     for width in (priors.KNEES[0] * median / size, median / size, priors.KNEES[0]):
         near = np.where(known, np.exp(-0.5 * (x / width) ** 2), 0.0)
-        found.append(_equal(f"zone {width:.2g}", [near, near * x / width]))
+        found.append(_equal(f"within {100 * width:.2g} % of the range about zero", [near, near * x / width]))
     knees = [np.sign(x) * np.maximum(np.abs(x) - knee, 0.0) for knee in priors.KNEES]
     return [*found, _equal("end of the range", knees)]
 

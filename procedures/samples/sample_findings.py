@@ -4,6 +4,7 @@ A candidate has columns; what it does to each sensor becomes coefficients with t
 means by phase.
 """
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -102,6 +103,7 @@ def without_finding(blocks: SampleBlocks, found: SampleFinding) -> SampleBlocks:
 MAX_NAMED = 3  # recordings
 FOLDS = 32  # parts of a turn, in which samples are shown
 SEPARATE = "the channel changed on purpose, at another speed, while the unit rests"
+SEPARATE_LINE = "the recording again at another sample rate, and with machines nearby switched off"
 
 
 def findings_of_samples(blocks: SampleBlocks, found: SampleFinding) -> Iterator[Finding]:
@@ -136,7 +138,7 @@ def _finding(blocks: SampleBlocks, candidate: Candidate, triad: str, fits: dict[
     elif not candidate.is_line:
         where["channel"] = candidate.phase.channel
     aliases: tuple[str, ...] = ()
-    separate = SEPARATE
+    separate = SEPARATE_LINE if candidate.is_line else SEPARATE
     if candidate.is_line and candidate.phase is not None:
         hertz = candidate.phase.step / blocks.period
         if turning := steady_channels(blocks, hertz):
@@ -174,6 +176,14 @@ def recordings(blocks: SampleBlocks) -> list[str]:
     return names if len(names) <= MAX_NAMED else [names[0], f"{len(names) - 1} more"]
 
 
+def with_std(value: float, std: float) -> str:
+    """Return a frequency with two digits of its 1 sigma, and to the same place; six digits where none is known."""
+    if not std > 0:
+        return f"{value:.6g}"
+    places = max(1 - math.floor(math.log10(std)), 0)
+    return f"{value:.{places}f} +- {std:.{places}f}"
+
+
 def _shape(blocks: SampleBlocks, candidate: Candidate, fits: dict[int, Fitted]) -> str:
     """Return period, harmonics or lag in words, and what the sample rate may have folded."""
     if candidate.phase is None:
@@ -182,8 +192,7 @@ def _shape(blocks: SampleBlocks, candidate: Candidate, fits: dict[int, Fitted]) 
     harmonics = "1 harmonic" if order == 1 else f"{order} harmonics"
     if candidate.is_line:
         folded = f"it may be any multiple of {1 / blocks.period:.5g} Hz away"
-        std = f" +- {candidate.hertz_std:.2g}" if candidate.hertz_std else ""
-        return f"{1 / candidate.phase.period:.6g}{std} Hz, {harmonics}; {folded}"
+        return f"{with_std(1 / candidate.phase.period, candidate.hertz_std)} Hz, {harmonics}; {folded}"
     folded = ", folded by the sample rate" if order * candidate.phase.step > 0.5 else ""
     harmonics += " and a linear term by the turn" if candidate.is_linear else ""
     return f"period {candidate.phase.period:.6g} of {candidate.phase.channel}, {harmonics}{folded}"

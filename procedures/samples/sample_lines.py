@@ -33,9 +33,11 @@ from procedures.inference.result import Finding, FoldedResidual
 from procedures.samples.sample_blocks import Fitted, SampleBlocks, Scores, fit_scores, scores_of
 from procedures.samples.sample_findings import (
     MIN_LINE_SHARE,
+    SEPARATE_LINE,
     SampleFinding,
     folded_by_phase,
     line_in_time,
+    with_std,
     without_finding,
 )
 from procedures.samples.sample_phases import Phase
@@ -60,7 +62,6 @@ NEAR = 12  # neighbours on either side that tell what noise has
 NEIGHBOURS_DOF = 10.0  # of their median, for each piece: 18 values that hang together under Hann's window
 RESONANCES = 20.0  # as likely as a line at a peak of short pieces, which do not resolve them
 MIN_SHARE = 1e-3  # of a sensor's variance
-SEPARATE = "another sample rate, and another bench"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -182,11 +183,11 @@ def _findings(
     amplitude = np.array([np.sqrt(squares[s].mean()) for s in shown])
     std = np.array([squares[s].std() for s in shown]) / np.sqrt(line.pieces) / (2 * amplitude)
     seconds = line.length * blocks.period
-    stretches = f"{line.at / seconds:.4g} +- {0.5 / seconds:.2g} Hz in {line.pieces} stretches of {seconds:.4g} s"
+    stretches = f"{with_std(line.at / seconds, 0.5 / seconds)} Hz in {line.pieces} stretches of {seconds:.4g} s"
     yield Finding(
         EFFECT, "procedure", tuple(triad[0] + AXES[blocks.sensors[s].axis] for s in shown), factor * amplitude,
         factor * std, unit, {"file": names}, line.probability,
-        SEPARATE, f"{stretches}; it may be any multiple of {1 / blocks.period:.5g} Hz away",
+        SEPARATE_LINE, f"{stretches}; it may be any multiple of {1 / blocks.period:.5g} Hz away",
         share=min(max(shares.values()), 1.0),
     )  # fmt: skip
 

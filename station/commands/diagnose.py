@@ -139,8 +139,6 @@ def _say(
 ) -> None:  # fmt: skip
     from station.results.diagnosis.diagnosis_json import noise_and_widened
     from station.results.diagnosis.diagnosis_text import diagnosis_text
-    from station.results.solution_json import solution_document
-    from station.results.solution_text import NOT_SOLVED, triad_lines
     from station.text import WIDTH, unit_in_words
 
     document |= noise_and_widened(loaded, found)
@@ -152,15 +150,7 @@ def _say(
         document = with_proposed(document, more)
     imu = loaded[0].tables.imu
     unit = unit_in_words(imu.model, imu.serial, (name for one in loaded for name in one.files))
-    text = diagnosis_text(document)
-    has_dwells = any(one.campaign.dwells for one in loaded)
-    if found is not None and "solution" in document and not has_dwells:  # of rests and moves: no `solve`
-        solved = solution_document(found.solution, loaded, to_keep=False)
-        lines = triad_lines(solved.triads, solved.not_observable)
-        if found.on_table:  # a gyroscope is solved there, and other triads are not asked for
-            lines = [line for line in lines if not line.endswith(NOT_SOLVED)]
-        text += "".join(f"\n{line}" for line in ([""] if lines else []) + lines)
-    write_result(document, text, json, f"diagnosis of {unit}, diagnosis/2")
+    write_result(document, diagnosis_text(document), json, f"diagnosis of {unit}, diagnosis/2")
     if html is not None:
         from station.results.diagnosis.diagnosis_html import write_page
 

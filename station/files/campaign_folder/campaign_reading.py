@@ -1,7 +1,7 @@
 """A campaign folder read into memory."""
 
 import hashlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -229,6 +229,18 @@ def _measured(table: MeasuredTable | None) -> MeasuredCube | None:
     return MeasuredCube(tuple(table.names), value, covariance, tuple(table.units))
 
 
+NO_SITE = f"{CAMPAIGN_TOML}: no [site]"
+
+
+def assumed_of_site(triads: Collection[str]) -> str:
+    """Return what is assumed of an unknown site, as far as it matters to triads."""
+    assumed = {
+        "accel": f"gravity is assumed to be {STANDARD_GRAVITY} +- {ANY_GRAVITY_STD} m/s2",
+        "gyro": f"the Earth's rate is unknown (u = {ANY_EARTH_RATE_DEG_H:g} deg/h)",
+    }
+    return ", and ".join(text for triad, text in assumed.items() if triad in triads)
+
+
 def _doubts(tables: CampaignTable) -> Iterator[str]:
     """Yield what the tables themselves give reason to warn of."""
     measured, unit = tables.fixture.measured, f"{tables.imu.model} {tables.imu.serial}"
@@ -252,10 +264,7 @@ def _doubts(tables: CampaignTable) -> Iterator[str]:
             "because manual rotations did not meet it"
         )
     if site is None:
-        yield (
-            f"{CAMPAIGN_TOML}: no [site]: gravity is assumed to be {STANDARD_GRAVITY} +- {ANY_GRAVITY_STD} m/s2, "
-            f"and the Earth's rate unknown (u = {ANY_EARTH_RATE_DEG_H:g} deg/h)"
-        )
+        yield f"{NO_SITE}: {assumed_of_site(TRIADS)}"
         return
     normal = normal_gravity(float(np.radians(site.latitude_deg)), site.height_m)
     stated = normal if site.gravity_m_s2 is None else site.gravity_m_s2

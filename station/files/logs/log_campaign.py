@@ -14,7 +14,7 @@ from procedures.counts.sample_times import NEAR_PERIOD_TOLERANCE, own_period
 from procedures.errors import ErrorCode
 from station.errors import DataRefused
 from station.files.atomic_file import new_folder, replace_file
-from station.files.campaign_folder.campaign_reading import loaded_campaign
+from station.files.campaign_folder.campaign_reading import NO_SITE, assumed_of_site, loaded_campaign
 from station.files.campaign_folder.campaign_schema import (
     CAMPAIGN_TOML,
     CampaignImuTable,
@@ -107,13 +107,11 @@ def campaign_of_logs(files: Sequence[Path], stated: LogOptions) -> LogCampaign:
     tables = _tables(imu, steps, stated)
     sha256 = {columns.name: columns.sha256 for columns in data}
     loaded = loaded_campaign(files[0].parent, tables, steps, sha256)
-    no_site = f"{CAMPAIGN_TOML}: no [site]"
-    stated_so = tuple(
-        text.replace(no_site, "no --latitude")
-        for text in loaded.warnings
-        if stated.uses_latitude or not text.startswith(no_site)
-    )
-    loaded = replace(loaded, warnings=stated_so, guesses=tuple(guesses), output_name=_output_name(chosen))
+    warnings = [text for text in loaded.warnings if not text.startswith(NO_SITE)]
+    if len(warnings) < len(loaded.warnings) and stated.uses_latitude:
+        recorded = [triad for triad in TRIADS if any(any(getattr(found, triad)) for found in chosen)]
+        warnings.insert(0, f"no --latitude: {assumed_of_site(recorded)}")
+    loaded = replace(loaded, warnings=tuple(warnings), guesses=tuple(guesses), output_name=_output_name(chosen))
     if periods:  # each log was read at its own: there is none that all of them should have
         loaded = replace(loaded, campaign=replace(loaded.campaign, nominal_period=None))
     return LogCampaign(loaded, {each.name: each for each in data}, tuple(guesses), (*notes, *apart), periods)

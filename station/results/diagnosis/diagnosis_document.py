@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from procedures.effects import CATALOGUE
+from procedures.frames import TRIADS
 from station.results.diagnosis.diagnosis_wording import (
     OTHERS_TITLE,
     PROBABILITY_NOTE,
@@ -32,6 +33,7 @@ from station.results.diagnosis.finding_wording import (
     error_text,
     explained,
     importance,
+    meaning_of,
     notable_sizes,
     notes,
     place_of,
@@ -43,12 +45,21 @@ from station.results.diagnosis.finding_wording import (
     where_text,
 )
 from station.results.diagnosis.uncalibrated import rests_and_moves_lines, turns_lines
-from station.results.parameters_by_name import Parameter, shown, shown_sigma, title_of
+from station.results.parameters_by_name import (
+    Parameter,
+    applied,
+    parameters,
+    shown,
+    shown_scale,
+    shown_sigma,
+    title_of,
+)
 from station.results.report.noise_document import NoiseChannel, read_channel
 from station.results.solution_text import effect_rows, measured
 
 ERRORS_TITLE = "error (rms), without -> with the findings in the model"
 MAX_MOVED = 8
+HELD = 2e-9  # rad, u of a misalignment that is 0 by the choice of axes
 MAX_OTHERS = 6
 MIN_SHIFT_SIGMAS = 1.0  # u
 TEXTBOOK_BIASES = ("bias_12_position", "bias_two_direction")  # their sigma is counting noise only
@@ -184,7 +195,7 @@ def _named(found: Mapping[str, Any], several: Sequence[Mapping[str, Any]]) -> Ca
     return Cause(
         effect=first["effect"],
         place=where_text(first["where"]),
-        title=first["effect"],
+        title=f"{first['effect']}: {meaning_of(first).lower()}" if first.get("fault") else first["effect"],
         about=", ".join(part for part in (first["kind"], place) if part),
         probability=probabilities_text(several),
         size=notable_sizes(first, 1),
@@ -230,6 +241,8 @@ def _sections(found: Mapping[str, Any]) -> Iterator[Table | Lines]:
     for effect in solution.get("effects", ()):
         title, rows = effect_rows(effect)
         yield Table(f"in the model from the start: {title}", "<<", ("coefficient", "value +- u"), tuple(rows))
+    if found["recording"] != "campaign":  # that of a campaign is in `station solve` and its report
+        yield from _calibrations(solution)
     yield Table(
         "on the rate table; the output at rest includes the Earth's rate along its axis",
         "<<",
@@ -267,6 +280,22 @@ def _on_table(found: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         for axis, one in sensors.items():
             value = measured(one["value"], one["std"], found["unit"][name])
             yield f"gyroscope {name.replace('_', ' ')} {axis}", value
+
+
+def _calibrations(solution: Mapping[str, Any]) -> Iterator[Table | Lines]:
+    """Yield what was solved of each triad, and which was not."""
+    known = applied(parameters(solution))
+    for triad in (name for name in TRIADS if name in solution):
+        rows = list[tuple[str, str]]()
+        for one in known.values():
+            scale, unit = shown_scale(one.name, one.unit)
+            is_held = one.std is None or (one.name.split(".")[1] == "misalignment" and one.std < HELD)
+            if one.name.startswith(triad) and one.std is not None and not is_held:
+                words = title_of(one.name).removeprefix(f"{triad} ")
+                rows.append((words, measured(one.value * scale, one.std * scale, unit)))
+        yield Table(f"{triad} calibration", "<<", ("parameter", "value +- u"), tuple(rows))
+    missing = [triad for triad in TRIADS if triad not in solution and solution and "rate_tables" not in solution]
+    yield Lines("not solved", tuple(missing))
 
 
 def _errors(errors: Sequence[Mapping[str, Any]]) -> Iterator[Table]:

@@ -164,13 +164,13 @@ def left_in_words(document: Mapping[str, Any], budgets: Sequence["ParameterBudge
 
 
 def by_term(findings: Iterable[Mapping[str, Any]]) -> list[list[Mapping[str, Any]]]:
-    """Return findings, the surest and largest first; what is found more than `MANY` times stands together."""
+    """Return findings, the surest and largest first; faults of one kind, or more than `MANY`, stand together."""
     by_name = dict[tuple[str, str], list[Mapping[str, Any]]]()
     for each in findings:
         by_name.setdefault((each["effect"], each.get("fault", "")), []).append(each)
     found = list[list[Mapping[str, Any]]]()
-    for several in by_name.values():
-        found += [several] if len(several) > MANY else [[each] for each in several]
+    for (_, fault), several in by_name.items():
+        found += [several] if fault or len(several) > MANY else [[each] for each in several]
     return sorted(found, key=lambda several: (several[0]["confidence"] == PROPOSED, importance(several[0])))
 
 

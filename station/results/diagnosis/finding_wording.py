@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import degrees, floor
+from math import degrees, floor, hypot
 from typing import Any, get_args
 
 from procedures.inference.priors import Confidence, word
@@ -272,9 +272,36 @@ def coefficient_rows(finding: Mapping[str, Any]) -> list[CoefficientRow]:
             scale, unit = (1.0, own[name]) if name in own else coefficient_unit(name, finding["unit"])
             value = measured(c["value"] * scale, c["std"] * scale, unit)
             strength = abs(c["value"]) / c["std"]
-            rows.append(CoefficientRow(name, value, size_in_sigmas(strength), strength))
+            rows.append(CoefficientRow(_wave_in_words(name), value, size_in_sigmas(strength), strength))
     kept = sorted(rows, key=lambda row: -row.strength)[:MAX_COEFFICIENTS]
     return [row for row in rows if row in kept]
+
+
+WAVES = {"cos": "cosine", "sin": "sine"}
+
+
+def _wave_in_words(name: str) -> str:
+    """Return ``gx.sin1`` as ``gx sine 1``: the sine of the first harmonic; any other name as it is."""
+    sensor, _, wave = name.rpartition(".")
+    return f"{sensor} {WAVES[wave[:3]]} {wave[3:]}" if wave[:3] in WAVES and wave[3:].isdigit() else name
+
+
+def amplitudes(finding: Mapping[str, Any]) -> list[CoefficientRow]:
+    """Return the amplitude of each harmonic of a periodic finding, none of another one."""
+    found, (scale, unit) = finding["coefficients"], shown_unit(finding["unit"])
+    rows = list[CoefficientRow]()
+    for name, sine in found.items():
+        sensor, _, wave = name.rpartition(".")
+        cosine = found.get(f"{sensor}.cos{wave[3:]}")
+        if wave[:3] != "sin" or cosine is None:
+            continue
+        size = hypot(sine["value"], cosine["value"])
+        std = hypot(sine["value"] * sine["std"], cosine["value"] * cosine["std"]) / size if size > 0 else 0.0
+        if std > 0:
+            harmonic = "amplitude" if wave[3:] == "1" else f"harmonic {wave[3:]}"
+            value = measured(size * scale, std * scale, unit)
+            rows.append(CoefficientRow(f"{sensor} {harmonic}", value, size_in_sigmas(size / std), size / std))
+    return rows
 
 
 def coefficient_unit(name: str, unit: str) -> tuple[float, str]:
@@ -295,7 +322,7 @@ def size_in_sigmas(sigmas: float) -> str:
 
 def notable_sizes(finding: Mapping[str, Any], most: int = 3) -> str:
     """Return the ``most`` coefficients that stand out, else the largest."""
-    rows = sorted(coefficient_rows(finding), key=lambda row: -row.strength)
+    rows = sorted(amplitudes(finding) or coefficient_rows(finding), key=lambda row: -row.strength)
     notable = [row.text for row in rows[:most] if row.strength >= NOTABLE_U]
     return ", ".join(notable or [row.text for row in rows[:1]])
 

@@ -10,6 +10,8 @@ from statistics import fmean
 from typing import Any
 
 from procedures.campaign.campaign import Campaign
+from procedures.campaign.observations import channel
+from procedures.counts.sample_records import Series
 from procedures.diagnosis.rotation_summary import TurnSeen, left_open, moves_seen, pooled, rests_seen, turns_seen
 from procedures.diagnosis.single_channels import SingleChannel, single_channels
 from procedures.effects.excitation import UNITS_OF_NONLINEAR
@@ -32,10 +34,20 @@ def without_solution(campaigns: Sequence[LoadedCampaign]) -> dict[str, Any]:
     """Return what stays open, the recordings' warnings and where they come from."""
     warnings = list(dict.fromkeys(w for loaded in campaigns for w in loaded.warnings))
     return {
-        "not_observable": [f"{triad}.{part}" for triad in TRIADS for part in PARTS],
+        "not_observable": [f"{triad}.{part}" for triad in recorded_triads(campaigns) for part in PARTS],
         "warnings": warnings,
         "provenance": document_of(provenance(campaigns)),
     }
+
+
+def recorded_triads(campaigns: Sequence[LoadedCampaign]) -> list[str]:
+    """Return the triads of which something was recorded."""
+    series, turned = list[Series](), set[str]()
+    for one in (each.campaign for each in campaigns):
+        for steps in (one.dwells, one.turns, one.rests, one.moves, one.sequences, one.soaks):
+            series += [step.series for step in steps]
+        turned |= {"gyroscope"} if one.rate_tables else set()
+    return [triad for triad in TRIADS if triad in turned or any(channel(s, triad) is not None for s in series)]
 
 
 def output_unit(campaigns: Sequence[LoadedCampaign], triad: str) -> str:
@@ -51,8 +63,10 @@ def in_specified_unit(part: Mapping[str, Any], of: str, campaigns: Sequence[Load
     found = dict(part)
     if "error" in part:
         found["error"] = [in_specified_unit(each, each["quantity"], campaigns) for each in part["error"]]
-    triad = next((name for name in TRIADS if of.startswith(name)), None)
     head, slash, rest = part["unit"].partition("/")
+    is_rate = head == "deg" and rest.startswith("h")
+    by_unit = "accelerometer" if head == "g" else "gyroscope" if is_rate else None  # of what acts on any channel
+    triad = next((name for name in TRIADS if of.startswith(name)), by_unit)
     if triad is None or triad in campaigns[0].campaign.nominal_scale or head not in {"g", "deg"}:
         return found
     factor = 1.0

@@ -109,3 +109,24 @@ def test_a_plan_of_a_log_is_on_the_screen_as_well(tmp_path: Path, capsys: pytest
     assert where
     assert remarks
     assert remarks in " ".join(text.split())
+
+
+def test_of_gyroscopes_alone_nothing_is_said_of_gravity_or_accelerometers(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log = written(tmp_path, at_rest(200.0)[:, :3], "gx,gy,gz")
+    assert cli.run(["diagnose", log, "--rate", str(RATE), "--gyro", "gx,gy,gz", "--unit-gyro", "deg/s"]) == 0
+    reported = capsys.readouterr().out
+    assert "gyroscope.scale_factor" in reported
+    assert "Earth's rate" in reported
+    for word in ("gravity", "accelerometer"):
+        assert word not in reported
+
+
+def test_whose_residuals_exceed_noise_is_reported(tmp_path: Path) -> None:
+    table, out, rng = sequence()[0], tmp_path / "out.json", np.random.default_rng(5)
+    for first in range(8 * RATE, len(table), 10 * RATE):  # every transfer at a scale factor of its own
+        table[first : first + 2 * RATE, :3] *= 1 + 2e-3 * rng.standard_normal(3)
+    assert cli.run(["diagnose", written(tmp_path, table), *OPTIONS, "--json", str(out)]) == 0
+    [warning] = [text for text in json.loads(out.read_text())["solution"]["warnings"] if "exceed" in text]
+    assert warning.startswith("residuals of the gyroscopes in the transfers exceed")

@@ -36,6 +36,27 @@ def test_gyroscopes_that_no_residual_was_diagnosed_of_are_reported_as_not_looked
     assert not_looked_at({"error": []}) == []
 
 
+def test_the_verdict_says_whose_residuals_it_is_of() -> None:
+    document = {
+        "log10_p": -0.1,
+        "verdict": "consistent",
+        "findings": [],
+        "error": [{"quantity": "accelerometer rests"}],
+    }
+    both = {"accelerometer": {}, "gyroscope": {}}
+    assert "of the accelerometers" in verdict_sentence(document | {"solution": both})
+    assert "of the accelerometers" not in verdict_sentence(document | {"solution": {"accelerometer": {}}})
+
+
+def test_a_disturbance_is_in_outputs_where_the_unit_is_not_specified() -> None:
+    size = {"coefficients": {"x": {"value": 3600.0, "std": 36.0}}, "unit": "deg/h"}
+    found = in_specified_unit(size, "disturbance.dwell", [recording()])  # type: ignore[list-item]
+    assert (found["unit"], found["coefficients"]["x"]["value"]) == (
+        "output",
+        pytest.approx(3600 / DEG_H_PER_DEG_S),
+    )
+
+
 LIVE = SingleChannel(
     "gyroscope", "y", "dwell_05", 600.0, 7.2, NoiseTerm(3.0, 2.4, 3.6), NoiseTerm(0.1, 0.08, 0.12),
     CorrelatedLine(0.5, 0.1, 9.0), CorrelatedLine(-0.2, 0.04, 9.0), 3.0, (-3600.0, 1.0), is_count=True,

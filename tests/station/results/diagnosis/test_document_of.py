@@ -1,17 +1,31 @@
 """What a reader is shown of a `diagnosis/2`: one number for each term, many findings of a term as one cause."""
 
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
 
 from procedures.effects import EFFECTS
 from procedures.inference.priors import word
-from station.results.diagnosis.diagnosis_document import DiagnosisDocument, Table, channel_table, document_of
+from procedures.inference.result import Fault
+from station.results.diagnosis.diagnosis_document import (
+    STILL_IN,
+    DiagnosisDocument,
+    Table,
+    channel_table,
+    document_of,
+)
 from station.results.diagnosis.diagnosis_html import section_html
 from station.results.diagnosis.diagnosis_text import diagnosis_text
-from station.results.diagnosis.finding_wording import MANY, probability_text, where_text
+from station.results.diagnosis.finding_wording import (
+    MANY,
+    OF_SAMPLES,
+    amplitudes,
+    meaning_of,
+    probability_text,
+    where_text,
+)
 from station.results.diagnosis.log_measurements import (
     AGAIN,
     REPETITIONS,
@@ -92,6 +106,74 @@ def test_many_findings_of_a_term_are_one_cause_with_number_first_and_last_time()
     for shown in both(SHOCKS):
         assert "from_s" not in shown
         assert "to_s" not in shown
+
+
+def test_faults_of_a_channel_are_one_cause_each_and_not_called_a_disturbance() -> None:
+    spikes = [
+        finding("disturbance.dwell", 0.999, {"file": "log.csv", "channel": "gx", "at_s": t}, fault="wrong row")
+        for t in (200.0, 888.85, 1650.0)
+    ]
+    where = {"file": "log.csv", "channel": "gx", "from_s": 1000.0, "to_s": 1040.0}
+    shown = document_of(diagnosis(*spikes, finding("disturbance.dwell", 0.9999, where, fault="frozen")))
+    assert [len(cause.tables[0].rows) for cause in shown.causes] == [1, 3]
+    assert not any(cause.equation for cause in shown.causes)
+    assert "3 times" in shown.headline
+    assert "disturbance while" not in shown.headline.lower()
+
+
+def test_every_kind_of_finding_has_words_of_its_own() -> None:
+    names = [*(each.name for each in EFFECTS), *OF_SAMPLES]
+    said = [meaning_of(finding(name, 0.99)) for name in names]
+    said += [meaning_of(finding("disturbance.dwell", 0.99, fault=fault)) for fault in get_args(Fault) if fault]
+    said += [meaning_of(finding(e.name, 0.99, shape=shape)) for e in EFFECTS for shape in e.of_shape]
+    assert all(said)
+    assert len(set(said)) == len(said)
+
+
+def test_the_surest_and_largest_cause_is_first_in_the_first_sentence() -> None:
+    small, large = finding(DRIFT, 0.9999, share=0.02), finding(WARM, 0.995, share=0.9)
+    unsure = finding("gyroscope.jump", 0.6, share=0.99)
+    for verdict in ("ambiguous", "unexplained"):
+        shown = document_of(diagnosis(unsure, small, large, verdict=verdict)).headline
+        assert shown.index(WARM) < shown.index(DRIFT) < shown.index("gyroscope.jump")
+    assert [cause.effect for cause in document_of(diagnosis(unsure, small, large)).causes][:2] == [WARM, DRIFT]
+
+
+def test_a_periodic_error_has_an_amplitude() -> None:
+    waves = {
+        "gx.cos1": {"value": 3.0, "std": 0.1}, "gx.sin1": {"value": 4.0, "std": 0.1},
+        "gx.cos2": {"value": 0.5, "std": 0.1}, "gx.sin2": {"value": 0.0, "std": 0.1},
+    }  # fmt: skip
+    found = finding("disturbance.line", 0.999) | {"coefficients": waves}
+    first, second = amplitudes(found)
+    assert (first.text, second.text) == ("gx amplitude 5.00 +- 0.10 deg/h", "gx harmonic 2 0.50 +- 0.10 deg/h")
+
+
+def test_raw_channels_are_said_to_hold_the_causes_that_were_found() -> None:
+    assert STILL_IN in channel_table([channel()], [finding(WARM, 0.99)]).title
+    assert STILL_IN not in channel_table([channel()]).title
+
+
+def solved() -> dict[str, Any]:
+    eye, u = np.eye(3), np.full((3, 3), 1e-5)
+    u[0] = 0.0  # held by the choice of axes
+    return {
+        "accelerometer": {
+            "scale_factor": {"value": [1.0, 1.1, 1.2], "std": [1e-4] * 3, "unit": "output/g"},
+            "misalignment": {"value": eye.tolist(), "std": u.tolist(), "unit": "1"},
+            "bias": {"value": [0.004, 0.0, 0.01], "std": [2e-5] * 3, "unit": "g"},
+        }
+    }
+
+
+def test_a_calibration_is_in_text_and_page_each_quantity_in_one_unit() -> None:
+    found = diagnosis(recording="rests", verdict="consistent", solution=solved())
+    for shown in both(found):
+        for part in ("4000", "misalignment zx", "1.2000", "arcsec"):
+            assert part in shown
+        assert "misalignment xy" not in shown
+        assert "gyroscope" in shown  # not solved
+    assert "misalignment" not in diagnosis_text(found | {"recording": "campaign"})
 
 
 def test_few_findings_of_a_term_stand_each_for_itself() -> None:
