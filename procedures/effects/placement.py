@@ -43,6 +43,37 @@ DWELL = Effect(
 )
 
 
+def rest_columns(excitation: Excitation) -> list[Columns]:
+    """Return each rest in a free attitude with another specific force [g], along the one it should have seen."""
+    found, up = list[Columns](), excitation.f / np.linalg.norm(excitation.f, axis=1, keepdims=True)
+    for number, step in enumerate(excitation.steps):
+        here = excitation.step == number
+        if step.kind == "rest" and not step.position and np.isfinite(up[here]).all():
+            t = excitation.t[here]
+            where: dict[str, object] = {"file": step.name, "from_s": float(t[0]), "to_s": float(t[-1])}
+            found.append(Columns(("value",), accel=np.where(here[:, None], up, 0.0)[:, :, None], where=where))
+    return found if len(found) >= MIN_RESTS else []
+
+
+MIN_RESTS = 10  # in free attitudes: with fewer every one is needed to determine the accelerometers
+REST = Effect(
+    name="disturbance.rest",
+    meaning="One rest disturbed",
+    about=(
+        "In one rest in a free attitude the unit was touched, still moved or stood on something that did, or its "
+        "row is wrong: the specific force there is not gravity's. Plausible: 1 mg, a hand on the table."
+    ),
+    unit="g",
+    physics="value f / |f| in one rest",
+    source="IEEE Std 1293, test disturbances",
+    plausible=1e-3,
+    columns=rest_columns,
+    driver="time at rest",
+    next_measurement="again",
+    separate_by="the same rest again",
+)
+
+
 LABEL = Effect(
     name="placement.label",
     meaning="Wrong position or direction recorded",

@@ -22,6 +22,7 @@ from procedures.statistics.significance import STD_PER_MAD, log_chi2_sf
 WINDOW_S = 1.0
 MIN_REST_S = 1.0  # of samples whose whole window is quiet: two seconds of stillness
 MIN_REST_SHARE = 0.1  # share of a recording that is at rest at the least
+RESTLESS = 2.0  # times the multiplier, from which on a rest has ended
 PARTS = 4  # of a rest, whose means are compared
 MOST_MOTION_G = 3e-3  # g: 0.2 deg of tilt or 0.03 m/s2; bias instability of a cheap sensor is a tenth of it
 MAX_LOG_P = np.log(0.01)  # that noise alone makes the parts of rests differ
@@ -36,8 +37,15 @@ class ScatterLevel:
     level: FloatArray
 
     def rests(self, multiplier: float) -> list[slice]:
-        """Return the stretches of samples at rest, in order."""
-        edges = true_runs(self.level <= multiplier)
+        """Return the stretches of samples at rest, in order.
+
+        One goes on where noise alone lifts its level for a moment: motion lifts it by far more.
+        """
+        edges = [
+            (begin, end)
+            for begin, end in true_runs(self.level <= RESTLESS * multiplier)
+            if np.any(self.level[begin:end] <= multiplier)
+        ]
         least = max(MIN_REST_S / self.series.period, MIN_DWELL_SAMPLES)
         return [slice(int(begin), int(end)) for begin, end in edges if end - begin >= least]
 

@@ -100,6 +100,12 @@ def _disturbance(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatAr
     return vector(sizes) * np.sin(2 * np.pi * sizes["hz"] * np.where(acts, since, 0.0))
 
 
+def _pressed(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
+    acts = (stimulus.t >= sizes["from_s"]) & (stimulus.t < sizes["to_s"])
+    added: FloatArray = sizes.get("value", 0.0) * stimulus.f / np.linalg.norm(stimulus.f, axis=1, keepdims=True)
+    return added * acts
+
+
 def _tilt(stimulus: Stimulus, triad: TriadInput, sizes: Sizes) -> FloatArray:
     turned: FloatArray = np.cross(stimulus.f, vector(sizes)) * (stimulus.t > sizes["after_s"])
     return turned
@@ -122,6 +128,7 @@ PROCEDURE = (
                   world=lambda w, sizes: replace(w, clock_ppm=w.clock_ppm + sizes.get("value", 0.0))),
     PlantedEffect("disturbance.dwell", "g", VECTOR_KEYS,
                   {"position": 7.0, "at_s": 40.0, "duration_s": 10.0, "hz": 7.3}, accel=_disturbance),
+    PlantedEffect("disturbance.rest", "g", ("value",), {"from_s": 400.0, "to_s": 420.0}, accel=_pressed),
     PlantedEffect("auxiliary.channel", "ax..az: g/unit, gx..gz: deg/h/unit", ("ax", "ay", "az", "gx", "gy", "gz"),
                   {"period_s": AUXILIARY_PERIOD_S},
                   accel=lambda seen, triad, sizes: vector(sizes, "a") * auxiliary(seen.t, sizes["period_s"]),
