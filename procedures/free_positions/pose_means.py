@@ -28,8 +28,9 @@ class MeansCalibration:
 
     ``k`` (3,) [output per g], ``bias`` (3,) [g] and ``E`` (3, 3), lower triangular of unit rows, with standard
     uncertainties; these are nan where nothing shows them: as many numbers as poses, and no scatter stated.
-    ``residual`` (n,) [g] is the norm's, ``held_out`` (n,) [g] that of each pose by the fit to all others, nan
-    where these do not determine it. ``free`` are the degrees of freedom.
+    ``residual`` (n,) [g] is the norm's, ``noise`` (n,) [g] its standard uncertainty by that of the means,
+    ``held_out`` (n,) [g] the residual of each pose by the fit to all others, nan where these do not determine it.
+    ``free`` are the degrees of freedom.
     """
 
     k: FloatArray
@@ -39,9 +40,15 @@ class MeansCalibration:
     E: FloatArray
     E_std: FloatArray
     residual: FloatArray
+    noise: FloatArray
     held_out: FloatArray
     free: float
     not_observable: tuple[str, ...]
+
+    @property
+    def chi2(self) -> float:
+        """Sum of squares of the residuals over their noise."""
+        return float(np.sum((self.residual / self.noise) ** 2))
 
 
 def differ_like_poses(accel: FloatArray, t: FloatArray | None) -> bool:
@@ -91,7 +98,7 @@ def calibrate_means(
         E_std = np.maximum(E_std * widening, _jackknife([_misalignment(each)[0] for each in others]) * (E_std > 0))
     return MeansCalibration(
         k, np.hypot(sigma[:3], relative * k), bias, np.hypot(sigma[3:], relative * bias), E, E_std,
-        fit.residual, held_out, fit.free, fit.not_observable,
+        fit.residual, noise, held_out, fit.free, fit.not_observable,
     )  # fmt: skip
 
 
