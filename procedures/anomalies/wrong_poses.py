@@ -1,8 +1,9 @@
 """Poses of a table of means that contradict the others: a typing error, a sensor that was not at rest.
 
 A pose is held against the fit to all others (`procedures.free_positions.norm_fit`). Its error z [sigma] has the
-marginal likelihood of one coefficient (`procedures.inference.odds`), averaged over the scale s of the noise that the
-others show: the noise that is stated, unless all poses scatter more. With chi2 of the others, f degrees of freedom,
+marginal likelihood of one coefficient (`procedures.inference.odds`), averaged over the scale s of the noise that
+the others show: the noise that is stated, unless all poses scatter more. With chi2 of the others and f degrees of
+freedom,
 
     p(s) ~ prior(s) s^-f exp(-chi2 / (2 s^2))
 
@@ -116,7 +117,7 @@ def _wrong_pose(poses: _Poses, row: int, others: Sequence[int]) -> WrongPose:
 
 
 def _predicted(fit: NormFit, mean: FloatArray, gravity: float) -> tuple[float, float]:
-    """Return by how much the norm of a pose with output ``mean`` (3,) is off gravity [g], and u of the fit in it."""
+    """Return how far the norm of a pose with output ``mean`` (3,) is off gravity [g], and u of the fit in it."""
     u = np.linalg.solve(fit.K, mean - fit.b)
     length = float(np.linalg.norm(u))
     w = np.linalg.solve(fit.K.T, u / length)

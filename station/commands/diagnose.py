@@ -60,7 +60,10 @@ def diagnose(
 
     refuse_other_than_toml(plan, "--plan")
     if log.are_logs(campaigns) and (means := means_of_logs(campaigns, log)) is not None:
-        _report_means(means, log, json)
+        used = {"--validate": validate, "--effects": effects, "--discover": discover, "--plan": plan}
+        if refused := [name for name, value in used.items() if value]:
+            raise typer.BadParameter(f"{refused[0]} is not for a table of means")
+        _report_means(means, log, json, html)
         return
     if log.are_logs(campaigns):
         loaded, partial = [read_logs(campaigns, log, log.campaign)], True
@@ -77,11 +80,18 @@ def diagnose(
     _diagnose(loaded, others, json, html, plan, is_partial=partial, is_searched=discover)
 
 
-def _report_means(means: "MeansTable", log: LogOptions, json: Path | None) -> None:
-    from station.results.diagnosis.means_document import means_document, means_text
+def _report_means(means: "MeansTable", log: LogOptions, json: Path | None, html: Path | None) -> None:
+    from station.results.diagnosis.diagnosis_html import write_shown
+    from station.results.diagnosis.diagnosis_text import text_of
+    from station.results.diagnosis.means_document import means_document
+    from station.results.diagnosis.means_wording import document_of_means
 
     document = means_document(means, log.latitude, log.serial)
-    write_result(document, means_text(document), json, f"means of {document['poses']} poses, means/1")
+    shown, what = document_of_means(document), f"diagnosis of means of {document['poses']} poses"
+    write_result(document, text_of(shown), json, f"{what}, means/2")
+    if html is not None:
+        write_shown(html, shown, document)
+        typer.echo(f"{html}: {what}")
 
 
 def _diagnose(

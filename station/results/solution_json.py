@@ -150,9 +150,14 @@ def solution_document(
 
 def provenance(campaigns: Sequence[LoadedCampaign], *, to_keep: bool = True) -> Provenance:
     """Return where a result comes from, with the software where it is ``to_keep``."""
-    imu, now = campaigns[0].tables.imu, datetime.now(UTC).isoformat(timespec="seconds").replace("+00:00", "Z")
-    software = software_version() if to_keep else None
-    return Provenance(input_hashes(campaigns), imu.model, imu.serial, software, now)
+    imu = campaigns[0].tables.imu
+    return provenance_of(input_hashes(campaigns), imu.model, imu.serial, to_keep=to_keep)
+
+
+def provenance_of(files: Mapping[str, str], model: str, serial: str, *, to_keep: bool = True) -> Provenance:
+    """Return the same of files, by name with their sha256, that are no campaign."""
+    now = datetime.now(UTC).isoformat(timespec="seconds").replace("+00:00", "Z")
+    return Provenance(files, model, serial, software_version() if to_keep else None, now)
 
 
 def input_hashes(campaigns: Sequence[LoadedCampaign]) -> dict[str, str]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from procedures.arrays import BoolArray, FloatArray
+from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.errors import ErrorCode
 from procedures.free_positions.pose_means import MAX_POSES, differ_like_poses
 from station.errors import DataRefused
@@ -30,7 +30,8 @@ _COUNT = re.compile(r"n|count|counts|samples|n_?samples|num_?samples", re.IGNORE
 class MeansTable:
     """Means of n poses: ``accel`` and ``gyro`` (n, 3), None of a triad that is not there, each with its std.
 
-    A std is None where the table has none; ``found`` says which columns they are and in which units.
+    A std is None where the table has none; ``found`` says which columns they are and in which units, ``rows`` (n,)
+    which rows of the table they are.
     """
 
     found: LogColumns
@@ -39,6 +40,7 @@ class MeansTable:
     accel_std: FloatArray | None
     gyro_std: FloatArray | None
     notes: tuple[str, ...]
+    rows: IntArray
 
 
 def is_means_table(table: Table, stated: ColumnOptions) -> bool:
@@ -89,7 +91,10 @@ def means_of(table: Table, stated: ColumnOptions) -> MeansTable:
                     f"no number of samples (n): the standard deviations of {triad} are used as those of the means"
                 )
     kept = {name: None if values is None else values[usable] for name, values in triads.items()}
-    return MeansTable(found, kept["accel"], kept["gyro"], std["accel"], std["gyro"], tuple(notes))
+    return MeansTable(
+        found, kept["accel"], kept["gyro"], std["accel"], std["gyro"], tuple(notes),
+        np.flatnonzero(usable),
+    )  # fmt: skip
 
 
 def _checked(table: Table, name: str, usable: BoolArray, least: float) -> FloatArray:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from station.files.atomic_file import replace_file
-from station.results.diagnosis.diagnosis_document import CAUSE_COLUMNS, STILL_IN, document_of
+from station.results.diagnosis.diagnosis_document import CAUSE_COLUMNS, STILL_IN, DiagnosisDocument, document_of
 from station.results.html_templates import html_template
 from station.results.report.noise_page import noise_section
 
@@ -26,12 +26,24 @@ def write_page(
     CannotWrite
         If the place cannot be written.
     """
+    _write(path, section_html(document, diagnosis, more), document.get("solution", document), document)
+
+
+def write_shown(path: Path, shown: DiagnosisDocument, found: Mapping[str, Any]) -> None:
+    """Write what is ``shown`` of a result ``found`` by another way as the same page.
+
+    Raises
+    ------
+    CannotWrite
+        If the place cannot be written.
+    """
+    _write(path, _section(shown, {}), found, found)
+
+
+def _write(path: Path, section: str, solution: Mapping[str, Any], found: Mapping[str, Any]) -> None:
     page = html_template("page.html")
-    origin, section = (
-        document.get("solution", document)["provenance"],
-        Markup(section_html(document, diagnosis, more)),
-    )
-    replace_file(path, page.render(origin=origin, section=section, guessed=document.get("guessed")).encode())
+    origin, guessed = solution["provenance"], found.get("guessed")
+    replace_file(path, page.render(origin=origin, section=Markup(section), guessed=guessed).encode())
 
 
 def section_html(
@@ -39,7 +51,10 @@ def section_html(
 ) -> str:
     """Return the section "What the model lacks" of a `diagnosis/2`, with plots where the diagnosis is at hand."""
     shown = document_of(document)
-    plots = {} if diagnosis is None else _plots(document, diagnosis, more)
+    return _section(shown, {} if diagnosis is None else _plots(document, diagnosis, more))
+
+
+def _section(shown: DiagnosisDocument, plots: Mapping[tuple[str, str], Mapping[str, Any]]) -> str:
     noise = Markup(noise_section(shown.noise))
     return html_template("section.html").render(
         document=shown, columns=CAUSE_COLUMNS, plots=plots, noise=noise, still_in=STILL_IN

@@ -1,26 +1,30 @@
-"""The calibration by a table of means as a `means/1` document, and as text."""
+"""The calibration by a table of means as a `means/2` document: verdict, wrong poses, values."""
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
+from procedures.anomalies.wrong_poses import WrongPose, find_wrong_poses
 from procedures.arrays import FloatArray
-from procedures.calibration.solution_values import Estimate
-from procedures.errors import ErrorCode
-from procedures.frames import AXES, TRIADS
+from procedures.errors import NotObservable
+from procedures.frames import AXES
 from procedures.free_positions.norm_fit import Undetermined
 from procedures.free_positions.pose_means import MeansCalibration, calibrate_means, gyro_bias
+from procedures.inference.priors import PRESENT, word
+from procedures.inference.result import UNEXPLAINED_LOG_P, Verdict
+from procedures.statistics.significance import log_chi2_sf
 from procedures.units import STANDARD_GRAVITY
-from station.errors import DataRefused
 from station.files.campaign_folder.campaign_reading import ANY_EARTH_RATE_DEG_H, site_of
 from station.files.campaign_folder.campaign_schema import SiteTable
 from station.files.logs.means_table import MeansTable
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW, outputs_per_unit
-from station.results.solution_json import SolvedTriad
-from station.results.solution_text import triad_lines
+from station.results.result_formats import document_of
+from station.results.solution_json import provenance_of
+from station.text import NOT_KNOWN
 
+LEAST_FREE = 0.5  # degrees of freedom, below which no residual is left to judge the poses by
 FEW_FREE = 4.0  # degrees of freedom, below which a sigma from the scatter is itself known to no better than 35 %
-HELD_OUT_FACTOR = 2.0  # held-out error over in-sample error, from which on the poses are too few
 MG = 1e3
 
 
@@ -29,15 +33,16 @@ def means_document(means: MeansTable, latitude_deg: float | None, serial: str | 
 
     Raises
     ------
-    DataRefused
+    NotObservable
         If its poses determine no accelerometer, and there is no gyroscope either.
     """
-    file = means.found.table.file
+    table = means.found.table
     site = site_of(None if latitude_deg is None else SiteTable(latitude_deg=latitude_deg))
     document: dict[str, Any] = {
-        "format": "means/1", "file": file.name, "sha256": means.found.table.sha256, "serial": serial,
-        "poses": len(means.accel if means.accel is not None else means.gyro),  # type: ignore[arg-type]
-        "not_observable": [], "warnings": [],
+        "format": "means/2", "file": table.file.name, "poses": len(means.rows), "verdict": "consistent",
+        "wrong_poses": [], "next_measurement": "", "not_observable": [], "warnings": [],
+        "guessed": list(means.found.guesses),
+        "provenance": document_of(provenance_of({table.file.name: table.sha256}, NOT_KNOWN, serial or NOT_KNOWN)),
     }  # fmt: skip
     if latitude_deg is None:
         document["warnings"].append(
@@ -45,22 +50,55 @@ def means_document(means: MeansTable, latitude_deg: float | None, serial: str | 
         )
     if means.accel is not None:
         per_g = outputs_per_unit(means.found.unit_accel or RAW, ACCEL_UNITS)
-        scale = per_g or 1.0
-        std = _std(means.accel, means.accel_std)
-        fit = calibrate_means(
-            means.accel / scale, std / scale, site.gravity / STANDARD_GRAVITY, site.gravity_std / STANDARD_GRAVITY,
-            is_std_stated=means.accel_std is not None,
-        )  # fmt: skip
+        scale, is_stated = per_g or 1.0, means.accel_std is not None
+        accel, std = means.accel / scale, _std(means.accel, means.accel_std) / scale
+        gravity, gravity_std = site.gravity / STANDARD_GRAVITY, site.gravity_std / STANDARD_GRAVITY
+        wrong = find_wrong_poses(accel, std, gravity, is_std_stated=is_stated)
+        kept = np.setdiff1d(np.arange(len(accel)), [one.row for one in wrong if one.probability >= PRESENT])
+        fit = calibrate_means(accel[kept], std[kept], gravity, gravity_std, is_std_stated=is_stated)
         if isinstance(fit, Undetermined):
             if means.gyro is None:
-                found = f"{len(means.accel)} poses that determine no calibration"
-                raise DataRefused(file, None, found, "; ".join(fit.missing), "add poses", ErrorCode.NOT_OBSERVABLE)
+                raise NotObservable(f"{table.file.name}: accelerometers by {len(accel)} poses", fit.missing)
             document["not_observable"] += [f"accelerometer: {text}" for text in fit.missing]
         else:
-            _add_accelerometer(document, fit, "" if per_g else "output/g", is_stated=means.accel_std is not None)
+            document["wrong_poses"] = [_wrong_pose(each, means) for each in wrong]
+            _add_accelerometer(document, fit, "" if per_g else "output/g", is_stated=is_stated)
     if means.gyro is not None:
         _add_gyroscope(document, means)
     return document
+
+
+def _wrong_pose(wrong: WrongPose, means: MeansTable) -> dict[str, Any]:
+    return _pose(wrong.row, wrong.probability, means) | {
+        "confidence": word(wrong.probability),
+        "off_mg": MG * wrong.off,
+        "sigmas": wrong.sigmas,
+        "is_held_out": wrong.probability >= PRESENT,
+        "alternatives": [_pose(row, share, means) for row, share in wrong.alternatives],
+    }
+
+
+def _pose(row: int, probability: float, means: MeansTable) -> dict[str, Any]:
+    at = int(means.rows[row])
+    return {"pose": at + 1, "line": means.found.table.line(at), "probability": probability}
+
+
+def _verdict(wrong: Sequence[Mapping[str, Any]], *, is_left: bool) -> Verdict:
+    """Return the verdict as of every diagnosis; which of several poses is wrong may be ambiguous."""
+    words = {each["confidence"] for each in wrong}
+    if is_left and all(each["is_held_out"] for each in wrong):
+        return "partly" if words - {"possible"} else "unexplained"
+    if "possible" in words:
+        return "ambiguous"
+    return "likely" if "likely" in words else "established" if words else "consistent"
+
+
+def _next_measurement(wrong: Sequence[Mapping[str, Any]], fit: MeansCalibration) -> str:
+    if wrong:
+        numbers = {one["pose"] for each in wrong for one in (each, *each["alternatives"])}
+        which = ", ".join(map(str, sorted(numbers)))
+        return f"pose {which} again, after its line in the file is compared with the notes"
+    return "more poses, between the faces" if fit.free < FEW_FREE else ""
 
 
 def _std(values: FloatArray, stated: FloatArray | None) -> FloatArray:
@@ -95,6 +133,14 @@ def _add_accelerometer(document: dict[str, Any], fit: MeansCalibration, unit: st
     document["not_observable"] += [f"accelerometer.{name} (the poses are too close to the faces)" for name in
                                    fit.not_observable]  # fmt: skip
     document["not_observable"].append("accelerometer: its axes relative to the housing (poses are not known)")
+    is_left = False
+    if is_stated:
+        part |= {"noise_rms_mg": MG * float(np.sqrt(np.mean(fit.noise**2))), "chi2": fit.chi2}
+        if fit.free >= LEAST_FREE:
+            log_p = log_chi2_sf(fit.chi2, fit.free)
+            document["log10_p"], is_left = log_p / np.log(10), log_p < UNEXPLAINED_LOG_P
+    document["verdict"] = _verdict(document["wrong_poses"], is_left=is_left)
+    document["next_measurement"] = _next_measurement(document["wrong_poses"], fit)
     held = fit.held_out[np.isfinite(fit.held_out)]
     warnings = document["warnings"]
     if len(held):
@@ -108,13 +154,7 @@ def _add_accelerometer(document: dict[str, Any], fit: MeansCalibration, unit: st
     if fit.free < 1 and not is_stated:
         warnings.append("as many parameters as poses and no standard deviations: uncertainties are not known")
     elif fit.free < FEW_FREE:
-        warnings.append(f"only {fit.free:.1f} degrees of freedom to check the fit: add poses between the faces")
-    fitted, predicted = part["residual_rms_mg"], part.get("held_out_rms_mg", 0.0)
-    if predicted > HELD_OUT_FACTOR * fitted:
-        warnings.append(
-            f"poses are fitted to {fitted:.3g} mg and predicted to {predicted:.3g} mg: too few poses for so many "
-            "parameters, so the fit looks better than it is"
-        )
+        warnings.append(f"only {fit.free:.1f} degrees of freedom to check the fit")
 
 
 def _add_gyroscope(document: dict[str, Any], means: MeansTable) -> None:
@@ -130,32 +170,3 @@ def _add_gyroscope(document: dict[str, Any], means: MeansTable) -> None:
 
 def _known(std: FloatArray) -> list[float | None]:
     return [float(each) if np.isfinite(each) else None for each in std]
-
-
-def means_text(document: dict[str, Any]) -> str:
-    """Return the document as text; +- is the standard uncertainty."""
-    lines = [
-        f"{document['file']}: a table of means of {document['poses']} poses, +- is the standard uncertainty u"
-    ]
-    lines += triad_lines({name: _estimates(document[name]) for name in TRIADS if name in document}, ())
-    if part := document.get("accelerometer"):
-        lines.append(
-            f"residual: {part['residual_rms_mg']:.3g} mg rms, {part['degrees_of_freedom']:g} degrees of freedom"
-        )
-        if "held_out_rms_mg" in part:
-            lines.append(f"held out: {part['held_out_rms_mg']:.3g} mg rms, each pose predicted from the others")
-    if earth := document.get("gyroscope", {}).get("earth_rate_in_bias"):
-        unit = document["gyroscope"]["bias"]["unit"]
-        lines.append(f"the gyroscopes' bias includes the Earth's rate: up to {earth:.2g} {unit}")
-    lines += [f"not observable: {text}" for text in document["not_observable"]]
-    lines += [f"warning: {text}" for text in document["warnings"]]
-    return "\n".join(lines)
-
-
-def _estimates(part: dict[str, Any]) -> SolvedTriad:
-    """Return a triad's estimates with 0 for a sigma that is not known, which is then not shown."""
-    stated = {key: one for key, one in part.items() if isinstance(one, dict)}
-    return SolvedTriad(**{
-        key: Estimate(np.array(one["value"]), np.nan_to_num(np.array(one["std"], float)), one.get("unit", ""))
-        for key, one in stated.items()
-    })  # fmt: skip

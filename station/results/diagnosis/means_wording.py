@@ -1,0 +1,133 @@
+"""What a `means/2` says, as the document that text and HTML of every diagnosis are laid out from."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from procedures.frames import AXES
+from station.results.diagnosis.diagnosis_document import Cause, DiagnosisDocument, Lines, Table
+from station.results.diagnosis.diagnosis_wording import TAKEN_FOR_SCATTER
+from station.results.diagnosis.finding_wording import p_text, probability_text
+from station.results.diagnosis.means_document import LEAST_FREE
+from station.results.solution_text import measured
+from station.text import significant
+
+NOT_CHECKED = "solved, but not checked"
+MICRO = 1e6
+
+
+def document_of_means(found: Mapping[str, Any]) -> DiagnosisDocument:
+    """Return a `means/2` as a document."""
+    part = found.get("accelerometer")
+    is_checked = part is not None and part["degrees_of_freedom"] >= LEAST_FREE
+    return DiagnosisDocument(
+        verdict=found["verdict"],
+        title=found["verdict"] if is_checked else NOT_CHECKED,
+        headline=_headline(found, part) if part and is_checked else _not_checked(part),
+        causes=tuple(map(_cause, found["wrong_poses"])),
+        measure_next=found["next_measurement"],
+        sections=tuple(each for each in (Table("values", "<<", ("parameter", "value +- u"), tuple(_values(found))),
+                                         Lines("residuals", tuple(_residuals(found)))) if each),
+        not_observable=", ".join(found["not_observable"]),
+        warnings=tuple(found["warnings"]),
+    )  # fmt: skip
+
+
+def _not_checked(part: Mapping[str, Any] | None) -> str:
+    if part is None:
+        return "The poses give a mean output of the gyroscopes. No accelerometer is calibrated."
+    return (
+        "There are as many unknowns as poses, so no residual can show an error. Repeat poses, or add poses "
+        "between the faces, to check the result."
+    )
+
+
+def _headline(found: Mapping[str, Any], part: Mapping[str, Any]) -> str:
+    wrong = found["wrong_poses"]
+    held_out = [each for each in wrong if each["is_held_out"]]
+    fit = _against_noise(found, part)
+    if not wrong:
+        return fit if found["verdict"] == "unexplained" else f"No pose contradicts the others. {fit}"
+    if not held_out:
+        either = {one["pose"]: one for each in wrong for one in (*each["alternatives"], each)}
+        which = " or ".join(f"{_name(one)} ({probability_text(one['probability'])})" for one in either.values())
+        return (
+            f"A pose contradicts the others, but the data cannot determine which: {which}. The values are those "
+            f"of all poses. {fit}"
+        )
+    others = found["poses"] - len(held_out)
+    texts = [
+        f"{_name(each)} contradicts the {others} others (probability {probability_text(each['probability'])}): "
+        f"its specific force differs from gravity by {_off(each)}."
+        for each in held_out
+    ]
+    text = " ".join(each[0].upper() + each[1:] for each in texts)
+    return f"{text} The values below are without {'it' if len(held_out) == 1 else 'them'}. {fit}"
+
+
+def _against_noise(found: Mapping[str, Any], part: Mapping[str, Any]) -> str:
+    """Return a sentence on the residuals against the noise, which the table states or does not."""
+    residual, free = part["residual_rms_mg"], part["degrees_of_freedom"]
+    if "log10_p" not in found:
+        return (
+            f"The table states no standard deviations: only the scatter of the poses, {significant(residual)} mg "
+            f"rms, says how large the noise is."
+        )
+    test = f"chi-square {part['chi2']:.4g}, {free:.3g} degrees of freedom, {p_text(found['log10_p'])}"
+    if found["verdict"] in {"unexplained", "partly"} or not all(e["is_held_out"] for e in found["wrong_poses"]):
+        times = significant((part["chi2"] / free) ** 0.5)
+        return (
+            f"Residuals exceed the noise that standard deviations and numbers of samples state, {times} times "
+            f"({test}). {TAKEN_FOR_SCATTER.replace('steps', 'poses').replace('step', 'pose')}"
+        )
+    return f"Residuals are consistent with the noise that the table states ({test})."
+
+
+def _name(pose: Mapping[str, Any]) -> str:
+    return f"pose {pose['pose']} (line {pose['line']})"
+
+
+def _off(wrong: Mapping[str, Any]) -> str:
+    return f"{wrong['off_mg']:+.3g} mg, {wrong['sigmas']:.3g} u"
+
+
+def _cause(wrong: Mapping[str, Any]) -> Cause:
+    return Cause(
+        effect="",
+        place="",
+        title=_name(wrong),
+        about="",
+        probability=probability_text(wrong["probability"]),
+        size=_off(wrong),
+        explained="",
+        sentences=(),
+        alternatives=tuple((_name(one), probability_text(one["probability"])) for one in wrong["alternatives"]),
+    )
+
+
+def _values(found: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    for triad in ("accelerometer", "gyroscope"):
+        part = found.get(triad, {})
+        for key in ("scale_factor", "bias"):
+            if one := part.get(key):
+                for axis, value, std in zip(AXES, one["value"], one["std"], strict=True):
+                    yield f"{triad} {key.replace('_', ' ')} {axis}", measured(value, std or 0.0, one["unit"])
+        for i, j in ((1, 0), (2, 0), (2, 1)) if "misalignment" in part else ():
+            value, std = (part["misalignment"][key][i][j] for key in ("value", "std"))
+            yield f"{triad} misalignment {AXES[i]}{AXES[j]}", measured(MICRO * value, MICRO * (std or 0), "urad")
+
+
+def _residuals(found: Mapping[str, Any]) -> Iterator[str]:
+    if part := found.get("accelerometer"):
+        free, used = (
+            part["degrees_of_freedom"],
+            found["poses"] - sum(e["is_held_out"] for e in found["wrong_poses"]),
+        )
+        determined = f"{used} poses less {used - free:.3g} parameters that they determine"
+        yield f"residual: {part['residual_rms_mg']:.3g} mg rms, {free:.3g} degrees of freedom ({determined})"
+        if "noise_rms_mg" in part:
+            yield f"noise by the standard deviations in the table: {part['noise_rms_mg']:.3g} mg rms"
+        if "held_out_rms_mg" in part:
+            yield f"held out: {part['held_out_rms_mg']:.3g} mg rms, each pose predicted from the others"
+    if earth := found.get("gyroscope", {}).get("earth_rate_in_bias"):
+        unit = found["gyroscope"]["bias"]["unit"]
+        yield f"the gyroscopes' bias includes the Earth's rate: up to {earth:.2g} {unit}"
