@@ -47,11 +47,12 @@ def diagnose(
     here.
 
     A log is a table from another source: text with any delimiter, .mat, .npz or .parquet. With --as means it is a
-    table of mean outputs, one row per pose, which gives bias, scale factor and misalignment. Missing column names
-    and units are inferred from the file; every inference is printed.
+    table of mean outputs, one row per pose, which gives bias, scale factor, misalignment and the poses that
+    contradict the others. Missing column names and units are inferred from the file; every inference is printed.
 
     Exit code 0 for every verdict, also if a log or a soak determines no calibration; 3 if a folder or a log breaks
-    a rule, 5 if a folder's positions solve neither triad (without --partial) or the data show nothing.
+    a rule, 5 if a folder's positions solve neither triad (without --partial), the poses of a table determine no
+    calibration, or the data show nothing.
 
     Example: station diagnose log.csv --time t --gyro wx,wy,wz --unit-gyro deg/s --temperature temp
     """

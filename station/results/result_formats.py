@@ -181,18 +181,24 @@ RESULTS: dict[str, ResultFormat] = {
             " one",
         },
     ),
-    "means/1": ResultFormat(
+    "means/2": ResultFormat(
         "station diagnose TABLE --as means --json OUT",
         {
             "file": "name of the table",
-            "sha256": "its hash",
-            "serial": "serial number, as given",
             "poses": "number of poses",
+            "verdict": "as of `diagnosis/2`; `consistent` also where no residual is left to check it",
+            "log10_p": "logarithm of the p-value of the residuals against the standard deviations in the table",
+            "wrong_poses": "poses that contradict the others: `pose`, `line` of the file, `probability`, "
+            "`confidence`, `off_mg` (specific force less gravity), `sigmas`, `is_held_out` (the values are "
+            "without it), `alternatives`",
+            "next_measurement": "what to measure next",
             "accelerometer": "scale factor, misalignment and bias with std, where the poses determine them; the "
-            "rms of held-out poses",
+            "rms of residuals, stated noise and held-out poses; `chi2`, `degrees_of_freedom`",
             "gyroscope": "`bias` {value, std, unit}; `earth_rate_in_bias`",
             "not_observable": NOT_SOLVED,
             "warnings": WARNINGS,
+            "guessed": "what was inferred from the file",
+            "provenance": "as in solution/1",
         },
     ),
     "applied/1": ResultFormat(

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from procedures.anomalies.wrong_poses import WrongPose, find_wrong_poses
-from procedures.arrays import FloatArray
+from procedures.arrays import FloatArray, IntArray
 from procedures.errors import NotObservable
 from procedures.frames import AXES
 from procedures.free_positions.norm_fit import Undetermined
@@ -48,13 +48,14 @@ def means_document(means: MeansTable, latitude_deg: float | None, serial: str | 
         document["warnings"].append(
             f"no --latitude: gravity is assumed to be {site.gravity:g} +- {site.gravity_std:g} m/s2"
         )
+    kept = np.arange(len(means.rows))
     if means.accel is not None:
         per_g = outputs_per_unit(means.found.unit_accel or RAW, ACCEL_UNITS)
         scale, is_stated = per_g or 1.0, means.accel_std is not None
         accel, std = means.accel / scale, _std(means.accel, means.accel_std) / scale
         gravity, gravity_std = site.gravity / STANDARD_GRAVITY, site.gravity_std / STANDARD_GRAVITY
         wrong = find_wrong_poses(accel, std, gravity, is_std_stated=is_stated)
-        kept = np.setdiff1d(np.arange(len(accel)), [one.row for one in wrong if one.probability >= PRESENT])
+        kept = np.setdiff1d(kept, [one.row for one in wrong if one.probability >= PRESENT])
         fit = calibrate_means(accel[kept], std[kept], gravity, gravity_std, is_std_stated=is_stated)
         if isinstance(fit, Undetermined):
             if means.gyro is None:
@@ -64,7 +65,7 @@ def means_document(means: MeansTable, latitude_deg: float | None, serial: str | 
             document["wrong_poses"] = [_wrong_pose(each, means) for each in wrong]
             _add_accelerometer(document, fit, "" if per_g else "output/g", is_stated=is_stated)
     if means.gyro is not None:
-        _add_gyroscope(document, means)
+        _add_gyroscope(document, means, kept)
     return document
 
 
@@ -95,10 +96,10 @@ def _verdict(wrong: Sequence[Mapping[str, Any]], *, is_left: bool) -> Verdict:
 
 def _next_measurement(wrong: Sequence[Mapping[str, Any]], fit: MeansCalibration) -> str:
     if wrong:
-        numbers = {one["pose"] for each in wrong for one in (each, *each["alternatives"])}
-        which = ", ".join(map(str, sorted(numbers)))
-        return f"pose {which} again, after its line in the file is compared with the notes"
-    return "more poses, between the faces" if fit.free < FEW_FREE else ""
+        each = {one["pose"]: one["line"] for each in wrong for one in (each, *each["alternatives"])}
+        lines, poses = (", ".join(map(str, sorted(of))) for of in (each.values(), each))
+        return f"check line {lines} of the file, or record pose {poses} again"
+    return "record more poses, between the faces" if fit.free < FEW_FREE else ""
 
 
 def _std(values: FloatArray, stated: FloatArray | None) -> FloatArray:
@@ -154,12 +155,12 @@ def _add_accelerometer(document: dict[str, Any], fit: MeansCalibration, unit: st
     if fit.free < 1 and not is_stated:
         warnings.append("as many parameters as poses and no standard deviations: uncertainties are not known")
     elif fit.free < FEW_FREE:
-        warnings.append(f"only {fit.free:.1f} degrees of freedom to check the fit")
+        warnings.append(f"only {fit.free:.2g} degrees of freedom to check the fit")
 
 
-def _add_gyroscope(document: dict[str, Any], means: MeansTable) -> None:
+def _add_gyroscope(document: dict[str, Any], means: MeansTable, kept: IntArray) -> None:
     assert means.gyro is not None
-    value, std = gyro_bias(means.gyro, _std(means.gyro, means.gyro_std))
+    value, std = gyro_bias(means.gyro[kept], _std(means.gyro, means.gyro_std)[kept])
     unit = means.found.unit_gyro or "output"
     document["gyroscope"] = {"bias": {"value": value.tolist(), "std": _known(std), "unit": unit}}
     per_deg_s = outputs_per_unit(means.found.unit_gyro or RAW, GYRO_UNITS)

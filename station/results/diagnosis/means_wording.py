@@ -1,10 +1,12 @@
 """What a `means/2` says, as the document that text and HTML of every diagnosis are laid out from."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from math import log
 from typing import Any
 
 from procedures.frames import AXES
-from station.results.diagnosis.diagnosis_document import Cause, DiagnosisDocument, Lines, Table
+from procedures.inference.result import UNEXPLAINED_LOG_P
+from station.results.diagnosis.diagnosis_document import DiagnosisDocument, Lines, Table
 from station.results.diagnosis.diagnosis_wording import TAKEN_FOR_SCATTER
 from station.results.diagnosis.finding_wording import p_text, probability_text
 from station.results.diagnosis.means_document import LEAST_FREE
@@ -23,13 +25,23 @@ def document_of_means(found: Mapping[str, Any]) -> DiagnosisDocument:
         verdict=found["verdict"],
         title=found["verdict"] if is_checked else NOT_CHECKED,
         headline=_headline(found, part) if part and is_checked else _not_checked(part),
-        causes=tuple(map(_cause, found["wrong_poses"])),
+        causes=(),
         measure_next=found["next_measurement"],
-        sections=tuple(each for each in (Table("values", "<<", ("parameter", "value +- u"), tuple(_values(found))),
-                                         Lines("residuals", tuple(_residuals(found)))) if each),
+        sections=tuple(each for each in _sections(found) if each),
         not_observable=", ".join(found["not_observable"]),
         warnings=tuple(found["warnings"]),
-    )  # fmt: skip
+    )
+
+
+def _sections(found: Mapping[str, Any]) -> Iterator[Table | Lines]:
+    yield Table(
+        "poses that contradict the others",
+        "<<<",
+        ("pose", "specific force less gravity", "probability"),
+        tuple(_wrong_poses(found["wrong_poses"])),
+    )
+    yield Table("values", "<<", ("parameter", "value +- u"), tuple(_values(found)))
+    yield Lines("residuals", tuple(_residuals(found)))
 
 
 def _not_checked(part: Mapping[str, Any] | None) -> str:
@@ -72,8 +84,8 @@ def _against_noise(found: Mapping[str, Any], part: Mapping[str, Any]) -> str:
             f"The table states no standard deviations: only the scatter of the poses, {significant(residual)} mg "
             f"rms, says how large the noise is."
         )
-    test = f"chi-square {part['chi2']:.4g}, {free:.3g} degrees of freedom, {p_text(found['log10_p'])}"
-    if found["verdict"] in {"unexplained", "partly"} or not all(e["is_held_out"] for e in found["wrong_poses"]):
+    test = f"chi2 {part['chi2']:.4g}, {free:.3g} degrees of freedom, {p_text(found['log10_p'])}"
+    if found["log10_p"] < UNEXPLAINED_LOG_P / log(10):
         times = significant((part["chi2"] / free) ** 0.5)
         return (
             f"Residuals exceed the noise that standard deviations and numbers of samples state, {times} times "
@@ -87,21 +99,16 @@ def _name(pose: Mapping[str, Any]) -> str:
 
 
 def _off(wrong: Mapping[str, Any]) -> str:
-    return f"{wrong['off_mg']:+.3g} mg, {wrong['sigmas']:.3g} u"
+    off, sigmas = wrong["off_mg"], wrong["sigmas"]
+    return f"{measured(off, abs(off) / sigmas, 'mg')}, {sigmas:.3g} u"
 
 
-def _cause(wrong: Mapping[str, Any]) -> Cause:
-    return Cause(
-        effect="",
-        place="",
-        title=_name(wrong),
-        about="",
-        probability=probability_text(wrong["probability"]),
-        size=_off(wrong),
-        explained="",
-        sentences=(),
-        alternatives=tuple((_name(one), probability_text(one["probability"])) for one in wrong["alternatives"]),
-    )
+def _wrong_poses(wrong: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, str, str]]:
+    """Yield the cells of each pose and of those that may be wrong in its place."""
+    for each in wrong:
+        yield _name(each), _off(each), probability_text(each["probability"])
+        for one in each["alternatives"]:
+            yield f"   or {_name(one)}", "", probability_text(one["probability"])
 
 
 def _values(found: Mapping[str, Any]) -> Iterator[tuple[str, str]]:

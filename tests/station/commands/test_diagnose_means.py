@@ -21,7 +21,11 @@ G = 9.80665
 def table(
     path: Path, u: np.ndarray, names: str = "mean_a{}", more: str = "", std: str = "", delimiter: str = ","
 ) -> Path:
-    accel = G * outputs(u, 5)
+    write(path, G * outputs(u, 5), names, more, std, delimiter)
+    return path
+
+
+def write(path: Path, accel: np.ndarray, names: str, more: str, std: str, delimiter: str = ",") -> None:
     header = ["pose", *(names.format(axis) for axis in "xyz")]
     header += [std.format(axis) for axis in "xyz"] if std else []
     rows = [header + ([more] if more else [])]
@@ -29,7 +33,6 @@ def table(
         cells = [str(i + 1), *(f"{value:.5f}" for value in row), *(["0.02"] * 3 if std else [])]
         rows.append(cells + (["100"] if more else []))
     path.write_text("\n".join(map(delimiter.join, rows)) + "\n")
-    return path
 
 
 def run(*arguments: str, out: Path) -> dict[str, object]:
@@ -65,8 +68,69 @@ def test_six_rows_say_what_they_do_not_show(tmp_path: Path, capsys: pytest.Captu
     file = table(tmp_path / "six.csv", SIX, more="n", std="std_a{}")
     assert cli.run(["diagnose", str(file), "--as", "means"]) == 0
     reported = capsys.readouterr().out
+    assert reported.startswith("SOLVED, BUT NOT CHECKED.")
     assert reported.count("accelerometer.misalignment") == 3
     assert "held out" not in reported
+
+
+STD = 0.02 / np.sqrt(100)  # m/s2, of the means that `write` states
+
+
+def noisy(scatter: float = STD) -> np.ndarray:
+    """Return means [m/s2] of 18 poses that scatter by so much."""
+    return G * outputs(directions(18, 2), 2, scatter / G)
+
+
+def stated(path: Path, accel: np.ndarray) -> str:
+    write(path, accel, "a{}", "n", "sd_a{}")
+    return str(path)
+
+
+def test_poses_within_their_noise_are_consistent(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = stated(tmp_path / "poses.csv", noisy())
+    document = run(file, out=tmp_path / "m.json")
+    assert (document["verdict"], document["wrong_poses"]) == ("consistent", [])
+    assert -2 < document["log10_p"] < 0  # type: ignore[operator]
+    capsys.readouterr()
+    assert cli.run(["diagnose", file]) == 0
+    assert capsys.readouterr().out.startswith("CONSISTENT. No pose contradicts the others.")
+
+
+def test_a_wrong_digit_is_found_and_the_values_are_without_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    accel = noisy()
+    right = run(stated(tmp_path / "right.csv", accel), out=tmp_path / "r.json")
+    accel[6, 2] += 0.9
+    page = tmp_path / "page.html"
+    wrong = run(file := stated(tmp_path / "wrong.csv", accel), "--html", str(page), out=tmp_path / "w.json")
+    (pose,) = wrong["wrong_poses"]  # type: ignore[misc]
+    assert (wrong["verdict"], pose["pose"], pose["line"], pose["is_held_out"]) == ("established", 7, 8, True)
+    assert pose["sigmas"] > 100
+    for key in ("scale_factor", "bias"):
+        a, b = (each["accelerometer"][key] for each in (right, wrong))  # type: ignore[index]
+        assert np.all(np.abs(np.subtract(a["value"], b["value"])) < 3 * np.array(b["std"]))
+    assert "Pose 7 (line 8) contradicts the 17 others" in page.read_text()
+    capsys.readouterr()
+    assert cli.run(["diagnose", file]) == 0
+    assert capsys.readouterr().out.startswith("ESTABLISHED. Pose 7 (line 8)")
+
+
+def test_scatter_beyond_the_stated_noise_is_unexplained(tmp_path: Path) -> None:
+    document = run(stated(tmp_path / "poses.csv", noisy(10 * STD)), out=tmp_path / "m.json")
+    assert (document["verdict"], document["wrong_poses"]) == ("unexplained", [])
+    part = document["accelerometer"]
+    assert isinstance(part, dict)
+    assert np.sqrt(part["chi2"] / part["degrees_of_freedom"]) == pytest.approx(10, rel=0.5)
+
+
+def test_too_few_poses_have_an_exit_code_of_their_own(tmp_path: Path) -> None:
+    assert cli.run(["diagnose", stated(tmp_path / "poses.csv", noisy()[:5]), "--as", "means"]) == 5
+
+
+@pytest.mark.parametrize("option", [["--discover"], ["--plan", "next.toml"], ["--validate", "other.csv"]])
+def test_an_option_that_a_table_of_means_does_not_use_is_refused(option: list[str], tmp_path: Path) -> None:
+    assert cli.run(["diagnose", stated(tmp_path / "poses.csv", noisy()), *option]) == 2
 
 
 @pytest.mark.parametrize(("column", "cell"), [("n", "0"), ("std_ay", ""), ("std_ay", "-0.1")])
