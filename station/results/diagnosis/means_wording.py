@@ -69,11 +69,19 @@ def _headline(found: Mapping[str, Any], part: Mapping[str, Any]) -> str:
     others = found["poses"] - len(held_out)
     texts = [
         f"{_name(each)} contradicts the {others} others (probability {probability_text(each['probability'])}): "
-        f"its specific force differs from gravity by {_off(each)}."
+        f"its specific force differs from gravity by {_off(each)}.{_otherwise(each)}"
         for each in held_out
     ]
     text = " ".join(each[0].upper() + each[1:] for each in texts)
     return f"{text} The values below are without {'it' if len(held_out) == 1 else 'them'}. {fit}"
+
+
+def _otherwise(wrong: Mapping[str, Any]) -> str:
+    """Return what else it may be where that is not unlikely: another pose is wrong, or none alone."""
+    if wrong["confidence"] != "possible":
+        return ""
+    others = [f"{_name(one)} is wrong" for one in wrong["alternatives"]]
+    return f" Otherwise {' or '.join([*others, 'all poses scatter so much'])}."
 
 
 def _against_noise(found: Mapping[str, Any], part: Mapping[str, Any]) -> str:
