@@ -63,7 +63,7 @@ def differ_like_poses(accel: FloatArray, t: FloatArray | None) -> bool:
         return False
     if t is not None and np.all((steps := np.diff(t)) > 0) and np.std(steps) < REGULAR * np.mean(steps):
         return False
-    if np.max(np.abs(length / np.median(length) - 1)) > MAX_LENGTH_SPREAD:
+    if np.sort(np.abs(length / np.median(length) - 1))[-2] > MAX_LENGTH_SPREAD:  # one may be a typing error
         return False
     up = accel / length[:, None]
     turned = np.degrees(np.arccos(np.clip(np.sum(up[1:] * up[:-1], axis=1), -1, 1)))

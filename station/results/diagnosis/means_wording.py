@@ -7,7 +7,6 @@ from typing import Any
 from procedures.frames import AXES
 from procedures.inference.result import UNEXPLAINED_LOG_P
 from station.results.diagnosis.diagnosis_document import DiagnosisDocument, Lines, Table
-from station.results.diagnosis.diagnosis_wording import TAKEN_FOR_SCATTER
 from station.results.diagnosis.finding_wording import p_text, probability_text
 from station.results.diagnosis.means_document import LEAST_FREE
 from station.results.solution_text import measured
@@ -81,7 +80,7 @@ def _otherwise(wrong: Mapping[str, Any]) -> str:
     if wrong["confidence"] != "possible":
         return ""
     others = [f"{_name(one)} is wrong" for one in wrong["alternatives"]]
-    return f" Otherwise {' or '.join([*others, 'all poses scatter so much'])}."
+    return f" Otherwise {' or '.join([*others, 'it is the scatter of all poses'])}."
 
 
 def _against_noise(found: Mapping[str, Any], part: Mapping[str, Any]) -> str:
@@ -97,7 +96,8 @@ def _against_noise(found: Mapping[str, Any], part: Mapping[str, Any]) -> str:
         times = significant((part["chi2"] / free) ** 0.5)
         return (
             f"Residuals exceed the noise that standard deviations and numbers of samples state, {times} times "
-            f"({test}). {TAKEN_FOR_SCATTER.replace('steps', 'poses').replace('step', 'pose')}"
+            f"({test}). The uncertainty treats them as scatter of all poses. A single wrong pose may change a "
+            f"value by more."
         )
     return f"Residuals are consistent with the noise that the table states ({test})."
 

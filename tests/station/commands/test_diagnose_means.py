@@ -96,12 +96,13 @@ def test_poses_within_their_noise_are_consistent(tmp_path: Path, capsys: pytest.
     assert capsys.readouterr().out.startswith("CONSISTENT. No pose contradicts the others.")
 
 
+@pytest.mark.parametrize("off", [0.9, 30.0])  # m/s2
 def test_a_wrong_digit_is_found_and_the_values_are_without_it(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    off: float, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     accel = noisy()
     right = run(stated(tmp_path / "right.csv", accel), out=tmp_path / "r.json")
-    accel[6, 2] += 0.9
+    accel[6, 2] += off
     page = tmp_path / "page.html"
     wrong = run(file := stated(tmp_path / "wrong.csv", accel), "--html", str(page), out=tmp_path / "w.json")
     (pose,) = wrong["wrong_poses"]  # type: ignore[misc]
