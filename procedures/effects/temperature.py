@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from procedures.effects.effect import twins
+from procedures.effects.effect import effect_of, twins
 from procedures.effects.excitation import PLAY, TAU, Columns, Excitation, search
 from procedures.effects.temperature_history import ranged_k, recorded_s
 from procedures.effects.term.law import Law, Parameter
@@ -104,20 +104,17 @@ ACCELEROMETER_RATE, GYROSCOPE_RATE = twins(
     separate_by="a heating run with ramps of different steepness, up and down, to the same temperature",
 )
 
-ACCELEROMETER_RATE_LAG, GYROSCOPE_RATE_LAG = twins(
-    "temperature_rate_lag",
+SHUPE_LAG = effect_of(
+    "gyroscope.temperature_rate_lag",
     Law(terms=(f"(T - lag(T, {TAU})) / {TAU}",), parameters=LAGGED),
-    unit=("g/(K/min)", "deg/h/(K/min)"),
-    plausible=(2e-5, 3.0),
+    unit="deg/h/(K/min)",
+    plausible=3.0,
     starts=_rate_lags,
-    meaning="Bias that follows the rate of the sensor's own temperature",
+    meaning="Bias of the gyroscopes that follows the rate of the coil's own temperature",
     about="The coil follows the thermometer by tau dT_s/dt = T - T_s, and the Shupe effect goes by dT_s/dt. It is "
     "a temperature coefficient less one that lags, of equal size: (T - T_s) / tau. Two of them, of the coil and "
     "of its spool, are the usual thermal model of a FOG. Plausible: as without a lag.",
-    source=(
-        "IEEE Std 1293, temperature-rate sensitivity of bias; heat conduction, first order",
-        "D. M. Shupe, Thermally induced nonreciprocity, Appl. Opt. 19 (1980) 654; heat conduction, first order",
-    ),
+    source="D. M. Shupe, Thermally induced nonreciprocity, Appl. Opt. 19 (1980) 654; heat conduction, first order",
     separate_by="a heating run with ramps of different steepness and long plateaus, up and down",
 )
 

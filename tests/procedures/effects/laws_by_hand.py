@@ -117,6 +117,7 @@ BY_HAND: Mapping[tuple[str, str], Value] = {
     ("gyroscope.scale_nonlinearity", "u^3"): of(lambda felt: felt.u**3, PPM),
     ("gyroscope.sagnac_sine", ""): of(lambda felt: -(felt.u**3) / 6),  # of q = s^2, to first order
     ("gyroscope.counts_lost", ""): of(lost, PPM),
+    ("gyroscope.temperature_rate_lag", ""): of(lambda felt: 60 * (felt.T - felt.behind) / felt.tau, DEG_H),
     ("accelerometer.relaxation", ""): of(fading),
     ("accelerometer.relaxation", "by the change of f"): of(lambda felt: fading(felt) * np.nan_to_num(felt.change)),
     ("accelerometer.relaxation", "by f"): of(lambda felt: fading(felt) * felt.f),
@@ -129,7 +130,6 @@ BY_HAND: Mapping[tuple[str, str], Value] = {
             ("bias_temperature", "", powers(lambda felt: felt.T, per)),
             ("scale_temperature", "", powers(lambda felt: felt.T, PPM, of_output=True)),
             ("temperature_rate", "", of(lambda felt: felt.rate, per)),
-            ("temperature_rate_lag", "", of(lambda felt: 60 * (felt.T - felt.behind) / felt.tau, per)),
             ("temperature_lag", "", powers(lambda felt: felt.behind, per)),
             ("scale_temperature_lag", "", powers(lambda felt: felt.behind, PPM, of_output=True)),
             ("temperature_hysteresis", "", of(lambda felt: felt.direction, per)),

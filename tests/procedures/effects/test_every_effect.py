@@ -187,7 +187,6 @@ CASES = [
     ("accelerometer.temperature_lag", {"x": 1e-4, "z.1": -2e-4, "z.2": 1e-6, "tau_s": 300.0},
      {"x.1": 1e-4, "z.1": -2e-4, "z.2": 1e-6, "tau_s": 300.0}, {}, ""),
     ("gyroscope.temperature_lag", {"y": 0.3, "tau_s": 1500.0}, None, {}, ""),
-    ("accelerometer.temperature_rate_lag", {"x": 2e-4, "z": -1e-4, "tau_s": 300.0}, None, {}, ""),
     ("gyroscope.temperature_rate_lag", {"y": 3.0, "tau_s": 900.0}, None, {}, ""),
     ("accelerometer.temperature_hysteresis", {"x": 1e-4, "z": -2e-4}, None, {}, ""),
     ("accelerometer.temperature_hysteresis", {"x": 1e-4, "z": -2e-4, "play_k": 1.3}, None, {}, "with a play"),
