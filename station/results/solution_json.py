@@ -241,8 +241,8 @@ def _residual(quality: FitQuality) -> Residual:
 
 
 def _tilt(one: UndetectableTilt) -> DetectableTilt:
-    lean = min(one.tilt, ANY_TILT_RAD) / RAD_PER_ARCSEC
-    return DetectableTilt(one.campaign + 1, Path(one.step).stem, one.position, lean, one.value, one.sigmas)
+    tilt = min(one.tilt, ANY_TILT_RAD) / RAD_PER_ARCSEC
+    return DetectableTilt(one.campaign + 1, Path(one.step).stem, one.position, tilt, one.value, one.sigmas)
 
 
 def _finite(value: float | None) -> float | None:

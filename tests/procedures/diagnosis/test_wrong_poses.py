@@ -57,7 +57,7 @@ def test_two_wrong_poses_do_not_hide_each_other() -> None:
         assert {each.row for each in found if each.probability > priors.ESTABLISHED} == {WRONG, 11}
 
 
-def test_the_order_of_the_rows_tells_nothing() -> None:
+def test_the_order_of_the_rows_has_no_influence() -> None:
     """The attitudes are unknown: two rows that are swapped are the same table."""
     accel = outputs(directions(18, 1), 1)
     accel[[2, 5]] = accel[[5, 2]]

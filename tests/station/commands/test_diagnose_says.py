@@ -111,7 +111,7 @@ def test_a_plan_of_a_log_is_on_the_screen_as_well(tmp_path: Path, capsys: pytest
     assert remarks in " ".join(text.split())
 
 
-def test_of_gyroscopes_alone_nothing_is_said_of_gravity_or_accelerometers(
+def test_of_gyroscopes_alone_nothing_is_reported_of_gravity_or_accelerometers(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     log = written(tmp_path, at_rest(200.0)[:, :3], "gx,gy,gz")

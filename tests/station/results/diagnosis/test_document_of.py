@@ -123,11 +123,11 @@ def test_faults_of_a_channel_are_one_cause_each_and_not_called_a_disturbance() -
 
 def test_every_kind_of_finding_has_words_of_its_own() -> None:
     names = [*(each.name for each in EFFECTS), *OF_SAMPLES]
-    said = [meaning_of(finding(name, 0.99)) for name in names]
-    said += [meaning_of(finding("disturbance.dwell", 0.99, fault=fault)) for fault in get_args(Fault) if fault]
-    said += [meaning_of(finding(e.name, 0.99, shape=shape)) for e in EFFECTS for shape in e.of_shape]
-    assert all(said)
-    assert len(set(said)) == len(said)
+    found = [meaning_of(finding(name, 0.99)) for name in names]
+    found += [meaning_of(finding("disturbance.dwell", 0.99, fault=fault)) for fault in get_args(Fault) if fault]
+    found += [meaning_of(finding(e.name, 0.99, shape=shape)) for e in EFFECTS for shape in e.of_shape]
+    assert all(found)
+    assert len(set(found)) == len(found)
 
 
 def test_the_surest_and_largest_cause_is_first_in_the_first_sentence() -> None:
@@ -149,7 +149,7 @@ def test_a_periodic_error_has_an_amplitude() -> None:
     assert (first.text, second.text) == ("gx amplitude 5.00 +- 0.10 deg/h", "gx harmonic 2 0.50 +- 0.10 deg/h")
 
 
-def test_raw_channels_are_said_to_hold_the_causes_that_were_found() -> None:
+def test_raw_channels_are_reported_to_hold_the_causes_that_were_found() -> None:
     assert STILL_IN in channel_table([channel()], [finding(WARM, 0.99)]).title
     assert STILL_IN not in channel_table([channel()]).title
 

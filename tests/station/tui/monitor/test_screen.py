@@ -84,7 +84,7 @@ REPORTED = [
     (
         "side_by_side",
         (
-            "law joint, paper",
+            "filter joint, paper",
             "roll +12.345 +12.145 -0.200 deg",
             "pitch -4.321 -3.101 +1.220 deg",
             "bias of paper at this bank, deg",
