@@ -17,11 +17,8 @@ def document_of(result: Any) -> Any:
     """Return a typed result as JSON has it: its fields by name, without those that are None or `IS_KEY`."""
     if is_dataclass(result):
         found = ((one, getattr(result, one.name)) for one in fields(result) if one.metadata != IS_KEY)
-        return {
-            one.name: document_of(value)
-            for one, value in found
-            if value is not None or one.metadata == IS_NULLABLE
-        }
+        shown = ((one.name, each) for one, each in found if each is not None or one.metadata == IS_NULLABLE)
+        return {name: document_of(each) for name, each in shown}
     if isinstance(result, Mapping):
         return {key: document_of(one) for key, one in result.items()}
     if hasattr(result, "tolist"):  # an array
