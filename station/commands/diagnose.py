@@ -85,7 +85,7 @@ def _report_means(means: "MeansTable", log: LogOptions, json: Path | None, html:
     from station.results.diagnosis.diagnosis_html import write_shown
     from station.results.diagnosis.diagnosis_text import text_of
     from station.results.diagnosis.means_document import means_document
-    from station.results.diagnosis.means_wording import document_of_means
+    from station.results.means_wording import document_of_means
 
     document = means_document(means, log.latitude, log.serial)
     shown, what = document_of_means(document), f"diagnosis of means of {document['poses']} poses"

@@ -236,8 +236,9 @@ CASES = [
 
 
 SHAKEN = {f"{triad}.vibration_rectification" for triad in ("accelerometer", "gyroscope")}  # a test of their own
-# tests of soaks have them
+# tests of soaks, and of many rests, have them
 OF_SOAKS = {
+    "disturbance.rest",
     "accelerometer.bias_cycle", "gyroscope.bias_cycle",
     "accelerometer.turn_on_bias", "gyroscope.turn_on_bias", "accelerometer.bias_instability",
     "gyroscope.bias_instability", "accelerometer.acceleration_random_walk", "gyroscope.rate_random_walk",
