@@ -113,9 +113,11 @@ def _dates(owner: CubeRow | SlabRow) -> tuple[date, date | None] | None:
 
 
 def verify_rows(
-    session: Session, table: type[Chained], expected_head: str | None = None,
+    session: Session,
+    table: type[Chained],
+    expected_head: str | None = None,
     others: Callable[[Chained], Iterable[ChainFault]] = lambda row: (),
-) -> list[ChainFault]:  # fmt: skip
+) -> list[ChainFault]:
     """Return every row of a table that was altered, dropped or reordered since it was added.
 
     Rows dropped at the newest end show only against ``expected_head``, a hash that was kept elsewhere.

@@ -50,9 +50,17 @@ def add_imu(session: Session, model: str, serial: str) -> ImuRow:
 
 
 def start_campaign(
-    session: Session, folder: str, *, model: str, serial: str, started_utc: datetime, cube_id: str | None = None,
-    slab_id: str | None = None, site_id: str | None = None, effects_sha256: Sequence[str] | None = None,
-) -> CampaignRow:  # fmt: skip
+    session: Session,
+    folder: str,
+    *,
+    model: str,
+    serial: str,
+    started_utc: datetime,
+    cube_id: str | None = None,
+    slab_id: str | None = None,
+    site_id: str | None = None,
+    effects_sha256: Sequence[str] | None = None,
+) -> CampaignRow:
     """Add a campaign in state ``recording``; raise `AlreadyThere` if the folder is known.
 
     ``effects_sha256`` are the hashes of the effect/1 files in its folder, in their order.
@@ -60,10 +68,16 @@ def start_campaign(
     if known_campaign(session, folder) is not None:
         raise AlreadyThere("campaign", folder)
     row = CampaignRow(
-        folder=folder, imu=imu(session, model, serial), cube_id=cube_id, slab_id=slab_id, site_id=site_id,
-        started_utc=started_utc, state="recording", manifest_sha256=GENESIS,
+        folder=folder,
+        imu=imu(session, model, serial),
+        cube_id=cube_id,
+        slab_id=slab_id,
+        site_id=site_id,
+        started_utc=started_utc,
+        state="recording",
+        manifest_sha256=GENESIS,
         effects_sha256=None if effects_sha256 is None else " ".join(effects_sha256),
-    )  # fmt: skip
+    )
     session.add(row)
     session.flush()
     return row

@@ -63,9 +63,14 @@ def check_level(row: SlabLevelRow) -> None:
 
 
 def add_measurement(
-    session: Session, cube_id: str, measured: CubeMeasurement, *, campaigns: Mapping[str, Mapping[str, str]],
-    measured_utc: datetime, due_date: date | None = None,
-) -> CubeMeasurementRow:  # fmt: skip
+    session: Session,
+    cube_id: str,
+    measured: CubeMeasurement,
+    *,
+    campaigns: Mapping[str, Mapping[str, str]],
+    measured_utc: datetime,
+    due_date: date | None = None,
+) -> CubeMeasurementRow:
     """Append a measurement of a cube; those before it stay.
 
     ``campaigns`` holds by unit, model and serial number, the SHA-256 of each campaign by its folder's name.
@@ -84,9 +89,11 @@ def add_measurement(
     row = CubeMeasurementRow(
         cube_id=cube_id,
         values_rad=_text(dict(zip(measured.cube.names, measured.cube.value.tolist(), strict=True))),
-        covariance_rad2=_text(measured.cube.covariance.tolist()), sources=_text(sources),
-        measured_utc=measured_utc, due_date=due_date,
-    )  # fmt: skip
+        covariance_rad2=_text(measured.cube.covariance.tolist()),
+        sources=_text(sources),
+        measured_utc=measured_utc,
+        due_date=due_date,
+    )
     check_measurement(row)
     append(session, row)
     date_owner(session, cube)
@@ -137,9 +144,14 @@ def _text(value: object) -> str:
 
 
 def certify_faces(
-    session: Session, cube_id: str, faces: Mapping[str, FaceCertificate], *, source: str, measured_utc: datetime,
+    session: Session,
+    cube_id: str,
+    faces: Mapping[str, FaceCertificate],
+    *,
+    source: str,
+    measured_utc: datetime,
     due_date: date | None = None,
-) -> None:  # fmt: skip
+) -> None:
     """Append a certificate of some or all faces of a cube; those measured earlier stay and are no longer used.
 
     ``faces`` by resting face (``x_up`` ...): up vector's components (2,) [rad] along the two other cube axes
@@ -148,9 +160,13 @@ def certify_faces(
     cube = fixture_row(session, CubeRow, cube_id)
     for resting, face in faces.items():
         row = FaceCertificateRow(
-            cube_id=cube_id, resting=resting, source=source, measured_utc=measured_utc, due_date=due_date,
+            cube_id=cube_id,
+            resting=resting,
+            source=source,
+            measured_utc=measured_utc,
+            due_date=due_date,
             **_columns(face),
-        )  # fmt: skip
+        )
         check_certificate(row)
         append(session, row)
     date_owner(session, cube)

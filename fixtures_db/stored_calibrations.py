@@ -127,8 +127,12 @@ def _triad(triad: TriadCalibration) -> dict[str, Any]:
 
 
 def accept_calibration(
-    session: Session, solution: Solution, facts: CalibrationFacts, *, campaign_folder: str | None = None,
-) -> CalibrationRow:  # fmt: skip
+    session: Session,
+    solution: Solution,
+    facts: CalibrationFacts,
+    *,
+    campaign_folder: str | None = None,
+) -> CalibrationRow:
     """Append a solution as calibration/1, chained to the newest calibration of the whole database.
 
     Call it in `fixtures_db.database.Database.write`, whose lock keeps two stations from chaining to one row.
@@ -315,10 +319,14 @@ def _run(row: CalibrationRow, campaign: CampaignRow | None) -> Run:
     document = json.loads(row.document)
     files = " ".join(sorted(row.inputs.values())) or row.sha256
     return Run(
-        sha256=row.sha256, model=row.imu.model, serial=row.imu.serial, ended=_ended(document, row.accepted_utc),
+        sha256=row.sha256,
+        model=row.imu.model,
+        serial=row.imu.serial,
+        ended=_ended(document, row.accepted_utc),
         recording=files if campaign is None else f"campaign {campaign.id}",
-        made_with=_made_with(document, campaign), document=document,
-    )  # fmt: skip
+        made_with=_made_with(document, campaign),
+        document=document,
+    )
 
 
 def _ended(document: dict[str, Any], accepted: datetime) -> datetime:

@@ -69,14 +69,18 @@ def read_scenario(path: Path) -> Scenario:
         raise where.refusal(("camera_fault", 0), "a fault of a camera that is not there", "a table [camera]")
     drive = _drive(table, truth, path, where)
     return Scenario(
-        path, table, truth, tuple(_moves(table, truth, where)),
+        path,
+        table,
+        truth,
+        tuple(_moves(table, truth, where)),
         tuple(each_fault(table.fault, "fault", faults_of(is_on_can=is_can), path, where.lines)),
         _autopilot(table.gnss, path, where),
         _track(table.gnss.track if table.gnss else "", ("gnss", "track"), path, where) or drive,
-        tuple(each_fault(table.gnss_fault, "gnss_fault", gnss_faults_from, path, where.lines)), drive,
+        tuple(each_fault(table.gnss_fault, "gnss_fault", gnss_faults_from, path, where.lines)),
+        drive,
         _camera(table.camera, where),
         tuple(each_fault(table.camera_fault, "camera_fault", camera_faults_from, path, where.lines)),
-    )  # fmt: skip
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,9 +191,11 @@ POLL_PERIOD_S = 0.1
 
 
 def serve_scenario(
-    scenario: Scenario, announce: Callable[[SimulatedDevice, SimulatedGnss | None, SimulatedCamera | None], None],
-    report: Callable[[str], None], speed: float | None = None,
-) -> None:  # fmt: skip
+    scenario: Scenario,
+    announce: Callable[[SimulatedDevice, SimulatedGnss | None, SimulatedCamera | None], None],
+    report: Callable[[str], None],
+    speed: float | None = None,
+) -> None:
     """Serve until interrupted.
 
     ``announce`` is given the devices once they can be opened, ``report`` a line for each thing that happens.

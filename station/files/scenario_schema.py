@@ -165,9 +165,12 @@ def read_faults(path: Path, *, is_on_can: bool) -> tuple[tuple[Fault, ...], tupl
 
 
 def each_fault(
-    tables: list[dict[str, Any]], name: str, read: Callable[[list[Mapping[str, Any]]], tuple[F, ...]], path: Path,
+    tables: list[dict[str, Any]],
+    name: str,
+    read: Callable[[list[Mapping[str, Any]]], tuple[F, ...]],
+    path: Path,
     lines: dict[Key, int],
-) -> Iterator[F]:  # fmt: skip
+) -> Iterator[F]:
     """Yield what ``read`` makes of tables called ``name``; one that is no fault is refused with its line."""
     for number, table in enumerate(tables):
         try:

@@ -196,9 +196,12 @@ class RecordedCompanion(Generic[T]):
     up_to_ns = FOR_EVER
 
     def __init__(
-        self, name: str, records: Iterator[T], late: LateMessages,
+        self,
+        name: str,
+        records: Iterator[T],
+        late: LateMessages,
         counts: Callable[[T], bool] = lambda record: True,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._name, self._records, self._late, self._counts = name, records, late, counts
         self._next = next(records, None)
         self._samples, self._seen, self._now = 0, deque[int](), 0

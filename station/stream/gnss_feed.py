@@ -156,9 +156,11 @@ class GnssFeed(LiveCompanion[Record]):
     """One receiver, read and decoded; call `advance` often."""
 
     def __init__(
-        self, source: CompanionSource, writer: FixWriter | None = None,
+        self,
+        source: CompanionSource,
+        writer: FixWriter | None = None,
         clock: Callable[[], float] = time.monotonic,
-    ) -> None:  # fmt: skip
+    ) -> None:
         super().__init__(source, MAX_FIXES, clock)
         address = source.address
         if address.scheme != "mavlink":

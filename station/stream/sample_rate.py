@@ -43,9 +43,14 @@ class SampleRate:
     """
 
     def __init__(
-        self, feed: LiveFeed, utc: Utc, scatter: Callable[[], float] = lambda: 0.0, by: str = "reference time",
-        span_s: float = 0.0, every_s: float = EVERY_S,
-    ) -> None:  # fmt: skip
+        self,
+        feed: LiveFeed,
+        utc: Utc,
+        scatter: Callable[[], float] = lambda: 0.0,
+        by: str = "reference time",
+        span_s: float = 0.0,
+        every_s: float = EVERY_S,
+    ) -> None:
         self._feed, self._times = feed, RowTimes(utc)
         self._read_by: Reference = by, span_s, scatter
         self._by, self._span_s, self._scatter = self._read_by

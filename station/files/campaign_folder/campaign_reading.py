@@ -181,11 +181,20 @@ def _campaign(tables: CampaignTable, used: list[LoadedStep]) -> Campaign:
                 on = turn.turn_on or 1
                 turns.append(TurnRecord(file, axis, direction, turn.turned, start, step.data.series, on))
     return Campaign(
-        tables.imu.model, tables.imu.serial, tables.imu.output != "rate", site_of(tables.site), tuple(dwells),
-        tuple(turns), _sigma(tables.procedure, is_site_known=tables.site is not None), _fixture(tables.fixture),
-        tuple(rests), tuple(sequences), tables.imu.sample_period_s, nominal_scale=tables.imu.nominal_scale,
+        tables.imu.model,
+        tables.imu.serial,
+        tables.imu.output != "rate",
+        site_of(tables.site),
+        tuple(dwells),
+        tuple(turns),
+        _sigma(tables.procedure, is_site_known=tables.site is not None),
+        _fixture(tables.fixture),
+        tuple(rests),
+        tuple(sequences),
+        tables.imu.sample_period_s,
+        nominal_scale=tables.imu.nominal_scale,
         moves=tuple(moves),
-    )  # fmt: skip
+    )
 
 
 def _sigma(procedure: ProcedureTable, is_site_known: bool) -> ProcedureSigma:
@@ -193,10 +202,12 @@ def _sigma(procedure: ProcedureTable, is_site_known: bool) -> ProcedureSigma:
     if not is_site_known:  # along a sensor the Earth's rate is another at every attitude, as an unsettled bias is
         unsettled = float(np.hypot(unsettled, ANY_EARTH_RATE_DEG_H))
     return ProcedureSigma(
-        float(np.radians(procedure.heading_std_deg)), float(np.radians(procedure.closure_std_deg)),
-        unsettled * RAD_S_PER_DEG_H, (procedure.unsettled_accelerometer_g or 0.0) * STANDARD_GRAVITY,
+        float(np.radians(procedure.heading_std_deg)),
+        float(np.radians(procedure.closure_std_deg)),
+        unsettled * RAD_S_PER_DEG_H,
+        (procedure.unsettled_accelerometer_g or 0.0) * STANDARD_GRAVITY,
         procedure.seat_std_arcsec * RAD_PER_ARCSEC,
-    )  # fmt: skip
+    )
 
 
 def site_of(site: SiteTable | None) -> Site:

@@ -147,18 +147,24 @@ def check_for_solve(loaded: LoadedCampaign) -> None:
         and abs(off := off_period(rate)) - RATE_SIGMAS * rate.std / PPM_PER_ONE > MAX_PERIOD_DEVIATION
     ):
         raise DataRefused(
-            loaded.folder / "campaign.toml", None, clock_sentence(loaded.tables.imu.sample_period_s, off),
-            "the sample period within 1 %", _advice(rate), ErrorCode.SAMPLE_RATE,
-        )  # fmt: skip
+            loaded.folder / "campaign.toml",
+            None,
+            clock_sentence(loaded.tables.imu.sample_period_s, off),
+            "the sample period within 1 %",
+            _advice(rate),
+            ErrorCode.SAMPLE_RATE,
+        )
     nominal = loaded.tables.imu.sample_period_s
     for step in loaded.steps:
         if step.data is not None and abs(step.data.series.period / nominal - 1) > MAX_PERIOD_DEVIATION:
             raise DataRefused(
-                loaded.folder / step.table.file, None, f"a mean sample period of {step.data.series.period:.9g} s",
+                loaded.folder / step.table.file,
+                None,
+                f"a mean sample period of {step.data.series.period:.9g} s",
                 f"sample_period_s = {nominal:.9g} within 1 %",
                 "correct sample_period_s or run `station diagnose` (it may name clock.rate)",
                 ErrorCode.SAMPLE_RATE,
-            )  # fmt: skip
+            )
 
 
 def folder_effects(folder: Path, table: EffectsTable | None, lines: dict[Key, int]) -> "dict[str, EffectFile]":

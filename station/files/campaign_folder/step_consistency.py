@@ -77,10 +77,12 @@ def refuse_overlap(folder: Path, steps: Sequence[LoadedStep]) -> list[str]:
             continue
         if not _apart_by_host(first, second):
             raise DataRefused(
-                folder / second.table.file, None, f"t_s {next_span[0]:.9g} to {next_span[1]:.9g}",
+                folder / second.table.file,
+                None,
+                f"t_s {next_span[0]:.9g} to {next_span[1]:.9g}",
                 f"no overlap with {first.table.file} ({span[0]:.9g} to {span[1]:.9g})",
                 "correct t_s or leave one of the two steps out",
-            )  # fmt: skip
+            )
         reset.append(second)
     if not reset:
         return []

@@ -158,9 +158,13 @@ def _noise(table: FusionTable) -> ImuNoise | None:
     if (imu := table.imu) is None:
         return None
     return ImuNoise(
-        imu.gyro_noise_rad_s_rthz, imu.gyro_walk_rad_s2_rthz, imu.accel_noise_m_s2_rthz, imu.accel_walk_m_s3_rthz,
-        imu.gyro_bias_std_rad_s, imu.accel_bias_std_m_s2,
-    )  # fmt: skip
+        imu.gyro_noise_rad_s_rthz,
+        imu.gyro_walk_rad_s2_rthz,
+        imu.accel_noise_m_s2_rthz,
+        imu.accel_walk_m_s3_rthz,
+        imu.gyro_bias_std_rad_s,
+        imu.accel_bias_std_m_s2,
+    )
 
 
 def _fixes(folder: Path, gnss: FusionGnssTable, lines: dict[Key, int]) -> GnssFixes:

@@ -170,9 +170,13 @@ def _refuse_other_units(chosen: Sequence[LogColumns]) -> None:
             if ours and theirs and ours != theirs:
                 expected = f"{ours} as in {first.table.file}"
                 raise DataRefused(
-                    other.table.file, None, f"{what} {theirs}", expected, "diagnose each by itself",
+                    other.table.file,
+                    None,
+                    f"{what} {theirs}",
+                    expected,
+                    "diagnose each by itself",
                     code=ErrorCode.UNIT,
-                )  # fmt: skip
+                )
 
 
 def _placed(data: Sequence[Table], origins: Sequence[float | None]) -> tuple[list[Table], list[str]]:

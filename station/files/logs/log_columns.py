@@ -237,9 +237,12 @@ def _triad(
     names = [None if key in {ABSENT, ""} else table.name_of(key) for key in keys]
     if len(names) > len(AXES):
         raise DataRefused(
-            table.file, None, f"{len(names)} columns for {triad}", "x,y,z, with - for one not there",
+            table.file,
+            None,
+            f"{len(names)} columns for {triad}",
+            "x,y,z, with - for one not there",
             code=ErrorCode.COLUMNS,
-        )  # fmt: skip
+        )
     if len(names) == 1 and names[0] is not None:  # a one-axis sensor: its name may say which
         last = split_unit(names[0])[0][-1:]
         axis = AXES.index(last) if last in AXES else 0
@@ -345,9 +348,13 @@ def _refuse_twice(found: LogColumns) -> list[str]:
     used = [name for name in names if name]
     if again := [name for name in used if used.count(name) > 1]:
         raise DataRefused(
-            found.table.file, None, f"column {again[0]} for two things", "each column once", "name another column",
+            found.table.file,
+            None,
+            f"column {again[0]} for two things",
+            "each column once",
+            "name another column",
             code=ErrorCode.COLUMNS,
-        )  # fmt: skip
+        )
     return used
 
 

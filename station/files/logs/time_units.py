@@ -106,9 +106,13 @@ MOST_OFFERED = 6  # readings in a question
 
 
 def unit_of_time(
-    table: Table, time: str | None, stated: str | None, rate_hz: float | None, guesses: list[str],
+    table: Table,
+    time: str | None,
+    stated: str | None,
+    rate_hz: float | None,
+    guesses: list[str],
     stamps_of: Callable[[str, bool], FloatArray] | None = None,
-) -> TimeUnit:  # fmt: skip
+) -> TimeUnit:
     """Return the unit of a log's column ``time``; what nobody stated is added to ``guesses`` as text.
 
     ``table`` may be the first rows alone; then ``stamps_of(time, whole)`` returns as many stamps as the decision

@@ -216,9 +216,12 @@ def temperature_column(
     if unit is None and bracket:
         if stated is not None:
             raise DataRefused(
-                table.file, None, f"temperature {name} in {bracket!a}", "degC, K or degF",
+                table.file,
+                None,
+                f"temperature {name} in {bracket!a}",
+                "degC, K or degF",
                 "name it by --aux instead",
-            )  # fmt: skip
+            )
         guesses.append(f"{name} is no temperature in degC, K or degF: not used (--aux {name} takes it)")
         return None, "degc"
     if unit in {None, "degc"} and (far := _implausible(table, name)) is not None:

@@ -174,9 +174,14 @@ class Messages:
         if sent is None:
             sent, aux = _one_by_one(output, self._by_name[output])
         return StepContents(
-            output=output, temperature=sent.pop("temperature_c"), **sent, aux=aux,
-            raw=tuple((int(m.host_ns), bytes(m.data)) for m in raw), sha256=sha256, damage=damage,
-        )  # fmt: skip
+            output=output,
+            temperature=sent.pop("temperature_c"),
+            **sent,
+            aux=aux,
+            raw=tuple((int(m.host_ns), bytes(m.data)) for m in raw),
+            sha256=sha256,
+            damage=damage,
+        )
 
 
 def _one_by_one(output: str, messages: Sequence[bytes]) -> tuple[dict[str, Any], dict[str, FloatArray]]:

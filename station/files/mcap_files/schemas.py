@@ -43,9 +43,12 @@ def _sample(file: FileDescriptorProto, name: str, output: "_Field.Type.ValueType
     entry.field.add(name="key", number=1, type=_Field.TYPE_STRING, label=_Field.LABEL_OPTIONAL)
     entry.field.add(name="value", number=2, type=_DOUBLE, label=_Field.LABEL_OPTIONAL)
     message.field.add(
-        name="aux", number=8, type=_Field.TYPE_MESSAGE, label=_Field.LABEL_REPEATED,
+        name="aux",
+        number=8,
+        type=_Field.TYPE_MESSAGE,
+        label=_Field.LABEL_REPEATED,
         type_name=f".station.{name}.AuxEntry",
-    )  # fmt: skip
+    )
 
 
 def _file() -> FileDescriptorProto:

@@ -107,9 +107,12 @@ class StepWriter(GrowingFile):
         self.add(self._bytes, host_ns, self._raw(data=data, host_ns=host_ns).SerializeToString())
 
     def write_block(
-        self, host_ns: int, block: SampleBlock, triads: Collection[str] = ("gyro", "accel"),
+        self,
+        host_ns: int,
+        block: SampleBlock,
+        triads: Collection[str] = ("gyro", "accel"),
         utc_s: float | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Write decoded frames, a message each; the device's time must be known [s].
 
         A triad that is not among ``triads`` is absent: the device does not measure it. ``utc_s`` [s since 1970] is

@@ -16,9 +16,12 @@ COMMENT = ("#", "%", "//")
 
 
 def column_names(
-    above: Sequence[str], cells_of: Callable[[str], list[str]], is_number: Callable[[str], bool], count: int,
+    above: Sequence[str],
+    cells_of: Callable[[str], list[str]],
+    is_number: Callable[[str], bool],
+    count: int,
     ends_empty: bool = False,
-) -> tuple[tuple[str, ...], tuple[str, ...]]:  # fmt: skip
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Return the names of columns where the line above the table is a header, else numbers from 1; and remarks.
 
     Rows have ``count`` cells; ``ends_empty``: the last of each is empty, and is no column unless it has a name. A

@@ -58,9 +58,12 @@ class LiveFeed:
     """
 
     def __init__(
-        self, source: ChunkSource, wire: WireFormat, held: Sequence[Chunk] = (),
+        self,
+        source: ChunkSource,
+        wire: WireFormat,
+        held: Sequence[Chunk] = (),
         clock: Callable[[], float] = time.monotonic,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._source, self.wire = source, wire
         self.address = source.address
         self.unit: Unit | None = None

@@ -84,11 +84,17 @@ def block_of(samples: SampleBlock, first: int, period: float, *, is_broken: bool
     per_tick = n // TICKS_PER_BLOCK
     ticks = counts[: per_tick * TICKS_PER_BLOCK].reshape(TICKS_PER_BLOCK, per_tick, 6).sum(axis=1)
     return Block(
-        first=first, last=first + n, rate=counts.sum(axis=0) / (n * period), variance=ticks.var(axis=0, ddof=1),
-        begins=float(samples.device_time[0]) - period, ends=float(samples.device_time[-1]),
-        temperature=_mean_known(samples.temperature), is_healthy=bool(samples.healthy.all()), is_broken=is_broken,
+        first=first,
+        last=first + n,
+        rate=counts.sum(axis=0) / (n * period),
+        variance=ticks.var(axis=0, ddof=1),
+        begins=float(samples.device_time[0]) - period,
+        ends=float(samples.device_time[-1]),
+        temperature=_mean_known(samples.temperature),
+        is_healthy=bool(samples.healthy.all()),
+        is_broken=is_broken,
         is_restarted=is_restarted,
-    )  # fmt: skip
+    )
 
 
 def _mean_known(values: FloatArray) -> float:

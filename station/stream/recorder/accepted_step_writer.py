@@ -84,10 +84,14 @@ class CampaignRecorder:
         return self._database.url
 
     def accept(
-        self, step: Step, buffer: SampleBuffer, runs: Sequence[SampleRun],
-        stated: Mapping[str, object] = MappingProxyType({}), moved: MovedFrom | None = None,
+        self,
+        step: Step,
+        buffer: SampleBuffer,
+        runs: Sequence[SampleRun],
+        stated: Mapping[str, object] = MappingProxyType({}),
+        moved: MovedFrom | None = None,
         seats: Mapping[str, Sequence[float] | None] = MappingProxyType({}),
-    ) -> Path:  # fmt: skip
+    ) -> Path:
         """Record ``step`` as the samples of ``runs``; it is accepted when this returns its file.
 
         ``stated`` is what else its table in ``campaign.toml`` holds, by key; ``moved`` is how the cube came there.
@@ -135,11 +139,19 @@ class CampaignRecorder:
 
 
 def open_campaign(
-    folder: Path, unit: Unit, site: SiteTable, database: Database, *,
-    output: Literal["increments", "rate"] = "increments", fixture: FixtureTable | None = None,
-    procedure: ProcedureTable | None = None, effects: EffectsTable | None = None, cube_id: str | None = None,
-    slab_id: str | None = None, started_utc: datetime | None = None,
-) -> CampaignRecorder:  # fmt: skip
+    folder: Path,
+    unit: Unit,
+    site: SiteTable,
+    database: Database,
+    *,
+    output: Literal["increments", "rate"] = "increments",
+    fixture: FixtureTable | None = None,
+    procedure: ProcedureTable | None = None,
+    effects: EffectsTable | None = None,
+    cube_id: str | None = None,
+    slab_id: str | None = None,
+    started_utc: datetime | None = None,
+) -> CampaignRecorder:
     """Begin a campaign in ``folder``: its ``campaign.toml`` without steps, then its row in the database.
 
     ``started_utc`` is the wall clock's unless a better one is known.
@@ -147,14 +159,23 @@ def open_campaign(
     tables = CampaignTable(
         format="campaign/1",
         imu=CampaignImuTable(model=unit.model, serial=unit.serial, sample_period_s=unit.period, output=output),
-        site=site, procedure=procedure or ProcedureTable(), fixture=fixture or FixtureTable(), effects=effects,
-    )  # fmt: skip
+        site=site,
+        procedure=procedure or ProcedureTable(),
+        fixture=fixture or FixtureTable(),
+        effects=effects,
+    )
     with database.write() as session:
         start_campaign(
-            session, str(folder.resolve()), model=unit.model, serial=unit.serial,
-            started_utc=started_utc or datetime.now(UTC), cube_id=cube_id, slab_id=slab_id,
-            site_id=_site_id(session, site), effects_sha256=() if effects is None else effects.sha256,
-        )  # fmt: skip
+            session,
+            str(folder.resolve()),
+            model=unit.model,
+            serial=unit.serial,
+            started_utc=started_utc or datetime.now(UTC),
+            cube_id=cube_id,
+            slab_id=slab_id,
+            site_id=_site_id(session, site),
+            effects_sha256=() if effects is None else effects.sha256,
+        )
         write_tables(folder, tables)  # before the commit: a row always has its folder
     return CampaignRecorder(folder, tables, database)
 

@@ -31,9 +31,12 @@ class FinishedRecording:
 
 
 def record(
-    feed: LiveFeed, folder: Path, seconds: float, gnss: "GnssFeed | None" = None,
+    feed: LiveFeed,
+    folder: Path,
+    seconds: float,
+    gnss: "GnssFeed | None" = None,
     look: Callable[[], None] = lambda: None,
-) -> FinishedRecording:  # fmt: skip
+) -> FinishedRecording:
     """Record ``seconds`` of samples (lost ones not counted) into a folder; what was flushed survives a kill.
 
     With ``gnss``, rows hold reference time too (``utc_s``). ``look`` is called often, also while nothing comes.
