@@ -21,12 +21,12 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.campaign import Campaign, RestRecord
 from procedures.campaign.observations import channel
 from procedures.counts.sample_records import Series
-from procedures.evidence.rate_points import STD_PER_MAD
 from procedures.frames import AXES, TRIADS
 from procedures.inference import odds
 from procedures.inference.marginal import log_mean
 from procedures.inference.priors import PRESENT
 from procedures.inference.result import EffectTest, Finding
+from procedures.statistics.significance import STD_PER_MAD
 
 SURROUNDINGS_S = 10.0  # either side of a stretch, against which it is held
 MIN_SURROUNDINGS = 100  # samples

@@ -21,7 +21,7 @@ INSIDE = 0.05  # of the range of outputs, by which a point within it is away fro
 MIN_INSIDE, MIN_BEYOND = 5, 2  # points within the range, rates beyond one end of it
 MIN_SHORT = 0.01  # of the range of outputs, by which an output beyond the end is too small
 MIN_SHORT_SIGMAS = 5.0  # the same, of the points' scatter about a line within the range
-FLAT = 0.05  # of the scale factor, below which the output no longer follows
+FLAT = 0.1  # of the scale factor, by which at the most an output beyond the end still follows, at 2 sigma
 NEAR_SIGMAS = 4.0  # of the end, within which a point may be cut off by noise
 
 
@@ -73,14 +73,15 @@ def _ends(reference: FloatArray, output: FloatArray) -> list[_End]:
         level, scatter = float(np.mean(output[beyond])), float(np.std(output[beyond]))
         rows = known & (side * (predicted - level) > -NEAR_SIGMAS * max(scatter, sigma))
         of_side = known & ~rows & (side * (output - b) > 0)
-        rate, std = _rate_at(level, reference[of_side], output[of_side])
+        fitted = of_side if of_side.sum() >= MIN_INSIDE else inside
+        rate, std = _rate_at(level, reference[fitted], output[fitted])
         found.append(_End(rows, rate, float(np.hypot(std, scatter / k / np.sqrt(beyond.sum())))))
     return sorted(found, key=lambda end: -end.rate)
 
 
 def _rate_at(level: float, reference: FloatArray, output: FloatArray) -> tuple[float, float]:
     """Return the rate [deg/s] with 1 sigma at which outputs (n,) of one side come to ``level``, by a parabola."""
-    x = output / level - 1
+    x = (output - level) / np.ptp(output)
     A = np.vander(x, min(3, len(np.unique(reference))), increasing=True)
     c, *_ = np.linalg.lstsq(A, reference)
     left = reference - A @ c
@@ -94,7 +95,7 @@ def _is_flat(predicted: FloatArray, output: FloatArray) -> bool:
     slope = float(x @ output / (x @ x))
     left = output - output.mean() - slope * x
     std = float(np.sqrt(left @ left / max(len(x) - 2, 1) / (x @ x)))
-    return abs(slope) < FLAT + 2 * std
+    return abs(slope) + 2 * std < FLAT
 
 
 def _finding(table: RateTable, sensor: int, ends: Sequence[_End]) -> Finding:

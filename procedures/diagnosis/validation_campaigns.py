@@ -11,17 +11,18 @@ from dataclasses import replace
 import numpy as np
 
 from procedures.anomalies.checks import check_campaigns
+from procedures.anomalies.saturated_rates import without_saturated
 from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import fit_reduced
 from procedures.calibration.reduced_steps import reduce_steps
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.dead_channels import without_dead
 from procedures.diagnosis.caches import clear_caches
-from procedures.diagnosis.rate_tables import SoaksAlone
+from procedures.diagnosis.rate_tables import RateTables, SoaksAlone
 from procedures.errors import DoesNotFit, NotObservable
 from procedures.evidence.candidates import Candidate
 from procedures.evidence.linear_model import fit_linear
-from procedures.evidence.refit import Refit, columns_at, refit_with
+from procedures.evidence.refit import ITERATIONS_WITH_GIVEN_VALUES, Refit, columns_at, refit_with
 from procedures.evidence.residual_rows import Evidence, evidence_of
 from procedures.inference.held_out_errors import left_out_groups, residual_rms
 from procedures.inference.result import Diagnosis, ResidualRms
@@ -38,10 +39,10 @@ def validate(diagnosis: Diagnosis, campaigns: Sequence[Campaign]) -> tuple[Resid
     Raises
     ------
     NotObservable
-        If neither triad can be solved on these campaigns.
+        If neither triad can be solved on these campaigns; of a rate table or a soak, if they have none.
     """
-    if not diagnosis.is_calibrated:
-        return _on_soaks(diagnosis, campaigns)
+    if diagnosis.solution.accelerometer is None and diagnosis.solution.gyroscope is None:
+        return _on_tables(diagnosis, campaigns) if diagnosis.on_table else _on_soaks(diagnosis, campaigns)
     alive, _ = without_dead(campaigns)
     steps = reduce_steps(check_campaigns(alive).campaigns)
     base = fit_reduced(steps)
@@ -57,6 +58,25 @@ def validate(diagnosis: Diagnosis, campaigns: Sequence[Campaign]) -> tuple[Resid
         without = residual_rms(evidence, refit_with(steps, base, (), ()), left_out_groups(evidence))
         return tuple(replace(_held_out(each), after=np.nan, held_out_after=np.nan) for each in without)
     return tuple(_held_out(each) for each in residual_rms(evidence, after, left_out_groups(evidence)))
+
+
+def _on_tables(diagnosis: Diagnosis, campaigns: Sequence[Campaign]) -> tuple[ResidualRms, ...]:
+    """Return the errors on other rate tables, of a diagnosis of tables alone; their line is fitted again."""
+    model = RateTables.of(without_saturated(campaigns)[0])
+    if model is None:
+        raise NotObservable("what a rate table showed", ("a rate table of the same sensor",))
+    evidence, fits = model.evidence(), diagnosis.before
+    carried = [
+        (candidate, value)
+        for candidate, value in zip(diagnosis.added, diagnosis.values, strict=True)
+        if _is_carried(candidate, diagnosis, campaigns) and _acts(candidate, evidence)
+    ]
+    now = evidence
+    for _ in range(ITERATIONS_WITH_GIVEN_VALUES):
+        model = model.without(now, [candidate for candidate, _ in carried], [value for _, value in carried])
+        now = model.evidence()
+    errors = residual_rms(evidence, Refit(fits, now, fit_linear(now, []), ()), left_out_groups(evidence))
+    return tuple(_held_out(each) for each in errors)
 
 
 def _on_soaks(diagnosis: Diagnosis, campaigns: Sequence[Campaign]) -> tuple[ResidualRms, ...]:

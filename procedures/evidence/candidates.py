@@ -18,8 +18,8 @@ from procedures.effects.effect import Effect
 from procedures.effects.excitation import Columns
 from procedures.errors import DoesNotFit, ProcedureError
 from procedures.evidence.linear_model import LinearFit, Term, fit_linear
-from procedures.evidence.rate_points import STD_PER_MAD
 from procedures.evidence.residual_rows import Evidence
+from procedures.statistics.significance import STD_PER_MAD
 from procedures.twelve_positions.bench_parameters import BenchParameters, tilt_names
 from procedures.units import DEG_H_PER_DEG_S, PPM_PER_ONE, UG_PER_G
 

@@ -16,6 +16,7 @@ import numpy as np
 from procedures.arrays import BoolArray, FloatArray, IntArray
 from procedures.campaign.campaign import Campaign, RateTable
 from procedures.frames import AXES
+from procedures.statistics.significance import STD_PER_MAD
 from procedures.units import S_PER_MIN
 
 FEW_ROWS = 2000  # a table of no more stays as it is: each row a point
@@ -95,7 +96,6 @@ LEAST_SPAN = 0.01  # of the fastest rate: rates that differ less do not separate
 MIN_TRIPLES = 8  # second differences that a median is taken of
 LEAST_POINTS = MIN_TRIPLES + 2  # of a table: as many second differences follow from them
 SAME_RATE_SHARE = 1e-4  # of the largest, within which two points have the same
-STD_PER_MAD = 1.482602  # 1 sigma over the median of absolute deviations, of a normal distribution
 # A difference: the efficiency of that median over what neighbours have in common (2/3, 1/6)
 DOF_PER_DIFFERENCE = 0.37 / 1.94
 DOF_PER_PAIR = 0.37  # pairs have nothing in common

@@ -25,7 +25,7 @@ from procedures.arrays import FloatArray
 
 LEADING_TERMS_BELOW = 1e-200  # below which the leading terms are used
 LAST_TERM_NATS = 40  # -ln of the last term of a series
-STD_PER_MAD = 1.4826  # 1 sigma over the median of absolute deviations, of a normal distribution
+STD_PER_MAD = 1.482602  # 1 sigma over the median of absolute deviations, of a normal distribution
 KNOWN_VARIANCE_DOF = 1e6  # degrees of freedom beyond which a variance is known
 
 

@@ -115,7 +115,10 @@ def _steps(evidence: Evidence, rows: BoolArray) -> Coordinate:
     steps = [evidence.excitation.steps[i] for i in numbers]
     if all(step.kind == "soak" for step in steps):
         return Coordinate("time [h]", means_at_rows(evidence, _hours(evidence.excitation))[rows])
-    names = tuple(str(s.position) if s.kind == "dwell" else s.name.partition(".")[0] for s in steps)
+    stems = [step.name.partition(".")[0] for step in steps]
+    if all(step.kind == "rest" for step in steps) and len(set(stems)) < len(stems):  # of one recording
+        return Coordinate("number of the rest", index + np.ones(len(index)))
+    names = tuple(str(s.position) if s.kind == "dwell" else stem for s, stem in zip(steps, stems, strict=True))
     return Coordinate("position, turn or rest", index.astype(float), names)
 
 
@@ -346,3 +349,5 @@ def _draw(axes: Axes, panel: ResidualPanel, values: np.ndarray[tuple[int], np.dt
     if panel.coordinate.names:
         axes.set_xticks(np.arange(len(panel.coordinate.names)), panel.coordinate.names)
         axes.tick_params(axis="x", labelsize=7 if len(panel.coordinate.names) < 14 else 5, length=0)
+    elif np.array_equal(x, np.round(x)):  # whole numbers have no tick between them
+        axes.locator_params(axis="x", integer=True)

@@ -169,7 +169,12 @@ def error_text(error: Mapping[str, Any], held: str = "held_out_") -> tuple[str, 
 
 def notes(finding: Mapping[str, Any]) -> list[str]:
     """Return what else is to be reported of a finding, a sentence each."""
-    found = [f"shape: {shape}"] if (shape := shape_of(finding)) else list[str]()
+    from procedures.effects import CATALOGUE
+
+    found = list[str]()
+    if shape := shape_of(finding):
+        known = CATALOGUE.get(finding["effect"])
+        found.append(f"shape: {shape}" if known is not None and known.law(shape) is not None else shape)
     if (angle := finding.get("levelling_deg")) is not None:
         along = [f"{degrees(c['value']):.2f} along {n[-1]}" for n, c in finding["coefficients"].items()]
         found.append(f"the face is {angle:.2f} deg off the vertical: {', '.join(along)}")

@@ -8,6 +8,7 @@ import pytest
 
 from procedures.campaign.campaign import Campaign, Fixture, RateTable, Site
 from procedures.diagnosis.diagnose import diagnose
+from procedures.diagnosis.validation_campaigns import validate
 from procedures.errors import ErrorCode, NotObservable
 from procedures.evidence.rate_points import LEAST_POINTS
 from procedures.inference.result import Diagnosis, Finding
@@ -226,6 +227,43 @@ def test_a_range_ends_where_a_nonlinear_output_comes_to_its_end() -> None:
 @pytest.mark.parametrize("bend", [periodic, worn, saturated, lambda u: -2e-5 * u * np.abs(u)])
 def test_an_output_that_goes_on_is_not_called_saturated(bend: Bend) -> None:
     assert SATURATION not in {each.effect for each in bent(1, bend).findings}
+
+
+def test_an_analogue_output_that_ends_at_zero_volts() -> None:
+    """The end of the range is no size that anything may be divided by."""
+    plain, rng = table(1), np.random.default_rng(5)
+    volts = np.clip(2.5 + 0.04 * plain.reference, 0.0, 5.0)
+    output = np.full_like(plain.output, np.nan)
+    output[:, 2] = volts + 2e-4 * rng.standard_normal(len(volts)) * ((volts > 0) & (volts < 5))
+    ends = diagnose([campaign(replace(plain, output=output))]).findings[0]
+    assert ends.effect == SATURATION
+    assert ends.value == pytest.approx([62.5, -62.5], abs=0.05)
+
+
+def test_an_end_that_noise_hides_is_not_named() -> None:
+    """Two rates beyond the end, whose outputs scatter by more than the table moves: flat or not is not known."""
+    plain, rng = table(1), np.random.default_rng(6)
+    out = np.clip(plain.reference, -90, 90) + 8.0 * rng.standard_normal(len(plain.reference))
+    output = plain.output.copy()
+    output[:, 2] = -2e4 * out
+    assert SATURATION not in {each.effect for each in diagnose([campaign(replace(plain, output=output))]).findings}
+
+
+def test_findings_of_a_table_are_tested_on_another() -> None:
+    """The asymmetry of one table explains another's, whose range ends; it makes a table without one worse."""
+
+    def with_asymmetry(seed: int, size: float, end: float = np.inf) -> Campaign:
+        plain, rng = table(seed), np.random.default_rng([seed, 2])
+        out = np.clip(plain.reference + size / 2 * np.abs(plain.reference), -end, end)
+        output = plain.output.copy()
+        output[:, 2] = -2e4 * (out + NOISE * rng.standard_normal(len(out)))
+        return campaign(replace(plain, output=output))
+
+    found = diagnose([with_asymmetry(1, ASYMMETRY)])
+    (same,) = validate(found, [with_asymmetry(2, ASYMMETRY, 60.0)])
+    (other,) = validate(found, [with_asymmetry(3, 0.0)])
+    assert same.after < 1.2 * NOISE < same.before
+    assert other.after > 2 * other.before
 
 
 def test_what_explains_less_than_half_is_not_named() -> None:

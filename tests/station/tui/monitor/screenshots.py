@@ -10,7 +10,7 @@ from tests.station.tui.screenshots import FOLDER, portable
 PICTURES = {
     "monitor": (views.RESTING, SMALL),
     "monitor_moving": (views.AIDED, LARGE),
-    "monitor_laws": (views.SIDE_BY_SIDE, SMALL),
+    "monitor_filters": (views.SIDE_BY_SIDE, SMALL),
     "monitor_map": (views.LOCATED, SMALL),
     "monitor_camera": (views.SEEING, SMALL),
 }
