@@ -1,6 +1,5 @@
 """The faces of the cube: tilts of each, and of opposite ones together."""
 
-from dataclasses import replace
 
 import numpy as np
 
@@ -65,19 +64,22 @@ FACE_TILT = Effect(
 )
 
 
-PARALLELISM = replace(
-    FACE_TILT,
+PARALLELISM = Effect(
     name="fixture.parallelism",
     meaning="Parallelism of opposite faces",
     about=(
         "The sum of their tilts, half on each. Coefficient x.y is the sum of x_up.y and x_down.y. Per axis, the "
         "two other pairs' along it are one with the bias and K2. Plausible: 1e-3 rad, 0.4 mm on 400 mm."
     ),
+    unit="rad",
     physics="up tilts of opposite faces = p/2 each",
     source="Yao, Hu, He 2018, tables 2 and 3, items t8, t9, t10",
+    plausible=1e-3,
     columns=pair_columns,
     next_measurement="remounted",
+    separate_by="a certificate of the faces, or the IMU re-mounted by 90 deg in the cube",
+    separate_by_certified="the IMU re-mounted by 90 deg in the cube",
+    is_turn=True,
     is_bench_parameter=True,
-    covered_by="",
-    carried_with="",
+    is_held_at_prior=True,
 )

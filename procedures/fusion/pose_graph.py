@@ -159,10 +159,14 @@ class PoseGraph:
 
     def _by_alignment(self, yaw: float) -> FloatArray:
         p_o, terms = self.association.p_o, self.association.window(0)[1]
-        x = np.tile(self._weak_prior(np.zeros(self.layout.size)).at, (len(p_o), 1))  # constants as given
+        x = np.zeros((len(p_o), self.layout.size))
         x[:, :3] = p_o @ rz(np.array(yaw))[0].T
         x[:, :3] += np.median(terms.z - x[terms.node, :3], axis=0)
         x[:, 3] = yaw
+        if self.layout.lever_arm:
+            x[:, 4:7] = self.settings.arm
+        if self.layout.time_offset:
+            x[:, -1] = self.settings.time_offset
         return x
 
     def _weak_prior(self, at: FloatArray) -> NodePrior:

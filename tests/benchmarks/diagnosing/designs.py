@@ -162,11 +162,13 @@ WARM = {
     "temperature_swing_k": 2.0, "temperature_swing_period_s": 1300.0,
 }  # fmt: skip
 LONG: Make = partial(repeated, dwell_s=LONG_S)  # a heading is seen by what it turns of the Earth's rate
-MAKES: dict[str, Make] = {
+STEADY: dict[str, Make] = {
     "plain": plain, "repeated": repeated, "turned thrice": turned_thrice, "long dwells": LONG, "certified": stated,
     "free": with_free, "certified free": certified_free, "two speeds": two_speeds, "timed": timed,
     "auxiliary": with_auxiliary, "two sites": two_sites, "two temperatures": two_temperatures, "moved": moved,
     "moved and turned": partial(moved, turns=turn_steps()),  # as a guided campaign records them
-    "warm": plain, "certified warm": stated, "moved while warm": moved,
 }  # fmt: skip
-DESIGNS = {name: Design(make, WARM if "warm" in name else {}) for name, make in MAKES.items()}
+WHILE_WARM: dict[str, Make] = {"warm": plain, "certified warm": stated, "moved while warm": moved}
+DESIGNS = {
+    name: Design(make, truth) for made, truth in ((STEADY, {}), (WHILE_WARM, WARM)) for name, make in made.items()
+}
