@@ -1,6 +1,5 @@
 """The faces of the cube: tilts of each, and of opposite ones together."""
 
-
 import numpy as np
 
 from procedures.arrays import FloatArray

@@ -69,7 +69,7 @@ ENTRIES = (
     Entry("dwell_s", "Dwell", "s", number(0, 7200, "s", is_needed=True), "0: from noise"),
     Entry("bias_ug", "Bias u", "ug", number(1e-3, 1e4, "ug"), "if dwell is 0"),
     Entry("revolutions", "Turns", "each", number(1, 100, is_needed=True, is_whole=True)),
-    Entry("repeats", "First again", "times", number(0, 9, is_needed=True, is_whole=True)),
+    Entry("repeats", "Repeat 1st", "times", number(0, 9, is_needed=True, is_whole=True)),
 )
 
 
