@@ -27,6 +27,7 @@ from drivers.addresses import (
     UdpAddress,
     VideoDeviceAddress,
     WheelAddress,
+    host_and_port,
     whole_url,
 )
 from drivers.errors import BadDeviceUrl
@@ -176,13 +177,9 @@ def _mavlink_line(
         if not path.startswith("/") or path == "/":
             raise BadDeviceUrl(text, "no device path", "mavlink:serial:/dev/ttyACM0")
         return SerialAddress(text, path, baud=_whole_number(text, options, "baud", BAUDS) or MAVLINK_BAUD)
-    host, _, port = where.rpartition(":")
-    if not host or not (port.isascii() and port.isdigit()) or not 0 < int(port[:6]) < 65536:
+    if (peer := host_and_port(where)) is None:
         raise BadDeviceUrl(text, "no usable host and port", MAVLINK)
-    host = host.strip("[]")
-    if link == "tcp":
-        return TcpAddress(text, host, int(port))
-    return UdpAddress(text, host, int(port), listens=link == "udpin")
+    return TcpAddress(text, *peer) if link == "tcp" else UdpAddress(text, *peer, listens=link == "udpin")
 
 
 def _camera(text: str, where: str) -> CameraAddress:

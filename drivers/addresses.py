@@ -19,6 +19,17 @@ TRIAD = "triad"  # three single-axis gyros; also the format of what their port g
 _SECRET = re.compile(r"(http://[^/:@]*:)[^/]*@")
 
 
+def host_and_port(text: str, least: int = 1) -> tuple[str, int] | None:
+    """Return host and port of HOST:PORT, None where it is none or the port is not ``least`` to 65535.
+
+    An IPv6 address stands in brackets, which are left out: ``[::1]:5000``.
+    """
+    host, _, port = text.strip().rpartition(":")
+    if not host or not (port.isascii() and port.isdigit()) or not least <= int(port[:6]) < 65536:
+        return None
+    return host.removeprefix("[").removesuffix("]"), int(port)
+
+
 @dataclass(frozen=True, slots=True)
 class Address:
     """What all kinds have: the URL as it was read, the format of its bytes, the rate [bit/s] of its line."""

@@ -8,10 +8,10 @@ import socket
 from io import BufferedRWPair
 from typing import Self
 
+from drivers.addresses import host_and_port
 from drivers.errors import BadDeviceUrl, ControlRefused, ControlUnreachable, reason_of
 
 ANSWER_TIMEOUT_S = 5.0
-PORTS = range(1, 65536)
 
 
 def control_address(typed: str) -> tuple[str, int]:
@@ -19,11 +19,10 @@ def control_address(typed: str) -> tuple[str, int]:
 
     Raises `BadDeviceUrl` if it is not HOST:PORT.
     """
-    host, _, port = typed.strip().rpartition(":")
-    if not host or not (port.isascii() and port.isdigit()) or int(port) not in PORTS:
+    if (address := host_and_port(typed)) is None:
         found = "no HOST:PORT of simulated hands"
         raise BadDeviceUrl(typed, found, "what `station simulate` prints as control, as in 127.0.0.1:40001")
-    return host.removeprefix("[").removesuffix("]"), int(port)
+    return address
 
 
 class BenchControl:

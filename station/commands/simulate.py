@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from drivers.addresses import host_and_port
 from station.commands import Database
 from station.commands._options import end_on_signals, flag, option
 
@@ -209,19 +210,21 @@ def _autopilot(
     if where is None:
         return None
     transport, _, rest = where.partition(":")
-    host, _, port = rest.rpartition(":")
-    if (
-        transport not in {"udp", "udpto", "tcp", "pty"}
-        or (transport != "pty" and rest and not (port.isdecimal() and int(port) < 65536))
-        or (transport == "udpto" and not (int(port or 0) and _is_host(host)))
-    ):
-        raise typer.BadParameter(f"gnss {where!r}: expected udp[:PORT], udpto:HOST:PORT, tcp[:PORT] or pty[:PATH]")
-    number = int(port) if transport != "pty" and port else 0
+    peer, port, link = None, 0, None
+    match transport:
+        case "udp" | "tcp" if not rest or (rest.isdecimal() and int(rest) < 65536):
+            port = int(rest or 0)
+        case "udpto" if (peer := host_and_port(rest)) is not None and _is_host(peer[0]):
+            port = peer[1]
+        case "pty":
+            link = Path(rest) if rest else None
+        case _:
+            raise typer.BadParameter(
+                f"gnss {where!r}: expected udp[:PORT], udpto:HOST:PORT, tcp[:PORT] or pty[:PATH]"
+            )
     return lambda device: SimulatedGnss(
         device.truth, faults=planted, track=path, seed=device.seed, imu=device,
-        transport=transport.removesuffix("to"), port=number,
-        link=Path(rest) if transport == "pty" and rest else None,
-        to=(host, number) if transport == "udpto" else None,
+        transport=transport.removesuffix("to"), port=port, link=link, to=peer,
     )  # fmt: skip
 
 

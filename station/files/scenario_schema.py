@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from drivers.addresses import host_and_port
 from drivers.errors import TruthRefused
 from drivers.simulated.faults import KINDS, Fault, TimedFault, faults_from, gnss_faults_from
 from drivers.simulated.server import CAN_TRANSPORTS
@@ -89,8 +90,7 @@ class SimulatedGnssTable(TomlTable):
     @property
     def peer(self) -> tuple[str, int] | None:
         """Where UDP is sent to."""
-        host, _, port = self.to.rpartition(":")
-        return (host, int(port)) if host and port.isascii() and port.isdigit() and int(port) < 65536 else None
+        return host_and_port(self.to)
 
 
 class SimulatedCameraTable(TomlTable):

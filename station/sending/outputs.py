@@ -14,6 +14,7 @@ from typing import Protocol, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from drivers.addresses import host_and_port
 from procedures.arrays import FloatArray, IntArray
 from procedures.errors import ErrorCode
 from station.errors import StationError
@@ -155,12 +156,11 @@ def kind_of(text: str) -> OutputKind:
     raise BadAddress(text, f"no output of that name ({scheme!r})", f"one of {FORMS}")
 
 
-def host_and_port(scheme: str, where: str, expected: str, least: int = 1) -> tuple[str, int]:
+def peer_of(scheme: str, where: str, expected: str, least: int = 1) -> tuple[str, int]:
     """Return host and port of HOST:PORT; raise `BadAddress` where it is none, or the port is below ``least``."""
-    host, _, port = where.rpartition(":")
-    if not host or not (port.isascii() and port.isdigit()) or not least <= int(port[:6]) < 65536:
+    if (peer := host_and_port(where, least)) is None:
         raise BadAddress(f"{scheme}:{where}", "no usable host and port", expected)
-    return host.strip("[]"), int(port)
+    return peer
 
 
 def open_outputs(addresses: Sequence[str], about: About) -> tuple[Output, ...]:

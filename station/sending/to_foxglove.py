@@ -17,7 +17,7 @@ from drivers.errors import PortBusy, PortNotFound
 from procedures.optional_libraries import ExtraMissing
 from station.files.atomic_file import replace_file
 from station.files.mcap_files.schemas import COLUMNS, FIELDS, SAMPLE, TOPIC, built, sample_message
-from station.sending.outputs import About, CalibratedSamples, Quality, host_and_port
+from station.sending.outputs import About, CalibratedSamples, Quality, peer_of
 from station.text import plural
 
 FLAGS = tuple((flag, str(flag.name).lower()) for flag in Quality)
@@ -152,7 +152,7 @@ def open_output(where: str, about: About) -> FoxgloveServer:
         import foxglove
     except ImportError:
         raise ExtraMissing("foxglove", "foxglove") from None
-    host, port = host_and_port("foxglove", where, EXPECTED, least=0) if where else (HOST, PORT)
+    host, port = peer_of("foxglove", where, EXPECTED, least=0) if where else (HOST, PORT)
     return FoxgloveServer(foxglove, host, port, about)
 
 

@@ -3,6 +3,7 @@
 import math
 from contextlib import ExitStack
 
+from drivers.addresses import host_and_port
 from drivers.mavlink.imu_out import ImuOut, open_imu_out
 from station.sending.outputs import About, CalibratedSamples
 from station.sending.to_udp import refuse_unreachable
@@ -44,10 +45,9 @@ def open_output(where: str, about: About) -> MavlinkHighresImu:
     """Return the output of ``udpout:HOST:PORT`` or ``udpin:HOST:PORT``; see `open_imu_out` for what is refused."""
     out = open_imu_out(where)
     link, _, rest = where.partition("?")[0].partition(":")
-    host, _, port = rest.rpartition(":")
     with ExitStack() as stack:
         stack.callback(out.close)
-        if link == "udpout":
-            refuse_unreachable(host, int(port))
+        if link == "udpout" and (peer := host_and_port(rest)):
+            refuse_unreachable(*peer)
         stack.pop_all()
     return MavlinkHighresImu(out, about, f"mavlink:{link}:{rest}")

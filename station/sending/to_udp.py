@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from drivers.errors import PortNotFound, reason_of
 from drivers.network_ports import UdpPort, open_udp
-from station.sending.outputs import About, CalibratedSamples, host_and_port
+from station.sending.outputs import About, CalibratedSamples, peer_of
 from station.text import plural
 
 MAGIC = b"FOG1"  # the layout's name; another layout has another
@@ -92,7 +92,7 @@ def open_output(where: str, about: About) -> UdpDatagrams:
 
     Raise `BadAddress` or `PortNotFound` if that is no address, or no way leads there.
     """
-    host, port = host_and_port("udp", where, EXPECTED)
+    host, port = peer_of("udp", where, EXPECTED)
     refuse_unreachable(host, port)
     return UdpDatagrams(open_udp(host, port, 0.0, listens=False))
 
