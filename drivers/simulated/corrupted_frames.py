@@ -1,4 +1,6 @@
-"""What a bad line makes of frames: cut, misread at another baud rate, answered by another unit.
+"""The bytes of faulty frames: cut, misread at another baud rate, answered by another unit.
+
+`faults` is the table of all faults, with their times.
 
 On CAN a sample's frames are records end to end, see `drivers.can.frame_record`.
 """

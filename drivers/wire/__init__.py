@@ -7,7 +7,7 @@ finds the frames in a stream.
 
 from importlib import import_module
 
-from drivers.wire.frame_faults import FrameCounters
+from drivers.wire.frame_counters import FrameCounters
 from drivers.wire.wire_format import (
     ALL_CHANNELS,
     FrameKind,

@@ -8,7 +8,7 @@ from typing import Any, Literal, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.wire.frame_faults import FrameCounters
+from drivers.wire.frame_counters import FrameCounters
 from procedures.arrays import FloatArray, IntArray
 from procedures.counts.sample_records import SampleBlock
 

@@ -7,6 +7,9 @@ from dataclasses import dataclass, replace
 from procedures.frames import AXES
 from procedures.positions import TURN_START, face_of, position_name
 
+# in which the twelve positions are proposed; their numbers name positions in stored data and never change
+USUAL_ORDER = tuple(range(1, 13))
+
 
 @dataclass(frozen=True, slots=True)
 class Dwell:
@@ -127,8 +130,8 @@ def as_repeats(steps: Iterable[Step]) -> tuple[Step, ...]:
 
 
 def dwell_steps(seconds: float) -> tuple[Dwell, ...]:
-    """Return a rest of ``seconds`` in each of the twelve positions."""
-    return tuple(Dwell(position, seconds) for position in range(1, 13))
+    """Return a rest of ``seconds`` in each of the twelve positions, in `USUAL_ORDER`."""
+    return tuple(Dwell(position, seconds) for position in USUAL_ORDER)
 
 
 def turn_steps(revolutions: int = 3, rest_s: float = 5.0) -> tuple[Turn, ...]:

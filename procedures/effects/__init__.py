@@ -1,4 +1,6 @@
-"""The catalogue of effects: a file for each family of physical causes, a line for each.
+"""The catalogue of effects: a file for each family of physical causes, a record for each effect in it.
+
+`MODULES` lists the files; an effect that belongs to none (`sensitivities`: what acts from outside) is a new file.
 
 An `Excitation` (what the sensors went through) goes into an `Effect`, `Columns` (what it may have added) come out.
 Where an effect has a `Law` (`term.law`), its equation, all of its users are made from that.

@@ -3,8 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from procedures.campaign.plan_steps import Dwell, Step, turn_steps
-from procedures.positions import POSITIONS
+from procedures.campaign.plan_steps import USUAL_ORDER, Dwell, Step, turn_steps
 from procedures.units import S_PER_MIN
 
 USUAL_DWELL_S = 100.0
@@ -83,4 +82,4 @@ def of_positions(positions: Sequence[int], seconds: float, turns: bool = False) 
 
 def usual_design(seconds: float = USUAL_DWELL_S) -> CampaignDesign:
     """Return the twelve positions in the paper's order and six turns."""
-    return of_positions(range(1, len(POSITIONS) + 1), seconds, turns=True)
+    return of_positions(USUAL_ORDER, seconds, turns=True)

@@ -281,7 +281,7 @@ def combined_budget(name: str, value: float, unit: str, parts: dict[SourceCell, 
     from GTC import dof, reporting, ureal  # takes half a second: only where a budget is asked for
 
     sources = {}
-    for source in SOURCES:
+    for source in sorted({cell.source for cell in parts}, key=SOURCES.index):
         numbers = [
             ureal(0.0, np.sqrt(variance), cell.dof)
             for cell, variance in parts.items()

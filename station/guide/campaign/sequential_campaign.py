@@ -15,7 +15,7 @@ from fixtures_db.database import Database
 from procedures.arrays import FloatArray
 from procedures.bench.dwell_length import WHITE_NOISE_FACTOR
 from procedures.campaign.campaign import Campaign, Fixture
-from procedures.campaign.plan_steps import Dwell, Step, Turn
+from procedures.campaign.plan_steps import USUAL_ORDER, Dwell, Step, Turn
 from procedures.geodesy import EARTH_RATE
 from procedures.planning.campaign_design import TURNS, CampaignDesign, HandTimes, Placement, usual_design
 from procedures.planning.design_sigmas import NAMES, DesignSigmas, WantedSigmas, wanted, with_all_solved
@@ -68,7 +68,7 @@ def measured_noise(
 
 LEAST_FACTOR, MOST_FACTOR = 0.5, 3.0  # by which white noise may differ from what was known: more is no noise
 NUMBERS = {(step.axis, step.direction): i for i, step in enumerate(TURNS)}
-FIRST_POSITION = 1  # of a unit whose noise is not known
+FIRST_POSITION = USUAL_ORDER[0]  # of a unit whose noise is not known
 NOT_KNOWN = f"the noise of this unit is unknown: it is measured for {NOISE_S:.0f} s at rest, then the plan is made"
 
 

@@ -1,4 +1,4 @@
-"""The faults that received frames can have, counted."""
+"""Counters of frames received, and of the faults that they had. Faults are made by `drivers.simulated.faults`."""
 
 from dataclasses import dataclass
 
