@@ -137,7 +137,7 @@ def _plainest(
     """Return the options without those that do what a plainer effect does, as far as the data y (m,) show.
 
     A lag of a second, a settling of a week and a function of two temperatures do what a coefficient of temperature
-    or a drift does: that is the name they then have.
+    or a drift does: that is the name they then have. A parabola of the temperature is not plainer than a settling.
     """
     spans = {
         id(each.candidate): each.columns
@@ -147,14 +147,16 @@ def _plainest(
     owner = np.repeat(np.arange(len(options)), [len(each.columns) for each in options])
     every = np.concatenate([np.zeros(0, dtype=np.int64), *(each.columns for each in options)])
     sums = csr_array((np.ones(len(every)), (owner, every)), shape=(len(options), W.shape[1]))
+    sizes = np.array([_coefficients(each) for each in options])
     whole, most = np.maximum(sums @ np.sum(W**2, axis=0), 1e-300), np.zeros(len(options))
     explained = np.zeros(len(options))  # squares of y, by the plain effect that does most of what an option does
     for columns in spans.values():
         U, size = left_singular(W[:, columns])
         Q = U[:, size > np.finfo(float).eps * len(W) * np.max(size, initial=0.0)]
         share = sums @ np.sum((Q.T @ W) ** 2, axis=0) / whole
-        explained = np.where(share > most, np.sum((Q.T @ y) ** 2), explained)
-        most = np.maximum(most, share)
+        does_most = (share > most) & (len(columns) <= sizes)
+        explained = np.where(does_most, np.sum((Q.T @ y) ** 2), explained)
+        most = np.where(does_most, share, most)
 
     def is_kept(option: Option, share: float, plain: float) -> bool:
         is_free = option.is_bent or hypotheses[option.hypothesis].kind == "nameless"
@@ -166,6 +168,14 @@ def _plainest(
         each for each, share, plain in zip(options, most.tolist(), explained.tolist(), strict=True)
         if is_kept(each, share, plain)
     )  # fmt: skip
+
+
+def _coefficients(option: Option) -> float:
+    """Return how many linear coefficients an effect has in all sensors, inf of a function without a name."""
+    if option.candidate is None:
+        return np.inf
+    columns = option.candidate.columns
+    return len(columns.coefficients) - len(columns.nonlinear)
 
 
 def _explained(W: FloatArray, y: FloatArray) -> float:
