@@ -21,7 +21,7 @@ from procedures.frames import AXES
 from procedures.units import DEG_H_PER_DEG_S, S_PER_H
 
 MIN_BLOCKS = 10  # of a soak: fewer show a variance, but not of what
-MOST_DRAWS = 40  # of a process in a recording, of each sensor; none separates more
+MOST_DRAWS = 40  # of a random walk in a recording, of each sensor: the others hold 2 % of its variance
 OCTAVES = 5  # of time constants beyond the recording and below a block: what is beyond adds 3 % of an octave
 Covariance = Callable[[FloatArray, float], FloatArray]
 
@@ -57,13 +57,18 @@ def _soaks(seen: Excitation) -> Iterator[list[int]]:
 
 
 def _roots(seen: Excitation, covariance: Covariance) -> FloatArray:
-    """Return a root (n, r) of the covariance at the nodes; each soak has draws of its own."""
+    """Return a root (n, r) of the covariance at the nodes; each soak has draws of its own.
+
+    Flicker noise has all draws: of 200 blocks those beyond the 40th look like white noise as large as the block's.
+    """
+    most = MOST_DRAWS if covariance is _walk else None
     found = [np.zeros((len(seen.t), 0))]
     for steps in _soaks(seen):
         t = np.array([float(np.mean(seen.t[seen.step == step])) for step in steps]) / S_PER_H
         block = float(np.median(np.diff(t)))
         variances, V = np.linalg.eigh(covariance(t - t[0] + block / 2, block))
-        of_soak = V[:, -MOST_DRAWS:] * np.sqrt(np.maximum(variances[-MOST_DRAWS:], 0.0))
+        last = slice(None if most is None else -most, None)
+        of_soak = V[:, last] * np.sqrt(np.maximum(variances[last], 0.0))
         at_nodes = np.zeros((len(seen.t), of_soak.shape[1]))
         for step, row in zip(steps, of_soak, strict=True):
             at_nodes[seen.step == step] = row

@@ -18,10 +18,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 from scipy.special import log_ndtr
 
 from procedures.arrays import FloatArray
 from procedures.inference.board import Block, Board, Option
+
+APART = 1e-12  # of the largest square of a column: products below are rounding
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,11 +164,24 @@ def gains_of(board: Board, squares: float, G: FloatArray, g: FloatArray, block: 
     if G.shape[1] == 1:
         size, along = np.maximum(G[:, 0], 0.0), g
     else:
-        size, V = np.linalg.eigh(G)
-        size, along = np.maximum(size, 0.0), np.einsum("bij,bi->bj", V, g)
+        size, along = _eigenvalues(G, g)
     found = gains_along(size, along, block.amplitudes, np.array(squares), len(board.y), board.evidence.noise_dof)
     gains: FloatArray = found + _log_positive(G, g, block.amplitudes) if block.is_loss else found
     return gains
+
+
+def _eigenvalues(G: FloatArray, g: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the eigenvalues (b, k) of G (b, k, k) and g (b, k) along its eigenvectors.
+
+    Columns that have nothing in common, as of sensors, are taken apart: the time goes with the cube.
+    """
+    most = np.max(np.abs(np.diagonal(G, axis1=1, axis2=2)), initial=0.0)
+    number, part = connected_components(np.max(np.abs(G), axis=0) > APART * most, directed=False)
+    size, along = np.empty(g.shape), np.empty(g.shape)
+    for own in (np.flatnonzero(part == i) for i in range(number)):
+        size[:, own], V = np.linalg.eigh(G[:, own[:, None], own])
+        along[:, own] = np.einsum("bij,bi->bj", V, g[:, own])
+    return np.maximum(size, 0.0), along
 
 
 def gains_along(

@@ -151,6 +151,43 @@ def test_two_jumps_are_no_random_walk() -> None:
     assert sorted(float(str(each.where["after_s"])) for each in found) == pytest.approx(places, abs=20)
 
 
+def flicker(seconds: int, size: float, seed: int) -> FloatArray:
+    """Return noise (n, 3) of the one-sided power ``size^2 / (pi f)`` at 1 Hz, by its spectrum (IEEE Std 952)."""
+    draws = np.fft.rfft(np.random.default_rng(seed).standard_normal((2 * seconds, 3)), axis=0)
+    power = np.append(0.0, size**2 / (np.pi * np.fft.rfftfreq(2 * seconds)[1:]))
+    found: FloatArray = np.fft.irfft(draws * np.sqrt(power / 2)[:, None], 2 * seconds, axis=0)[:seconds]
+    return found
+
+
+def test_flicker_of_a_long_recording_is_all_of_its_noise() -> None:
+    """Half of it moves faster than forty draws show: what these leave would be a scatter without a name."""
+    size, seconds = 1e-5, 3 * 3600
+    white = 2e-5 * np.random.default_rng(7).standard_normal((seconds, 3))
+    t = np.arange(1.0, seconds + 1)
+    series = RateSeries(t, None, white + flicker(seconds, size, 8), np.full(seconds, 25.0), 1.0)
+    soaks = (SoakRecord("soak", 0, None, series),)
+    site = Site(0.8, 9.8, 0.02)
+    found = diagnose([Campaign("m", "s", False, site, (), (), nominal_scale={"accelerometer": 1.0}, soaks=soaks)])
+    (finding,) = found.findings
+    assert finding.effect == "accelerometer.bias_instability"
+    assert finding.probability > 0.9
+    assert finding.value[0] == pytest.approx(size, abs=3 * finding.std[0])
+    assert not [each for each in found.unnamed if each.probability > 0.1]
+
+
+def test_a_settling_while_the_unit_warms_is_no_parabola_of_its_temperature(tmp_path: Path) -> None:
+    """Both fit: that of fewer coefficients has the name, or neither."""
+    t = np.arange(3 * 3600.0)
+    gyro = 0.3 * np.random.default_rng(9).standard_normal((len(t), 3))  # deg/h
+    gyro += np.outer(np.exp(-t / 600), (3.0, -1.8, 0.9))
+    table = np.column_stack((gyro, 30 - 8 * np.exp(-t / 1500)))
+    np.savetxt(tmp_path / "log.csv", table, "%.9g", ",", header="gx,gy,gz,temperature", comments="")
+    campaign = read_soaks([tmp_path / "log.csv"], ColumnOptions(rate_hz=1.0, unit_gyro="deg/h"))
+    findings = {each.effect: each.probability for each in diagnose([campaign]).findings}
+    assert findings.get("gyroscope.bias_temperature", 0.0) < 0.5
+    assert findings["gyroscope.bias_settling"] > 0.5
+
+
 # Several recordings at one temperature each
 
 
