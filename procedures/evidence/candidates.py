@@ -109,7 +109,8 @@ class Candidate:
     ``taken`` (p,) marks the model's own columns that it is, all False where it adds to the model. One that is
     ``tied`` would go beyond what the model holds already at its prior: faces, and gravity as it is stated.
     ``is_tried`` is not of a face's tilt on a cube without certificate, whose faces the model holds by pairs, nor
-    of a scale factor at one attitude alone, where it is one with the bias.
+    of a scale factor at one attitude alone, where it is one with the bias. ``log_volume`` is ln of what the data
+    leave of a time constant, as a share of the distance between its neighbours on a grid.
     """
 
     effect: Effect
@@ -118,6 +119,7 @@ class Candidate:
     taken: BoolArray
     tied: bool = False
     is_tried: bool = True
+    log_volume: float = 0.0
 
     @property
     def is_of_model(self) -> bool:

@@ -67,7 +67,7 @@ class Library:
             exact = _way(evidence, number[one.effect.name], one, 0.0)
             same = [i for i, way in enumerate(ways) if way.candidate is not None and _is_same(way.candidate, one)]
             if one.columns.nonlinear and same:
-                shares = [(share, mask) for share, mask in ways[same[0]].masks]
+                shares = [(share + one.log_volume, mask) for share, mask in ways[same[0]].masks]
                 ways.append(replace(exact, masks=shares))
             for i in [] if one.columns.nonlinear else same:
                 ways[i] = replace(exact, masks=ways[i].masks)
@@ -137,32 +137,35 @@ def _plainest(
     """Return the options without those that do what a plainer effect does, as far as the data y (m,) show.
 
     A lag of a second, a settling of a week and a function of two temperatures do what a coefficient of temperature
-    or a drift does: that is the name they then have. A parabola of the temperature is not plainer than a settling.
+    or a drift does: that is the name they then have. Of a name that goes by something else, or by a parabola, it
+    is chance that both do the same here: they compete.
     """
     spans = {
-        id(each.candidate): each.columns
+        id(each.candidate): each
         for each in sorted(options, key=lambda o: len(o.columns))
         if each.is_plain and hypotheses[each.hypothesis].kind != "term"
     }
     owner = np.repeat(np.arange(len(options)), [len(each.columns) for each in options])
     every = np.concatenate([np.zeros(0, dtype=np.int64), *(each.columns for each in options)])
     sums = csr_array((np.ones(len(every)), (owner, every)), shape=(len(options), W.shape[1]))
-    sizes = np.array([_coefficients(each) for each in options])
+    sizes, drivers = np.array([_coefficients(each) for each in options]), np.array([_driver(o) for o in options])
     whole, most = np.maximum(sums @ np.sum(W**2, axis=0), 1e-300), np.zeros(len(options))
     explained = np.zeros(len(options))  # squares of y, by the plain effect that does most of what an option does
-    for columns in spans.values():
+    for plain in spans.values():
+        columns = plain.columns
         U, size = left_singular(W[:, columns])
         Q = U[:, size > np.finfo(float).eps * len(W) * np.max(size, initial=0.0)]
         share = sums @ np.sum((Q.T @ W) ** 2, axis=0) / whole
-        does_most = (share > most) & (len(columns) <= sizes)
+        is_plainer = (len(columns) <= sizes) & ((drivers == _driver(plain)) | (drivers == ""))
+        does_most = (share > most) & is_plainer
         explained = np.where(does_most, np.sum((Q.T @ y) ** 2), explained)
         most = np.where(does_most, share, most)
 
-    def is_kept(option: Option, share: float, plain: float) -> bool:
+    def is_kept(option: Option, share: float, by_plain: float) -> bool:
         is_free = option.is_bent or hypotheses[option.hypothesis].kind == "nameless"
         if option.is_plain or not is_free or share < 1 - priors.UNRESOLVED:
             return True
-        return bool(_explained(W[:, option.columns], y) - plain > priors.WINDOW)
+        return bool(_explained(W[:, option.columns], y) - by_plain > priors.WINDOW)
 
     return tuple(
         each for each, share, plain in zip(options, most.tolist(), explained.tolist(), strict=True)
@@ -176,6 +179,10 @@ def _coefficients(option: Option) -> float:
         return np.inf
     columns = option.candidate.columns
     return len(columns.coefficients) - len(columns.nonlinear)
+
+
+def _driver(option: Option) -> str:
+    return "" if option.candidate is None else option.candidate.effect.driver
 
 
 def _explained(W: FloatArray, y: FloatArray) -> float:

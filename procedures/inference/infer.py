@@ -101,7 +101,7 @@ def infer(subject: BaseModel, effects: Sequence[Effect]) -> Inferred:
     found = posterior(search)
     for curved in [each for each in now.added if each.effect.added is not None]:
         search, now, found = _with_alternatives(subject, pool, library, begin, (search, now, found), curved)
-    best = search.best
+    best = search.best_by_names
     fits = now.fits if now.bare is None else averaged_fits(search, now.bare, found.causes)
     wanted = _candidates(search.board, best)
     if {each.effect.name for each in now.added} != {each.effect.name for each in wanted}:

@@ -24,7 +24,7 @@ from scipy.special import log_ndtr
 from procedures.arrays import FloatArray
 from procedures.inference.board import Block, Board, Option
 
-APART = 1e-12  # of the largest square of a column: products below are rounding
+APART = 1e-12  # of two columns' lengths: a product below is rounding
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,8 +175,9 @@ def _eigenvalues(G: FloatArray, g: FloatArray) -> tuple[FloatArray, FloatArray]:
 
     Columns that have nothing in common, as of sensors, are taken apart: the time goes with the cube.
     """
-    most = np.max(np.abs(np.diagonal(G, axis1=1, axis2=2)), initial=0.0)
-    number, part = connected_components(np.max(np.abs(G), axis=0) > APART * most, directed=False)
+    length = np.sqrt(np.maximum(np.diagonal(G, axis1=1, axis2=2), 0.0))
+    in_common = np.any(np.abs(G) > APART * length[:, :, None] * length[:, None, :], axis=0)
+    number, part = connected_components(in_common, directed=False)
     size, along = np.empty(g.shape), np.empty(g.shape)
     for own in (np.flatnonzero(part == i) for i in range(number)):
         size[:, own], V = np.linalg.eigh(G[:, own[:, None], own])

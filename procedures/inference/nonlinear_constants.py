@@ -7,14 +7,16 @@ from itertools import pairwise
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from procedures.arrays import FloatArray
 from procedures.effects.term.law import alike
 from procedures.evidence.candidates import Candidate
 from procedures.evidence.linear_model import Term
 from procedures.inference import priors
-from procedures.inference.board import Board
-from procedures.inference.marginal import ranked
+from procedures.inference.board import Board, Hypothesis
+from procedures.inference.marginal import Member, ranked, stacked
 
 WIDEST = 0.5  # of a logarithm, where a grid has one point
+STEP = 1e-4  # of a logarithm, to which a constant is resolved
 CUBIC = 4  # neighbours that a cubic goes through
 
 
@@ -54,31 +56,52 @@ def _alike(one: Term, other: Term) -> bool:
 
 
 def resolved(board: Board) -> Iterator[Candidate]:
-    """Yield what alone is likelier than nothing and not linear, with its constants where the data are fitted best.
+    """Yield what is likelier than nothing and not linear, with its constants where the data are fitted best.
 
     The nearest point of a grid leaves many sigmas of a large effect, as of a knee at which a range ends: other
-    causes would make up for that.
+    causes would make up for that. Each stands alone, and next to the plain effect that goes by the same: a play
+    next to a temperature coefficient is another one than alone.
     """
     alone = ranked(board, ())
-    for i in np.flatnonzero(alone.total > 0).tolist():
-        option = board.options[alone.member(board, i).option]
-        if option.candidate is not None and option.is_bent and option.mask is not None:
-            found, mask = option.candidate, option.mask.tolist()
-            every = [board.options[j].candidate for j in board.options_of[i].tolist()]
-            ways = [each.columns for each in every if each is not None]
-            for name, value in found.columns.nonlinear.items():
-                grid = np.log([way.nonlinear[name] for way in ways if way.shape == found.columns.shape])
-                apart = np.abs(grid - np.log(value))
-                found = _resolved(board, found, name, mask, float(np.min(apart[apart > 0], initial=WIDEST)))
-            yield found
+    for i, hypothesis in enumerate(board.hypotheses):
+        if not any(board.options[j].is_bent for j in board.options_of[i].tolist()):
+            continue
+        for plain in (None, *_plain_of(board, hypothesis)):
+            members = () if plain is None else (alone.member(board, plain),)
+            now = alone if plain is None else ranked(board, members, i)
+            option = board.options[now.member(board, i).option]
+            if now.total[i] > 0 and option.candidate is not None and option.is_bent and option.mask is not None:
+                found, mask = option.candidate, option.mask.tolist()
+                every = [board.options[j].candidate for j in board.options_of[i].tolist()]
+                ways = [each.columns for each in every if each is not None]
+                for name, value in found.columns.nonlinear.items():
+                    grid = np.log([way.nonlinear[name] for way in ways if way.shape == found.columns.shape])
+                    apart = np.abs(grid - np.log(value))
+                    near = float(np.min(apart[apart > 0], initial=WIDEST))
+                    found = _resolved(board, found, name, mask, near, members)
+                yield found
 
 
-def _resolved(board: Board, one: Candidate, name: str, mask: list[int], apart: float) -> Candidate:
-    """Return a candidate with one constant where its coefficients in ``mask`` leave least of the data.
+def _plain_of(board: Board, bent: Hypothesis) -> Iterator[int]:
+    """Yield the hypotheses of the same triad and driver that are linear and act throughout."""
+    for i, each in enumerate(board.hypotheses):
+        if each.effect is None or bent.effect is None or each is bent:
+            continue
+        is_same = each.effect.driver == bent.effect.driver and each.name.split(".")[0] == bent.name.split(".")[0]
+        if is_same and all(board.options[j].is_plain for j in board.options_of[i].tolist()):
+            yield i
 
-    It is looked for as far as the next point of the grid, ``apart`` in the logarithm.
+
+def _resolved(
+    board: Board, one: Candidate, name: str, mask: list[int], apart: float, members: Sequence[Member]
+) -> Candidate:
+    """Return a candidate with one constant where it and ``members`` leave least of the data.
+
+    It is looked for as far as the next point of the grid, ``apart`` in the logarithm. A point of the grid stands
+    for so much of the prior; this one for what the data leave of it, 1 sigma times sqrt(2 pi) (Laplace).
     """
     low, high = one.effect.ranges.get(name, (0.0, np.inf))
+    others = stacked(board, members)
 
     def at(log: float) -> Candidate:
         value = float(np.clip(np.exp(log), low, high))
@@ -89,11 +112,21 @@ def _resolved(board: Board, one: Candidate, name: str, mask: list[int], apart: f
         H = board.evidence.column(columns)[:, : one.term.H.shape[1]]
         return replace(one, columns=columns, term=Term(H, one.term.plausible))
 
+    def columns_at(log: float) -> FloatArray:
+        own = board.basis.T @ (at(log).term.H[:, mask] / board.evidence.sigma[:, None])
+        return np.hstack((others, own))
+
     def left(log: float) -> float:
-        W = board.basis.T @ (at(log).term.H[:, mask] / board.evidence.sigma[:, None])
+        W = columns_at(log)
         c, *_ = np.linalg.lstsq(W, board.y, rcond=None)
         return float(np.sum((board.y - W @ c) ** 2))
 
     middle = float(np.log(one.columns.nonlinear[name]))
     ends = middle - apart, middle + apart
-    return at(float(minimize_scalar(left, bounds=ends, method="bounded", options={"xatol": 1e-4}).x))
+    best = float(minimize_scalar(left, bounds=ends, method="bounded", options={"xatol": STEP}).x)
+    W = columns_at(best)
+    c, *_ = np.linalg.lstsq(W, board.y, rcond=None)
+    slope = (columns_at(best + STEP) - columns_at(best - STEP)) @ c / (2 * STEP)
+    slope = slope - W @ np.linalg.lstsq(W, slope, rcond=None)[0]
+    width = np.sqrt(2 * np.pi) / max(float(np.linalg.norm(slope)), 1e-300)
+    return replace(at(best), log_volume=one.log_volume + min(float(np.log(width / apart)), 0.0))

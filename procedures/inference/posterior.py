@@ -99,7 +99,8 @@ def posterior(search: Search) -> Posterior:
         order = [int(j) for j in np.argsort(-shares) if shares[j] >= priors.NEGLIGIBLE]
         first = order[0] if order else int(np.argmax(shares))
         named = [j for j in order if board.hypotheses[j].is_named]
-        without = [1 - a if h.is_named else 1.0 for a, h in zip(alone, board.hypotheses, strict=True)]
+        is_alone = float(np.sum(shares[named])) < 1 - priors.LIKELY
+        without = [_without_name(h, a, is_alone=is_alone) for a, h in zip(alone, board.hypotheses, strict=True)]
         nameless = float(_at_most_one(shares @ np.array(without)))
         top = named[0] if named else first
         member = ranking.member(board, top)
@@ -117,6 +118,16 @@ def posterior(search: Search) -> Posterior:
         ))  # fmt: skip
     every = {h.name: float(p) for h, p in zip(board.hypotheses, probabilities, strict=True)}
     return Posterior(tuple(sorted(causes, key=lambda each: -each.evidence)), every, best)
+
+
+def _without_name(hypothesis: Hypothesis, alone: float, *, is_alone: bool) -> float:
+    """Return how far a hypothesis is without a name where it acts; ``alone`` is how far a name is what acts.
+
+    A temperature that was not recorded is a cause that is known: it has no name only where it ``is_alone``.
+    """
+    if hypothesis.is_named:
+        return 1 - alone
+    return float(is_alone or hypothesis.kind != "unrecorded")
 
 
 def _at_most_one(sums: FloatArray) -> FloatArray:

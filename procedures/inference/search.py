@@ -79,6 +79,19 @@ class Search:
         return max(self.models.values(), key=lambda each: each.log_odds)
 
     @property
+    def best_by_names(self) -> Model:
+        """The likeliest model, or one not much less likely in which no temperature that was not recorded acts.
+
+        A temperature that was not recorded may be a drift: what it takes is then no residual.
+        """
+        least = self.best.log_odds + np.log(1 - priors.LIKELY)
+        likely = [m for m in self.window if m.log_odds >= least]
+        return next((m for m in likely if not any(map(self._is_unrecorded, m.members))), self.best)
+
+    def _is_unrecorded(self, member: Member) -> bool:
+        return self.board.hypotheses[_of(self.board, member)].kind == "unrecorded"
+
+    @property
     def window(self) -> list[Model]:
         """The models within Occam's window, the likeliest first."""
         least = self.best.log_odds - priors.WINDOW

@@ -141,7 +141,11 @@ def _excess_text(document: Mapping[str, Any], chance: str, *, is_after: bool) ->
         )
     for code, several in texts.items():
         once = list(dict.fromkeys(several))  # several findings of one name have one reason
-        found += [f"No known error term explains {both(once)}."] if code == Because.NAMELESS else once
+        found += (
+            [f"No known error term fits. What is left looks like {both(once)}."]
+            if code == Because.NAMELESS
+            else once
+        )
     return " ".join(found)
 
 
