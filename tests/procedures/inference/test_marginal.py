@@ -45,6 +45,15 @@ def test_an_option_with_a_member_gains_the_mean_over_its_amplitudes(noise_dof: f
     assert found.best[1] == pytest.approx(max(gains), rel=1e-10)
 
 
+@pytest.mark.parametrize("size", [1e-8, 1.0, 1e8])
+def test_an_option_gains_the_same_next_to_one_of_another_size(size: float) -> None:
+    """What two columns have in common is judged by their own lengths."""
+    y, _, B = random(5)
+    apart = size * np.linalg.qr(random(6)[2])[0]
+    alone, beside = (board(y, [[B], *more], AMPLITUDES, 0.0) for more in ([], [[apart]]))
+    assert ranked(beside, ()).total[0] == pytest.approx(ranked(alone, ()).total[0], rel=1e-10)
+
+
 def test_a_coefficient_is_integrated_as_quadrature_does() -> None:
     rng = np.random.default_rng(4)
     y, w = rng.standard_normal(5), rng.standard_normal((5, 1))
