@@ -15,9 +15,10 @@ from procedures.effects.term.inputs import AUXILIARY
 from procedures.errors import ErrorCode
 from station.applying.source import Samples, Stated, Times, channels_by_column
 from station.errors import DataRefused
-from station.files.logs.header_guesses import guessed_time, split_unit, unit_of_triad
+from station.files.logs.header_guesses import guessed_time, split_unit
 from station.files.logs.log_columns import ColumnOptions, LogColumns, choose_columns
 from station.files.logs.time_units import CLOCK_ROWS, compare_clocks, unit_of_time
+from station.files.logs.triad_guesses import unit_of_triad
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW, TEMPERATURE_UNITS, outputs_per_unit
 from station.files.tables.reader import open_table
 from station.files.tables.table import Block, TableReader

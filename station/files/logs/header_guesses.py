@@ -1,17 +1,11 @@
-"""What a log's header says of its columns: time, temperature, the triads, and the unit in a name.
+"""What a log's header says of its columns: time, temperature, angles, and the unit in a name.
 
 A guess is made for what nobody stated, and is always shown. Names are compared in lower case, without blanks.
-
-Gyroscopes and accelerometers x, y, z are found by the unit that a name states, else by its words. A unit of rate
-or acceleration decides the kind of sensor, whatever the letters before it: ``Gx (g)`` is an accelerometer, ``ax
-[deg/s]`` a gyroscope. A unit of another quantity, as ``uT`` or ``deg``, is of neither.
 """
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
-from pathlib import Path
-from types import MappingProxyType
 
 from procedures.counts.time_decision import LIE_ODDS
 from procedures.counts.time_unit import BY_NAME, TimeUnit, unit_called
@@ -21,8 +15,6 @@ from station.files.output_units import (
     ACCEL_UNITS,
     GYRO_UNITS,
     NOT_BEHIND_A_NAME,
-    OTHER_QUANTITIES,
-    RAW,
     TIME_UNITS,
     is_quotient,
     is_unit,
@@ -44,7 +36,9 @@ _TIME_OF_DEVICE = re.compile(  # VectorNav, ROS, SensorLog, Shimmer, NovAtel
 )
 _AXIS = r"[xyz](?:_?axis)?"
 _OPENS = re.compile(r"[\[({]")
-_CAPITAL = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[XYZ])(?=[A-Z][a-z])")  # GyroXDegPerSec
+_TAKES_G = re.compile(r"(?:.*[./:_])?(?:\w*acc\w*|force)|(?:.*[./:])?[af]")
+CAPITAL = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[XYZ])(?=[A-Z][a-z])")  # GyroXDegPerSec
+_INDEX = re.compile(r"\[([0-2])\]")
 _BRACKET = re.compile(r"_?[\[(].*[\])]$")
 _STEP_IN_BRACKETS = re.compile(r"([0-9.]+(?:e[+-]?[0-9]+)?)_?(.+)")  # as in [0.1 ms]
 _HINT_ODDS = 30.0  # such words are seldom used for another unit
@@ -71,7 +65,7 @@ def split_unit(name: str) -> tuple[str, str]:
     if quotient := re.fullmatch(r"(.+?)_/_(.+)", plain):  # ISO 80000: a_x / g
         if (unit := unit_named(quotient[2])) in {*GYRO_UNITS, *ACCEL_UNITS, *TIME_UNITS}:
             return quotient[1], unit
-    return _unit_behind(plain) or _unit_behind(_lower(_CAPITAL.sub("_", name)), is_quotient) or (plain, "")
+    return _unit_behind(plain) or _unit_behind(_lower(CAPITAL.sub("_", name)), is_quotient) or (plain, "")
 
 
 def _unit_behind(plain: str, may_be: Callable[[str], bool] = bool) -> tuple[str, str] | None:
@@ -80,7 +74,8 @@ def _unit_behind(plain: str, may_be: Callable[[str], bool] = bool) -> tuple[str,
     axis = words.pop() if len(words) > 2 and words[-1] in AXES else ""
     for i in range(len(words)):
         unit = unit_behind_name("_".join(words[i:]))
-        is_sensors = is_quotient(unit) or (unit in ACCEL_UNITS and len(unit) > 1)  # not g of imu_g_x
+        is_force = unit in ACCEL_UNITS and (len(unit) > 1 or _TAKES_G.fullmatch("_".join(words[:i])))
+        is_sensors = is_quotient(unit) or is_force  # not g of imu_g_x, but of acc_g_x
         if may_be(unit) and (is_sensors if axis or not i else True):
             return "_".join([*words[:i], *([axis] if axis else [])]), unit
     return None
@@ -153,6 +148,11 @@ def _lower(name: str) -> str:
     return re.sub(r"\s+", "_", name.strip().lower())
 
 
+def _axis_of_index(found: re.Match[str]) -> str:
+    """Return the axis that an index 0, 1, 2 says, as Betaflight's ``gyroADC[0]`` and PX4's ``gyro_rad[0]``."""
+    return f"_{AXES[int(found[1])]}"
+
+
 _ANGLE_UNITS = {
     "deg": 1.0, "degree": 1.0, "degrees": 1.0,
     "rad": 1 / RAD_PER_DEG, "radian": 1 / RAD_PER_DEG, "radians": 1 / RAD_PER_DEG,
@@ -178,219 +178,3 @@ def degrees_per_angle(name: str) -> float | None:
 def is_rate(name: str) -> bool:
     """Return whether a whole part of a name says that it is a rate, as in ``theta_dot``; not in ``integrated``."""
     return any(part.lower() in _RATES for part in _PARTS.findall(name))
-
-
-_KINDS = {
-    "gyro": re.compile(r"gyro(?:scope)?|angular_?(?:rate|velocity)|rotation_?rate", re.IGNORECASE),
-    "accel": re.compile(r"accel(?:eration|erometer)?|specific_?force", re.IGNORECASE),
-}
-_MARK = "seconds_elapsed"  # a column of Sensor Logger
-_SENSOR_LOGGER_UNITS = {"gyro": "rad/s", "accel": "m/s2"}
-_NO_GRAVITY = re.compile(r"Accelerometer|.*(?:lin(?:ear)?|user)_?acc.*", re.IGNORECASE)
-
-
-def bare_axes(names: Sequence[str], file: Path) -> tuple[str, tuple[str | None, ...], list[str]] | None:
-    """Return the triad, ``gyro`` or ``accel``, whose x, y, z bare columns are, their names, and remarks.
-
-    None where a column is missing, or the file's name says no sensor or several.
-    """
-    by_name = {name.strip().lower(): name for name in names}
-    kinds = [kind for kind, words in _KINDS.items() if words.search(file.stem)]
-    if len(kinds) != 1 or not all(axis in by_name for axis in AXES):
-        return None
-    text = [f"{','.join(by_name[axis] for axis in AXES)} are the {kinds[0]} x,y,z, by the name of the file"]
-    if kinds[0] == "accel" and _MARK in by_name and _NO_GRAVITY.fullmatch(file.stem):
-        text.append("Sensor Logger's Accelerometer has no gravity in it; TotalAcceleration.csv has")
-    return kinds[0], tuple(by_name[axis] for axis in AXES), text
-
-
-def unit_by_logger(
-    names: Sequence[str], triad_names: Sequence[str | None], triad: str, guesses: list[str]
-) -> str | None:
-    """Return the unit of bare columns where the header shows which program wrote them, else None; adds a guess."""
-    is_bare = [(name or "").strip().lower() for name in triad_names] == list(AXES)
-    if not is_bare or _MARK not in (name.strip().lower() for name in names):
-        return None
-    guesses.append(f"{triad} in {_SENSOR_LOGGER_UNITS[triad]}, as Sensor Logger writes it")
-    return _SENSOR_LOGGER_UNITS[triad]
-
-
-_GYRO = (
-    r"(?:(?:scaled|uncomp)?_?(?:gyroscope|gyros?|gyr)(?:_?adc|_rad)?|pqr|motion_?rotation_?rate|ang(?:ular)?_?(?:vel(?:ocity)?|rate|speed)|omega|gyro_?rotation|"
-    r"(?:rotation|dreh|turn)?_?rate|w|g)"
-)
-_ACCEL = (
-    r"(?:accelerometer|(?:scaled|uncomp)?_?accel(?:eration)?(?:_[lw][nr])?|accl|accelerometer_?acceleration|acc|"
-    r"acc_?smooth|total_?acceleration|lin(?:ear)?_?acc(?:el(?:eration)?)?|"
-    r"specific_?force|g_?force|g?f|a)"
-)
-_WORDS = MappingProxyType({"gyroscope": _GYRO, "accelerometer": _ACCEL})
-_UNITS: Mapping[str, Mapping[str, float]] = MappingProxyType(
-    {"gyroscope": GYRO_UNITS, "accelerometer": ACCEL_UNITS}
-)
-_TURNS = MappingProxyType({"x": r"p|roll(?:_?rate)?", "y": r"q|pitch(?:_?rate)?", "z": r"r|yaw(?:_?rate)?"})
-_OF_A_TABLE = r"ref|cmd|command|table|target|set_?point|enc|soll|input|applied|nominal"
-_REFERENCE = re.compile(rf"(?!sampl)(?:.*_)?(?:(?:{_OF_A_TABLE})[a-z]*|rate)(?:_.*)?")
-_NO_SENSOR = re.compile(rf"{_OF_A_TABLE}|true|gravity|heading|course")
-_MAGNETIC = re.compile(r"(?:^|_)(?:mag|compass|field|[mbh]_?[xyz]$)")
-_GRAVITY_REMOVED = re.compile(r"(?:lin(?:ear)?|user|free)_?acc")
-_BARE = r"(?:.*_)?"
-_FILLER_WORD = r"(?:raw|data|out|cal)"
-_INDEX = re.compile(r"\[([0-2])\]")
-
-
-def sensor_of_unit(name: str) -> str | None:
-    """Return the kind of sensor that a column's unit decides, "" of another quantity; None of none."""
-    unit = split_unit(name)[1]
-    if unit in OTHER_QUANTITIES:
-        return ""
-    return next((triad for triad, known in _UNITS.items() if unit in known), None)
-
-
-def guessed_triad(names: Sequence[str], triad: str) -> list[str | None]:
-    """Return the columns of x, y, z of a ``triad``, gyroscope or accelerometer; None of one that is not there.
-
-    Columns of a matrix are x, y, z in their order, where it has three.
-    """
-    word = _WORDS[triad]
-    written = _written_out(names)
-    names = sorted(names, key=lambda name: bool(_GRAVITY_REMOVED.search(_plain(name))))  # the last to be taken
-    written = {name: written[name] for name in names}
-    found = [_of_axis(written, triad, i) for i in range(len(AXES))]
-    if any(found):
-        return found
-    matrix = re.compile(rf"((?:.*[_./])?{word}(?:_?raw)?):[0-9]+", re.IGNORECASE)
-    bases = [match[1] for name in names if (match := matrix.fullmatch(name))]
-    whole = next((base for base in bases if bases.count(base) == len(AXES)), None)
-    return [None if whole is None else f"{whole}:{i + 1}" for i in range(len(AXES))]
-
-
-def sensors_without_axis(names: Sequence[str], triad: str) -> list[str]:
-    """Return the columns in a unit of a ``triad`` of which `guessed_triad` has found none.
-
-    None where one of them is called a reference or a command, which may be in the unit of the others.
-    """
-    in_unit = [name for name in names if sensor_of_unit(name) == triad]
-    others = any(words.search(_plain(name)) for name in in_unit for words in (_NO_SENSOR, _GRAVITY_REMOVED))
-    return [] if others else in_unit
-
-
-def guessed_reference(names: Sequence[str]) -> str | None:
-    """Return the column that is called as the rate or angle of a turntable, None where none is."""
-    plain = ((name, _plain(name)) for name in names)
-    return next((name for name, called in plain if _REFERENCE.fullmatch(called)), None)
-
-
-def unit_of_triad(names: Sequence[str], columns: Sequence[str | None], known: Mapping[str, float]) -> str | None:
-    """Return the unit, one of ``known`` or raw, that the columns of a triad have in common; None of none."""
-    written = _written_out(names)
-    units = {split_unit(written[name])[1] for name in columns if name}
-    return units.pop() if len(units) == 1 and units <= {*known, RAW} else None
-
-
-def is_called_as_other(names: Sequence[str], columns: Sequence[str | None]) -> bool:
-    """Return whether a column without a unit is called as one with a unit: a copy in counts, or another sensor."""
-    decided = {_word(name) for name in names if sensor_of_unit(name)}
-    return any(sensor_of_unit(name) is None and _word(name) in decided for name in columns if name)
-
-
-def is_by_letter_g(name: str) -> bool:
-    """Return whether only the letter g calls a column a gyroscope's: ``gx`` may be an acceleration in g too."""
-    return any(_pattern("g", axis).fullmatch(_plain(name)) for axis in AXES)
-
-
-def _of_axis(written: Mapping[str, str], triad: str, i: int) -> str | None:
-    """Return the column whose unit and name say so, else its unit, else its name where its unit says nothing.
-
-    A unit says enough of names that are no words of the sensor, as ``nx [g]``, where it has all three axes.
-    """
-    axis, own, any_word = AXES[i], _WORDS[triad], "|".join(_WORDS.values())
-    called = _pattern(own, axis)
-    bare = rf"|{_BARE}{axis}(?:_?axis)?"
-    turns = rf"|{_BARE}(?:{_TURNS[axis]})" if triad == "gyroscope" else ""
-    other = re.compile(rf"{_pattern(f'(?:{any_word})', axis).pattern}{bare}{turns}")
-    places = {_place(_plain(full)) for full in written.values() if sensor_of_unit(full) == triad}
-    by_rank: dict[int, str] = {}
-    for name, full in written.items():
-        base, kind = _plain(full), sensor_of_unit(full)
-        family, at = _place(base)
-        is_called = called.fullmatch(base) is not None
-        is_whole = at == i and places.issuperset((family, k) for k in range(3))
-        is_magnetic = not is_quotient(split_unit(full)[1]) and _MAGNETIC.search(base)  # mag_x (G)
-        is_other = is_magnetic or _NO_SENSOR.search(base) or _GRAVITY_REMOVED.search(base)
-        if kind == triad and is_called:
-            rank = 0
-        elif kind == triad and (is_whole or other.fullmatch(base)) and not is_other:
-            rank = 1
-        elif kind is None and is_called:
-            rank = 2
-        else:
-            continue
-        by_rank.setdefault(rank, name)
-    return by_rank[min(by_rank)] if by_rank else None
-
-
-def _pattern(word: str, axis: str) -> re.Pattern[str]:
-    called = rf"{word}(?:_?{_FILLER_WORD})?_?(?:in_)?{axis}(?:_?axis)?|{axis}(?:_?axis)?_?{word}"
-    return re.compile(rf"(?:.*_)?(?:{called})(?:_?{_FILLER_WORD})?")
-
-
-def _plain(name: str) -> str:
-    return re.sub(r"[-./_\s()\[\]]+", "_", split_unit(_INDEX.sub(_axis_of_index, name))[0]).strip("_")
-
-
-def _word(name: str) -> str:
-    """Return a name without what may stand alongside its word, as ``gx`` of ``gx_raw``."""
-    return re.sub(rf"_{_FILLER_WORD}(?=_|$)", "", _plain(name))
-
-
-def _axis_of_index(found: re.Match[str]) -> str:
-    """Return the axis that an index 0, 1, 2 says, as Betaflight's ``gyroADC[0]`` and PX4's ``gyro_rad[0]``."""
-    return f"_{AXES[int(found[1])]}"
-
-
-_PLACES = tuple(
-    (re.compile(rf"(.*?)({'|'.join(axes)}){behind}"), axes)
-    for axes, behind in (
-        (AXES, rf"((?:_?axis)?(?:_?{_FILLER_WORD})?)"), (("roll", "pitch", "yaw"), r"((?:_?rate)?)"),
-        (("p", "q", "r"), "()"),
-    )
-)  # fmt: skip
-_IN_FRONT = re.compile(r"()([xyz])(.+)")  # x_acc, xacc
-_CONTINUED = re.compile(r"([yz])(?:_[0-9]+)?", re.IGNORECASE)  # numbered where several are called so
-
-
-def _place(base: str) -> tuple[str, int | None]:
-    """Return what the columns of a triad have in common of a name, and which axis it is, None of none."""
-    for pattern, axes in (*_PLACES, (_IN_FRONT, AXES)):
-        if found := pattern.fullmatch(base):
-            return f"{found[1]}{{{axes[0]}}}{found[3]}", axes.index(found[2])
-    return base, None
-
-
-def _written_out(names: Sequence[str]) -> dict[str, str]:
-    """Return each name as it is where word and unit stand in every name of a triad: once is enough for people.
-
-    ``ny`` next to ``nx [g]`` is ``ny [g]``; ``y`` behind ``ax [g]`` is ``ay [g]``. A name that stands there with a
-    unit as well, as ``gx`` alongside ``gx (g)``, stays as it is.
-    """
-    bases = {name: _plain(name) for name in names}
-    units: dict[str, set[str]] = {}
-    for name in names:
-        if unit := split_unit(name)[1]:
-            units.setdefault(_place(bases[name])[0], set()).add(unit)
-    stated = {bases[name] for name in names if split_unit(name)[1]}
-    found = dict(zip(names, names, strict=True))
-    for i, name in enumerate(names):
-        if split_unit(name)[1]:
-            continue
-        its = units.get(_place(bases[name])[0], set())
-        if len(its) == 1 and bases[name] not in stated:
-            found[name] = f"{name} [{next(iter(its))}]"
-        elif (follows := _CONTINUED.fullmatch(name.strip())) and i:
-            k = AXES.index(follows[1].lower())
-            family, at = _place(bases[names[i - k]]) if i >= k else ("", None)
-            full = family.replace("{x}", follows[1].lower())
-            if at == 0 and (unit := split_unit(names[i - k])[1]) and full not in stated:
-                found[name] = f"{full} [{unit}]"
-    return found

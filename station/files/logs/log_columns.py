@@ -12,21 +12,23 @@ from procedures.errors import ErrorCode
 from procedures.frames import AXES
 from station.errors import DataRefused
 from station.files.logs.header_guesses import (
-    bare_axes,
     degrees_per_angle,
-    guessed_reference,
     guessed_temperature,
     guessed_time,
-    guessed_triad,
     guessed_utc,
+    split_unit,
+)
+from station.files.logs.time_units import compare_clocks, other_clocks, unit_of_time
+from station.files.logs.triad_guesses import (
+    bare_axes,
+    guessed_reference,
+    guessed_triad,
     is_by_letter_g,
     is_called_as_other,
     sensors_without_axis,
-    split_unit,
     unit_by_logger,
     unit_of_triad,
 )
-from station.files.logs.time_units import compare_clocks, other_clocks, unit_of_time
 from station.files.logs.unit_checks import temperature_column
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW
 from station.files.tables.dates import readings

@@ -6,10 +6,9 @@ from station.files.logs.header_guesses import (
     degrees_per_angle,
     guessed_temperature,
     guessed_time,
-    guessed_triad,
-    sensors_without_axis,
     time_unit_in_name,
 )
+from station.files.logs.triad_guesses import guessed_triad, sensors_without_axis
 
 HEADERS = [
     ("timestamp_us,acc_x,acc_y,acc_z,temp_degC", "timestamp_us", "", "acc_x acc_y acc_z", "temp_degC"),

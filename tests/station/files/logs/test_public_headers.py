@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from station.errors import DataRefused
-from station.files.logs.header_guesses import guessed_time, guessed_triad
+from station.files.logs.header_guesses import guessed_time
 from station.files.logs.log_columns import ColumnOptions, choose_columns
+from station.files.logs.triad_guesses import guessed_triad
 from station.files.tables.reader import read_table
 from tests.refusals import refused
 

@@ -5,9 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from station.files.logs.header_guesses import guessed_triad, sensor_of_unit, split_unit, unit_of_triad
+from station.files.logs.header_guesses import split_unit
 from station.files.logs.log_columns import ColumnOptions, choose_columns
-from station.files.output_units import ACCEL_UNITS, unit_named
+from station.files.logs.triad_guesses import guessed_triad, sensor_of_unit, sensors_without_axis, unit_of_triad
+from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, unit_named
 from station.files.tables.reader import read_table
 
 HEADERS = [  # names, gyroscopes, accelerometers
@@ -83,6 +84,53 @@ def test_a_stated_unit_decides_the_kind_of_sensor(header: str, gyro: str, accel:
     for triad, expected in (("gyroscope", gyro), ("accelerometer", accel)):
         found = guessed_triad(names, triad)
         assert ";".join(name or "-" for name in found if any(found)) == expected
+
+
+@pytest.mark.parametrize("written", ["{}:{n}", "{}_{axis}", "{}[{i}]", "log.{}:{n}", "{}.{axis}"])
+@pytest.mark.parametrize(
+    ("gyro", "accel", "units"),
+    [("gyr_dps", "acc_g", ("deg/s", "g")), ("gyro_deg_s", "accel_g", ("deg/s", "g")),
+     ("w_dps", "a_g", ("deg/s", "g")),
+     ("omega_rad_s", "f_g", ("rad/s", "g")), ("angular_rate_deg_h", "specific_force_mg", ("deg/h", "mg")),
+     ("imu_g", "imu_a", (None, None)), ("UncompGyro", "UncompAcc", (None, None)),
+     ("6286.14:scaledGyro", "6286.14:scaledAccel", (None, None))],
+)  # fmt: skip
+def test_an_accelerometer_is_none_of_rate_in_whatever_container(
+    gyro: str, accel: str, units: tuple[str | None, str | None], written: str
+) -> None:
+    named = {
+        each: [written.format(each, axis=axis, i=i, n=i + 1) for i, axis in enumerate("xyz")]
+        for each in (accel, gyro)
+    }
+    names = ["t", *named[accel], *named[gyro]]
+    for triad, name, unit, known in (
+        ("gyroscope", gyro, units[0], GYRO_UNITS), ("accelerometer", accel, units[1], ACCEL_UNITS)
+    ):  # fmt: skip
+        found = guessed_triad(names, triad)
+        assert found in (named[name], [None] * 3)  # what is not understood is asked for
+        if written in {"{}:{n}", "{}_{axis}", "{}[{i}]"}:
+            assert found == named[name]
+            assert unit_of_triad(names, found, known) == unit
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["acc_w_{}", "a_w_{}", "f_w_{}", "mag_g_{}", "vel_w_{}", "gyro_a_{}", "gyro_f_{}", "ang_acc_{}", "pos_w_{}",
+     "gyro_bias_{}", "accel_bias_{}", "gyro_bias_{}_deg_s", "accel_bias_{}_m_s2", "std_g{}", "gyro_offset_{}",
+     "angular_acceleration_{}", "motionUserAcceleration{}"],
+)  # fmt: skip
+def test_a_letter_next_to_a_word_and_an_estimate_are_no_sensor(name: str) -> None:
+    for names in ([name.format(axis) for axis in "xyz"], [f"{name.format('q')}:{i}" for i in (1, 2, 3)]):
+        assert not any((*guessed_triad(names, "gyroscope"), *guessed_triad(names, "accelerometer")))
+
+
+def test_estimates_next_to_outputs_leave_these_and_gravity_is_preferred() -> None:
+    names = [
+        f"{each}_{axis}" for each in ("gyro_bias", "gyro", "Accelerometer", "TotalAcceleration") for axis in "xyz"
+    ]
+    assert guessed_triad(names, "gyroscope") == ["gyro_x", "gyro_y", "gyro_z"]
+    assert guessed_triad(names, "accelerometer") == [f"TotalAcceleration_{axis}" for axis in "xyz"]
+    assert sensors_without_axis(["gyro_bias_deg_s", "fog_deg_s"], "gyroscope") == ["fog_deg_s"]
 
 
 @pytest.mark.parametrize(
