@@ -19,7 +19,7 @@ from station.files.logs.header_guesses import guessed_time, split_unit
 from station.files.logs.log_columns import ColumnOptions, LogColumns, choose_columns
 from station.files.logs.time_units import CLOCK_ROWS, compare_clocks, unit_of_time
 from station.files.logs.triad_guesses import unit_of_triad
-from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW, TEMPERATURE_UNITS, outputs_per_unit
+from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW, outputs_per_unit
 from station.files.tables.reader import open_table
 from station.files.tables.table import Block, TableReader
 
@@ -82,7 +82,7 @@ class LogSource:
         asked = dict.fromkeys(table.head.name_of(key) for key in stated.auxiliary)
         raw = replace(stated, unit_gyro=stated.unit_gyro or RAW, unit_accel=stated.unit_accel or RAW,
                       auxiliary=tuple(asked | dict.fromkeys(names)))  # fmt: skip
-        found = choose_columns(table.head, raw, partial(_stamps, table))
+        found = choose_columns(table.head, raw, partial(_stamps, table), partial(_whole, table))
         _compare_clocks(table, found, stated.time is not None)
         header = list(table.head.columns)
         units = {
@@ -134,8 +134,7 @@ class LogSource:
                     values[:, first + i] = 0.0 if name is None else block.columns[name]
             temperature = None
             if found.temperature is not None:
-                zero, per = TEMPERATURE_UNITS[found.temperature_unit]
-                temperature = (block.columns[found.temperature] - zero) * per
+                temperature = found.temperature_unit.celsius(block.columns[found.temperature])
             auxiliary = {key: block.columns[name] for key, name in self.auxiliary.items()}
             row += n
             yield Samples(t, values, temperature, auxiliary, block.done, self.stated.name, block.lines)
@@ -168,6 +167,12 @@ def _stamps(blocks: TableReader, column: str, whole: bool) -> FloatArray:
             if is_enough and not whole:
                 break
     return np.concatenate((first, last[last > first[-1:]])) if whole else first
+
+
+def _whole(blocks: TableReader, column: str) -> FloatArray:
+    """Return all rows (n,) of a column."""
+    with closing(blocks.read([column])) as read:
+        return np.concatenate([block.columns[column] for block in read])
 
 
 def _compare_clocks(blocks: TableReader, found: LogColumns, is_stated: bool) -> None:

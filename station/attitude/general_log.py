@@ -73,7 +73,7 @@ def read_any_log(
 
 
 def _general(path: Path, stated: ColumnOptions) -> tuple[ReadLog, LogPlace]:
-    chosen = choose_columns(read_table(path), stated)
+    chosen = choose_columns(read_table(path), replace(stated, temperature=""))
     _refuse_missing(chosen)
     data, origin, notes = log_data(chosen, stated.rate_hz, path.name)
     t = data.columns["t_s"]

@@ -37,7 +37,10 @@ class LogOptions:
     )
     unit_accel: Annotated[str | None, option("UNIT", "m/s2, g, mg, ug, cm/s2, raw, or N/g.")] = None
     unit_time: Annotated[str | None, option("UNIT", UNITS_OF_TIME)] = None
-    temperature: Annotated[str | None, option("COL", "Temperature [degC].")] = None
+    temperature: Annotated[str | None, option("COL", "Temperature.")] = None
+    unit_temperature: Annotated[
+        str | None, option("UNIT", "degC, K, degF, or a step and offset, as 0.1degC or 0.0125degC+25.")
+    ] = None
     aux: Annotated[str | None, option("COL,...", "Other channels that may affect the sensors.")] = None
     rate: Annotated[float | None, option("HZ", "Sample rate, of a log without time.", min=1e-6, max=1e7)] = None
     reference: Annotated[
@@ -70,7 +73,13 @@ class LogOptions:
     def columns(self) -> "ColumnOptions":
         """Return what they say of a log's columns; a usage error where a unit is none."""
         from station.files.logs.log_columns import ColumnOptions
-        from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, outputs_per_unit, time_unit
+        from station.files.output_units import (
+            ACCEL_UNITS,
+            GYRO_UNITS,
+            outputs_per_unit,
+            stated_temperature_unit,
+            time_unit,
+        )
 
         with refused_as("--unit-gyro"):
             outputs_per_unit(self.unit_gyro or "raw", GYRO_UNITS)
@@ -78,10 +87,13 @@ class LogOptions:
             outputs_per_unit(self.unit_accel or "raw", ACCEL_UNITS)
         with refused_as("--unit-time"):
             time_unit(self.unit_time or "s")
+        with refused_as("--unit-temperature"):
+            stated_temperature_unit(self.unit_temperature or "degC")
         return ColumnOptions(
             time=self.time, gyro=_several(self.gyro), accel=_several(self.accel), temperature=self.temperature,
             auxiliary=_several(self.aux) or (), reference=self.reference, utc=self.utc, unit_time=self.unit_time,
-            unit_gyro=self.unit_gyro, unit_accel=self.unit_accel, rate_hz=self.rate,
+            unit_gyro=self.unit_gyro, unit_accel=self.unit_accel,
+            unit_temperature=self.unit_temperature, rate_hz=self.rate,
         )  # fmt: skip
 
     def read(self, files: Sequence[Path], uses_latitude: bool) -> "LogCampaign":

@@ -26,7 +26,7 @@ def apply(
         bool, flag("--force", "Write it even if specific force or rate at rest is impossible.")
     ] = False,
     *,
-    log: Annotated[LogOptions, (*COLUMNS, "temperature", "aux", "serial")],
+    log: Annotated[LogOptions, (*COLUMNS, "temperature", "unit_temperature", "aux", "serial")],
     db: Database = None,
 ) -> None:
     """Write specific force [m/s2] and angular rate [rad/s] of a recording, corrected by a calibration.

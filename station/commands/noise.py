@@ -1,6 +1,7 @@
 """``station noise``: Allan deviation, its terms, spectrum and lines of recordings at rest."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -56,7 +57,7 @@ def _loaded(recordings: Sequence[Path], log: LogOptions) -> "list[LoadedCampaign
     from station.files.campaign_folder.loaded_campaign import check_one_unit
 
     if log.are_logs(recordings):
-        return [read_logs(recordings, log, uses_latitude=False)]
+        return [read_logs(recordings, replace(log, temperature=""), uses_latitude=False)]
     log.refuse_with_folders()
     loaded = [read_campaign(folder) for folder in recordings]
     check_one_unit(loaded)

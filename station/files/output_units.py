@@ -2,8 +2,12 @@
 
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass
 from types import MappingProxyType
 
+import numpy as np
+
+from procedures.arrays import FloatArray
 from procedures.counts.time_unit import BY_NAME, TimeUnit, unit_called
 from procedures.units import DEG_H_PER_DEG_S, RAD_PER_DEG, STANDARD_GRAVITY, UG_PER_G
 
@@ -55,18 +59,54 @@ NOT_BEHIND_A_NAME = ("min", "h", "day", "days")  # temp_min is a minimum
 _BEHIND_A_NAME = frozenset({*SPELLED, *GYRO_UNITS, *ACCEL_UNITS, *TIME_UNITS} - {*NOT_BEHIND_A_NAME})
 _SENSOR_UNITS = frozenset({*GYRO_UNITS, *ACCEL_UNITS, *OTHER_QUANTITIES, RAW})
 
-TEMPERATURE_UNITS: Mapping[str, tuple[float, float]] = MappingProxyType({  # degC: (value - first) * second
-    "degc": (0.0, 1.0), "k": (273.15, 1.0), "degf": (32.0, 1 / 1.8),
-})  # fmt: skip
+PLAUSIBLE_C = (-100.0, 400.0)  # degC: beyond it no IMU works; 0x7FFF in hundredths, a dead thermometer, is within
+
+
+@dataclass(frozen=True, slots=True)
+class TemperatureUnit:
+    """A unit of temperature: degC are (value - ``zero``) * ``degrees``."""
+
+    name: str
+    zero: float
+    degrees: float
+
+    def celsius(self, values: FloatArray) -> FloatArray:
+        """Return ``values`` (n,) in degC, nan where they are no temperature that an IMU can have."""
+        found = (values - self.zero) * self.degrees
+        return np.where((found >= PLAUSIBLE_C[0]) & (found <= PLAUSIBLE_C[1]), found, np.nan)
+
+
+DEGC = TemperatureUnit("degC", 0.0, 1.0)
+_TEMPERATURE_UNITS = {
+    "degc": DEGC, "k": TemperatureUnit("K", 273.15, 1.0), "degf": TemperatureUnit("degF", 32.0, 1 / 1.8),
+}  # fmt: skip
 _TEMPERATURES = {"c": "degc", "°c": "degc", "celsius": "degc", "kelvin": "k", "f": "degf", "°f": "degf",
                  "fahrenheit": "degf", "deg_c": "degc", "deg_f": "degf"}  # fmt: skip
+_SCALED_TEMPERATURE = re.compile(  # 0.0125degC+25; 16k is none
+    r"([0-9]*\.[0-9]+|[0-9]+e-[0-9]+)[*_]?([^0-9.+-]+)([+-][0-9]*\.?[0-9]+)?"
+)
 
 
-def temperature_unit(text: str) -> str | None:
-    """Return a unit of temperature as `TEMPERATURE_UNITS` spells it, None where it is none."""
+def temperature_unit(text: str) -> TemperatureUnit | None:
+    """Return a unit of temperature, or a multiple and an offset of one as ``0.0125degC+25``; None of none."""
     plain = text.strip().lower().replace(" ", "")
-    found = _TEMPERATURES.get(plain, plain)
-    return found if found in TEMPERATURE_UNITS else None
+    if (unit := _TEMPERATURE_UNITS.get(_TEMPERATURES.get(plain, plain))) is not None:
+        return unit
+    scaled = _SCALED_TEMPERATURE.fullmatch(plain)
+    unit = temperature_unit(scaled[2]) if scaled else None
+    if scaled is None or unit is None or not (step := float(scaled[1])) > 0:
+        return None
+    name = f"{step:g}{unit.name}{scaled[3] or ''}"
+    return TemperatureUnit(name, (unit.zero - float(scaled[3] or 0)) / step, unit.degrees * step)
+
+
+def stated_temperature_unit(text: str) -> TemperatureUnit:
+    """Return a unit of temperature; raise `ValueError` if it is none; says what is expected."""
+    if (unit := temperature_unit(text)) is None:
+        raise ValueError(
+            f"found unit {text!a}, expected degC, K or degF, or a step and offset as in 0.1degC or 0.0125degC+25"
+        )
+    return unit
 
 
 def is_unit(text: str) -> bool:
@@ -129,6 +169,3 @@ def outputs_per_unit(unit: str, known: Mapping[str, float]) -> float | None:
             return value * known[per]
     first = next(iter(known))
     raise ValueError(f"found unit {unit!a}, expected one of {', '.join(known)}, {RAW}, or N/({first})")
-
-
-PLAUSIBLE_C = (-100.0, 400.0)  # degC: beyond it no IMU works; 0x7FFF in hundredths, a dead thermometer, is within

@@ -16,6 +16,7 @@ from station.files.output_units import (
     GYRO_UNITS,
     NOT_BEHIND_A_NAME,
     TIME_UNITS,
+    TemperatureUnit,
     is_quotient,
     is_unit,
     temperature_unit,
@@ -136,12 +137,13 @@ def guessed_utc(names: Sequence[str]) -> str | None:
     return next((name for name in names if split_unit(name)[0] == "utc"), None)
 
 
-def temperature_unit_in_name(name: str) -> tuple[str | None, str]:
+def temperature_unit_in_name(name: str) -> tuple[TemperatureUnit | None, str]:
     """Return the unit of temperature that a name says, None where it says none; and what its brackets hold."""
     plain = _lower(name)
     if bracket := re.fullmatch(r".*?_?[\[(](.*)[\])]", plain):
         return temperature_unit(bracket[1]), bracket[1]
-    return temperature_unit(plain.rpartition("_")[2]) or (temperature_unit(plain[1:])), ""
+    words = plain.rpartition("_")[2], plain[1:]
+    return next((unit for each in words if each.isalpha() and (unit := temperature_unit(each))), None), ""
 
 
 def _lower(name: str) -> str:

@@ -18,6 +18,7 @@ from station.files.logs.header_guesses import (
     guessed_utc,
     split_unit,
 )
+from station.files.logs.temperature import temperature_column
 from station.files.logs.time_units import compare_clocks, other_clocks, unit_of_time
 from station.files.logs.triad_guesses import (
     bare_axes,
@@ -29,8 +30,7 @@ from station.files.logs.triad_guesses import (
     unit_by_logger,
     unit_of_triad,
 )
-from station.files.logs.unit_checks import temperature_column
-from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW
+from station.files.output_units import ACCEL_UNITS, DEGC, GYRO_UNITS, RAW, TemperatureUnit
 from station.files.tables.dates import readings
 from station.files.tables.table import MAX_NAMES_SHOWN, Table
 
@@ -55,6 +55,7 @@ class ColumnOptions:
     unit_time: str | None = None
     unit_gyro: str | None = None
     unit_accel: str | None = None
+    unit_temperature: str | None = None
     rate_hz: float | None = None
 
 
@@ -62,7 +63,7 @@ class ColumnOptions:
 class LogColumns:
     """A log's columns by what they hold: names, None of a channel that is not there; ``guesses`` as text.
 
-    ``temperature_unit`` is one of `TEMPERATURE_UNITS`; ``reference_unit``: how many of the reference are 1 deg/s.
+    ``reference_unit`` is how many of the reference are 1 deg/s.
     ``degrees_per_angle`` is how many degrees a unit of the reference is, where it is an angle.
     ``utc`` is another clock's time of the same rows; ``clocks`` are all others alongside ``time``.
     """
@@ -77,7 +78,7 @@ class LogColumns:
     unit_time: TimeUnit
     unit_gyro: str | None
     unit_accel: str | None
-    temperature_unit: str = "degc"
+    temperature_unit: TemperatureUnit = DEGC
     reference_unit: float = 1.0
     degrees_per_angle: float | None = None
     utc: str | None = None
@@ -87,11 +88,15 @@ class LogColumns:
 
 
 def choose_columns(
-    table: Table, stated: ColumnOptions, stamps_of: Callable[[str, bool], FloatArray] | None = None
+    table: Table,
+    stated: ColumnOptions,
+    stamps_of: Callable[[str, bool], FloatArray] | None = None,
+    column_of: Callable[[str], FloatArray] | None = None,
 ) -> LogColumns:
     """Return what a log's columns hold.
 
-    Of a log that is streamed, ``stamps_of`` returns the first rows (n,) of a column, as of `unit_of_time`. Raise
+    Of a log that is streamed, ``stamps_of`` returns the first rows (n,) of a column, as of `unit_of_time`, and
+    ``column_of`` all of them. Raise
     `DataRefused` if a column that was stated is not there, none is an output, or there is neither time nor rate.
     """
     names, guesses = list(table.columns), list[str]()
@@ -118,7 +123,9 @@ def choose_columns(
             f"name one of them{_or_a_table(free, stated)}", code=ErrorCode.COLUMNS,
         )  # fmt: skip
     _refuse_unreadable_time(table, time)
-    temperature, temperature_unit = temperature_column(table, stated.temperature, free, guesses)
+    temperature, temperature_unit = temperature_column(
+        table, stated.temperature, stated.unit_temperature, free, guesses, column_of
+    )
     unit_gyro = stated.unit_gyro or _unit(names, gyro, guesses, "gyroscopes", GYRO_UNITS)
     unit_gyro = unit_gyro or unit_by_logger(names, gyro, "gyro", guesses)
     if unit_gyro is None and any(gyro):
@@ -143,7 +150,8 @@ def choose_columns(
     _refuse_ambiguous_kinds(found, stated, free)
     if unused := [name for name in names if name not in used and name]:
         shown = ", ".join(unused[:MAX_NAMES_SHOWN]) + (", ..." if len(unused) > MAX_NAMES_SHOWN else "")
-        guesses.append(f"not used: {shown} ({_unused_hint(unused, found, stated)})")
+        hint = _unused_hint(unused, found, stated)
+        guesses.append(f"not used: {shown}{f' ({hint})' if hint else ''}")
     return found
 
 
@@ -162,7 +170,9 @@ def _or_a_table(free: Sequence[str], stated: ColumnOptions) -> str:
 
 def _unused_hint(unused: Sequence[str], found: LogColumns, stated: ColumnOptions) -> str:
     """Return the options that name what a log's unused columns may hold."""
-    options = ["--temperature names a temperature", "--aux other channels"]
+    options = (
+        list[str]() if stated.temperature == "" else ["--temperature names a temperature", "--aux other channels"]
+    )
     for triad, what in (("gyro", "gyroscopes"), ("accel", "accelerometers")):
         if len(unused) >= len(AXES) and getattr(stated, triad) is None and not any(getattr(found, triad)):
             options.insert(0, f"--{triad} A,B,C the {what}")

@@ -21,7 +21,7 @@ from procedures.errors import ErrorCode
 from procedures.units import S_PER_H
 from station.errors import DataRefused
 from station.files.logs.log_columns import LogColumns, outputs
-from station.files.output_units import GYRO_UNITS, TEMPERATURE_UNITS, outputs_per_unit
+from station.files.output_units import GYRO_UNITS, outputs_per_unit
 from station.files.tables.strict_csv import TRIADS
 from station.files.tables.table import Table
 
@@ -156,7 +156,7 @@ def _without_empty(found: LogColumns, notes: list[str]) -> LogColumns:
 
 
 def _refuse_beyond_numbers(found: LogColumns) -> None:
-    named = (found.time, *found.gyro, *found.accel, found.reference, found.temperature, *found.auxiliary)
+    named = (found.time, *found.gyro, *found.accel, found.reference, *found.auxiliary)
     for name in filter(None, named):
         values = found.table.column(name)
         beyond = np.flatnonzero(np.isfinite(values) & (np.abs(values) > LARGEST))
@@ -248,9 +248,7 @@ def _auxiliary_columns(found: LogColumns, keep: BoolArray, notes: list[str]) -> 
     columns = dict[str, FloatArray]()
     for column, name in named.items():
         values = np.where(np.isfinite(values := found.table.column(name)[keep]), values, np.nan)
-        if column == "temp_c":
-            first, per = TEMPERATURE_UNITS[found.temperature_unit]
-            values = (values - first) * per
+        values = found.temperature_unit.celsius(values) if column == "temp_c" else values
         known = values[np.isfinite(values)]
         if len(known) and np.ptp(known) > 0:
             columns[column] = values

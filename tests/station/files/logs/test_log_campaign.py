@@ -155,7 +155,7 @@ def test_a_unit_of_time_that_the_steps_leave_open_is_asked_for(tmp_path: Path, s
 @pytest.mark.parametrize(
     ("name", "scale", "offset"),
     [("temp", 1.0, 0.0), ("temp [K]", 1.0, 273.15), ("temp_degF", 1.8, 32.0), ("T_k", 1.0, 273.15),
-     ("temperature", 1.0, 273.15), ("Temp(°C)", 1.0, 0.0)],
+     ("temperature", 1.0, 0.0), ("Temp(°C)", 1.0, 0.0), ("temp [0.1 degC]", 10.0, 0.0)],
 )  # fmt: skip
 def test_a_temperature_is_made_degc_by_its_name_or_its_size(
     tmp_path: Path, name: str, scale: float, offset: float
