@@ -1,6 +1,6 @@
 """Samples of any table and of a step's CSV file; units and time must agree with the calibration and --rate."""
 
-from collections.abc import Generator, Mapping
+from collections.abc import Generator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from functools import partial
@@ -17,7 +17,7 @@ from station.applying.source import Samples, Stated, Times, channels_by_column
 from station.errors import DataRefused
 from station.files.logs.header_guesses import guessed_time, split_unit
 from station.files.logs.log_columns import ColumnOptions, LogColumns, choose_columns
-from station.files.logs.time_units import CLOCK_ROWS, compare_clocks, unit_of_time
+from station.files.logs.time_units import CLOCK_ROWS, compare_clocks, stamps_with_outputs, unit_of_time
 from station.files.logs.triad_guesses import unit_of_triad
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW, outputs_per_unit
 from station.files.tables.reader import open_table
@@ -153,13 +153,15 @@ class LogSource:
         return unit.linear(block.columns[self.found.time]) * unit.seconds
 
 
-def _stamps(blocks: TableReader, column: str, whole: bool) -> FloatArray:
-    """Return as many finite stamps (n,) as a decision about their unit needs; of the whole log, also the last."""
+def _stamps(blocks: TableReader, columns: Sequence[str], whole: bool) -> FloatArray:
+    """Return as many stamps (n,) as a decision about their unit needs; of the whole log, also the last.
+
+    Of ``columns`` the first is the time, the others are outputs.
+    """
     first, last, is_enough = np.empty(0), np.empty(0), False
-    with closing(blocks.read([column])) as read:
+    with closing(blocks.read(columns)) as read:
         for block in read:
-            stamps = block.columns[column]
-            stamps = stamps[np.isfinite(stamps)]
+            stamps = stamps_with_outputs([block.columns[name] for name in columns])
             last = stamps[-1:] if len(stamps) else last
             if not is_enough:
                 first = np.concatenate((first, stamps))

@@ -27,7 +27,7 @@ from station.files.output_units import (
 _UNIT_OF_TIME = r"(?:s|ms|us|µs|ns|min|h|sec|seconds|usec|msec|nsec|minutes|hours|days?)"  # noqa: RUF001
 _TIME_WORD = (
     r"(?:t|time|.*time_?stamp|.*(?:^|_)time|millis|micros|nanos|zeit(?:stempel)?|seconds_elapsed|date|"
-    r"sample_?time_?fine|datenum|(?:time_)?hhmmss|(?:time_)?(?:unix|epoch)|elapsed|uptime|i?tow)"
+    r"sample_?time_?fine|datenum|(?:time_)?hhmmss|(?:time_)?(?:unix|epoch)|elapsed|uptime|(?:gps_?)?(?:i?tow|sow))"
 )
 _TIME = re.compile(rf"(?:.*[./])?{_TIME_WORD}(?:_?{_UNIT_OF_TIME})?")
 _BY_LAST_WORD = re.compile(r"(?:.*_)?(datenum|hhmmss|excel|filetime|julian)(?:_(?:time|date))?")
@@ -46,7 +46,7 @@ _HINT_ODDS = 30.0  # such words are seldom used for another unit
 _HINTS: tuple[tuple[str, tuple[str, ...], float], ...] = (  # words, units that they leave, odds for these
     (r".*sample_?time_?fine", ("tick:1e-4",), LIE_ODDS),  # Xsens MTi counts 0.1 ms
     (r".*sample_?time_?fine", ("us",), LIE_ODDS / 3),  # Xsens DOT counts 1 us
-    (r".*(?:^|_)i?tow", ("s", "ms"), _HINT_ODDS),  # GPS time of week, u-blox in ms
+    (r".*(?:^|_)(?:i?tow|sow)", ("s", "ms"), _HINT_ODDS),  # GPS time of week, u-blox in ms
     (r".*ticks?", ("tick:1e-4",), _HINT_ODDS),
     (r".*(?:unix|epoch|posix).*", ("unix-s", "unix-ms", "unix-us", "unix-ns"), _HINT_ODDS),
 )

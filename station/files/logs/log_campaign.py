@@ -34,7 +34,9 @@ from station.files.tables.strict_csv import MAX_EXACT_INTEGER, TRIADS
 from station.files.tables.table import Table
 from station.files.toml_file import toml_text
 
-_BRACKETS = re.compile(r"[\[(]([^\[\]()]{1,12})[\])]\s*$")
+_BRACKETS = re.compile(
+    r"[\[(](?!.*[0-9]{2})(?=.*[^\W\d_])([^\[\]()]{1,12})[\])]\s*$"
+)  # a unit, not [x8005] or [2]
 PAUSE_S = 60.0  # between logs whose times do not say when they were recorded
 
 

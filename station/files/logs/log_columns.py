@@ -90,14 +90,14 @@ class LogColumns:
 def choose_columns(
     table: Table,
     stated: ColumnOptions,
-    stamps_of: Callable[[str, bool], FloatArray] | None = None,
+    stamps_of: Callable[[Sequence[str], bool], FloatArray] | None = None,
     column_of: Callable[[str], FloatArray] | None = None,
 ) -> LogColumns:
     """Return what a log's columns hold.
 
-    Of a log that is streamed, ``stamps_of`` returns the first rows (n,) of a column, as of `unit_of_time`, and
-    ``column_of`` all of them. Raise
-    `DataRefused` if a column that was stated is not there, none is an output, or there is neither time nor rate.
+    Of a log that is streamed, ``stamps_of`` returns the first stamps (n,), as of `unit_of_time`, and ``column_of``
+    a whole column. Raise `DataRefused` if a column that was stated is not there, none is an output, or there is
+    neither time nor rate.
     """
     names, guesses = list(table.columns), list[str]()
     free = _not_stated(table, stated)
@@ -141,7 +141,10 @@ def choose_columns(
         utc=utc, unit_utc=unit_of_time(table, utc, None, stated.rate_hz, guesses) if utc else SECOND,
         temperature_unit=temperature_unit, reference_unit=_reference_unit(reference, guesses),
         degrees_per_angle=angle, clocks=() if time is None else tuple(other_clocks(table, time, free)),
-        unit_time=unit_of_time(table, time, stated.unit_time, stated.rate_hz, guesses, stamps_of),
+        unit_time=unit_of_time(
+            table, time, stated.unit_time, stated.rate_hz, guesses, stamps_of,
+            [name for name in (*gyro, *accel) if name],
+        ),
         unit_gyro=unit_gyro, unit_accel=unit_accel or _by_gravity(table, accel, guesses), guesses=guesses,
     )  # fmt: skip
     used = _refuse_twice(found)

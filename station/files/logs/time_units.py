@@ -111,12 +111,14 @@ def unit_of_time(
     stated: str | None,
     rate_hz: float | None,
     guesses: list[str],
-    stamps_of: Callable[[str, bool], FloatArray] | None = None,
+    stamps_of: Callable[[Sequence[str], bool], FloatArray] | None = None,
+    outputs: Sequence[str] = (),
 ) -> TimeUnit:
     """Return the unit of a log's column ``time``; what nobody stated is added to ``guesses`` as text.
 
-    ``table`` may be the first rows alone; then ``stamps_of(time, whole)`` returns as many stamps as the decision
-    needs, or these and the last one of the log.
+    Rows without a number in one of the columns ``outputs`` do not count. ``table`` may be the first rows alone;
+    then ``stamps_of((time, *outputs), whole)`` returns as many stamps as the decision needs, or these and the last
+    one of the log.
 
     Raises
     ------
@@ -130,7 +132,11 @@ def unit_of_time(
     if time in table.moments:
         guesses.append(f"time in s, of the moments in {time}")
         return SECOND
-    stamps = _finite(table.column(time) if stamps_of is None else stamps_of(time, False))
+    names = (time, *outputs)
+    if stamps_of is None:
+        stamps = stamps_with_outputs([table.column(time), *(table.columns[name] for name in outputs)])
+    else:
+        stamps = stamps_of(names, False)
     if stated is not None:
         return _stated(table, time, stated, stamps)
     evidence = TimeEvidence(
@@ -141,7 +147,7 @@ def unit_of_time(
         return SECOND
     if found.winner is None:
         if stamps_of is not None:
-            found = decide(replace(evidence, stamps=_finite(stamps_of(time, True))))
+            found = decide(replace(evidence, stamps=stamps_of(names, True)))
         raise TimeUnitAsked(
             table.file, time, [(r.unit.name, r.rate_hz, r.duration_s) for r in found.readings[:MOST_OFFERED]]
         )
@@ -162,8 +168,17 @@ def duration_in_words(seconds: float) -> str:
     return f"{seconds:.3g} s"
 
 
-def _finite(stamps: FloatArray) -> FloatArray:
-    return stamps[np.isfinite(stamps)]
+def stamps_with_outputs(columns: Sequence[FloatArray]) -> FloatArray:
+    """Return the finite stamps (n,), the first of ``columns``, of rows with a number in all others.
+
+    A column without any number is not considered; where no row is left all stamps are returned.
+    """
+    stamps, *outputs = columns
+    there = finite = np.isfinite(stamps)
+    for values in outputs:
+        known = np.isfinite(values)
+        there = there & known if known.any() else there
+    return stamps[there] if there.any() else stamps[finite]
 
 
 def _stated(table: Table, time: str, stated: str, stamps: FloatArray) -> TimeUnit:

@@ -27,6 +27,8 @@ HEADERS = [
      "log.acc:1 log.acc:2 log.acc:3", "log.temp"),
     ("time,gyroRotationX(rad/s),accelerometerAccelerationZ(G)", "time", "gyroRotationX(rad/s) - -",
      "- - accelerometerAccelerationZ(G)", None),
+    ("GPS TFlags,GPS Week,GPS TOW,X Gyro [x8005],Y Gyro [x8005],Z Gyro [x8005]", "GPS TOW",
+     "X Gyro [x8005] Y Gyro [x8005] Z Gyro [x8005]", "", None),
     ("ms,gx,gy,gz", "ms", "gx gy gz", "", None),
     ("t,gx,gy,gz,T", "t", "gx gy gz", "", "T"),
     ("T,gx,gy,gz", "T", "gx gy gz", "", None),

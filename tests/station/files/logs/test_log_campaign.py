@@ -74,6 +74,13 @@ def test_rows_without_a_number_are_lost_samples(tmp_path: Path) -> None:
     assert any("0.08 s" in warning for warning in found.loaded.warnings)
 
 
+@pytest.mark.parametrize(("bracket", "unit"), [("mV", "mV"), ("V", "V"), ("x8005", ""), ("0x51", ""), ("7", "")])
+def test_a_number_in_brackets_is_no_unit(tmp_path: Path, bracket: str, unit: str) -> None:
+    log = save(tmp_path / "log.csv", {f"gyro z [{bracket}]": soak()["gz"], "t": soak()["t"]})
+    stated = LogOptions(ColumnOptions(gyro=("-", "-", "1")))
+    assert campaign_of_logs([log], stated).loaded.output_name == unit
+
+
 def test_a_gap_is_named_by_the_line_of_the_file(tmp_path: Path) -> None:
     columns = soak()
     columns["ax"][[10, 20, 30]] = np.nan  # rows that are not used

@@ -93,6 +93,18 @@ def test_a_file_is_read_as_its_columns_are_and_streamed_as_it_is_read(tmp_path: 
     assert asked < 6
 
 
+def test_rows_without_outputs_are_none_of_the_sample_rate(tmp_path: Path) -> None:
+    rows = [f"{i / 100:.3f},{i % 7 / 10},{i % 5 / 10}," for i in range(5000)]
+    others = [f"{i / 100 + 0.003:.3f},,,{i}" for i in range(5000)]  # of another device, between them
+    file = tmp_path / "log.csv"
+    file.write_text(
+        "time,gx,gy,gps\n" + "\n".join(each for pair in zip(rows, others, strict=True) for each in pair)
+    )
+    whole = choose_columns(read_table(file), ColumnOptions())
+    for found in (whole, LogSource.open(file, ColumnOptions()).found):
+        assert any(": 100 Hz" in guess for guess in found.guesses)
+
+
 def test_a_table_in_memory_that_is_streamed_shows_the_duration_of_the_whole(tmp_path: Path) -> None:
     t = np.arange(100_000.0)
     file = tmp_path / "log.npz"
