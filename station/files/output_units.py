@@ -48,7 +48,8 @@ _SPELLED_OUT = {  # in brackets or as an option: behind ``_`` they may be words
     "milligee": "mg", "mgee": "mg", "gal": "cm/s2", "digit": RAW, "digits": RAW, "codes": RAW, "adu": RAW,
 }  # fmt: skip
 _WRITTEN = (  # parts of units of sensors, in the order in which they are replaced
-    (r"_", ""), (r"[·*\u22c5]", ""), (r"[µμ]", "u"), (r"[°º]", "deg"), (r"²", "2"), (r"⁻", "-"), (r"¹", "1"),
+    (r"_", ""), (r"[·*\u22c5]|(?<=[a-z])\.(?=[a-z])", ""),
+    (r"[µμ]", "u"), (r"[°º]", "deg"), (r"²", "2"), (r"⁻", "-"), (r"¹", "1"),
     (r"per", "/"), (r"milli-?", "m"), (r"micro-?", "u"),
     (r"degrees?", "deg"), (r"radians?", "rad"), (r"met(?:er|re)s?", "m"),
     (r"seconds?|sec(?![a-z])", "s"), (r"hours?|hr", "h"), (r"squared", "2"), (r"\^", ""),

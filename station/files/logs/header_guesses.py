@@ -27,7 +27,7 @@ from station.files.output_units import (
 _UNIT_OF_TIME = r"(?:s|ms|us|µs|ns|min|h|sec|seconds|usec|msec|nsec|minutes|hours|days?)"  # noqa: RUF001
 _TIME_WORD = (
     r"(?:t|time|.*time_?stamp|.*(?:^|_)time|millis|micros|nanos|zeit(?:stempel)?|seconds_elapsed|date|"
-    r"sample_?time_?fine|datenum|(?:time_)?hhmmss|(?:time_)?(?:unix|epoch)|elapsed|uptime|(?:gps_?)?(?:i?tow|sow))"
+    r"sample_?time_?fine|datenum|(?:time_)?hhmmss|(?:time_)?(?:unix|epoch)|elapsed|uptime|x_value|(?:gps_?)?(?:i?tow|sow))"
 )
 _TIME = re.compile(rf"(?:.*[./])?{_TIME_WORD}(?:_?{_UNIT_OF_TIME})?")
 _BY_LAST_WORD = re.compile(r"(?:.*_)?(datenum|hhmmss|excel|filetime|julian)(?:_(?:time|date))?")

@@ -9,10 +9,11 @@ from pathlib import Path
 
 from procedures.errors import ErrorCode
 from station.errors import DataRefused
-from station.files.output_units import is_unit
+from station.files.output_units import OTHER_QUANTITIES, is_unit, unit_named
 from station.files.tables.dates import DateOrder, date_order, may_be_moment, moment
 
 COMMENT = ("#", "%", "//")
+_REMARK = re.compile(r"(?:comment|remark|note|kommentar|bemerkung)?s?", re.IGNORECASE)  # LabVIEW's .lvm
 
 
 def column_names(
@@ -27,11 +28,10 @@ def column_names(
     Rows have ``count`` cells; ``ends_empty``: the last of each is empty, and is no column unless it has a name. A
     row of units between the two is put into brackets behind the names.
     """
-    lines = [cells_of(_plain(line)) for line in above if line.strip()][-2:]
-    lines = [cells[:-1] if len(cells) == count + 1 and not cells[-1] else cells for cells in lines]
+    lines = [_without_remark(cells_of(_plain(line)), count) for line in above if line.strip()][-2:]
     if ends_empty and not (lines and len(lines[-1]) == count and lines[-1][-1]):
         count -= 1
-        lines = [cells[:-1] if len(cells) == count + 1 and not cells[-1] else cells for cells in lines]
+        lines = [_without_remark(cells, count) for cells in lines]
     headers = [
         cells for cells in reversed(lines) if len(cells) == count and 2 * sum(map(is_number, cells)) < count
     ]
@@ -47,17 +47,25 @@ def column_names(
     return tuple(_unique([name or str(i + 1) for i, name in enumerate(names)])), ()
 
 
+def _without_remark(cells: list[str], count: int) -> list[str]:
+    """Return names without those at the end that are empty, or of remarks, and that the rows do not have."""
+    more = cells[count:]
+    return cells[:count] if all(_REMARK.fullmatch(cell) for cell in more) else cells
+
+
 def _plain(line: str) -> str:
-    line = line.strip().lstrip("\ufeff\0")
+    """Return a line above the table without the mark of a comment; empty cells at its ends stay."""
+    line = line.strip(" \r\n\ufeff\0")
     for mark in COMMENT:
-        line = line.removeprefix(mark)
-    return line.strip()
+        line = line.removeprefix(mark).lstrip() if line.startswith(mark) else line
+    return line
 
 
 def _are_units(cells: Sequence[str]) -> bool:
     """Return whether more than half of the cells that say anything are units."""
     stated = [re.sub(r"^[\[(](.*)[\])]$", r"\1", cell) for cell in cells if cell not in {"", "-"}]
-    return bool(stated) and 2 * sum(map(is_unit, stated)) > len(stated)
+    known = [is_unit(cell) or (len(cell) > 1 and unit_named(cell) in OTHER_QUANTITIES) for cell in stated]
+    return 2 * sum(known) > len(stated)
 
 
 def _unique(names: Sequence[str]) -> Iterator[str]:
@@ -76,6 +84,7 @@ _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eEdD][+-]?[0-9]+)?|[
 _DECIMAL_COMMA = re.compile(r"[+-]?(?:[0-9]{1,3}(?:\.[0-9]{3})+|[0-9]*),[0-9]+(?:[eE][+-]?[0-9]+)?")
 _COMMA_GROUPS = re.compile(r"[+-]?[1-9][0-9]{0,2}(?:,[0-9]{3})+(\.[0-9]+)?")
 _SURE_COMMA_GROUPS = re.compile(r"[+-]?[1-9][0-9]{0,2}(?:,[0-9]{3})+(?:\.[0-9]+|(?<=,[0-9]{3},[0-9]{3}))")
+_HEXADECIMAL = re.compile(r"\b0x[0-9a-f]+\b", re.IGNORECASE)
 _DECIMALS = re.compile(r"[+-]?[0-9]*\.([0-9]+)")
 
 
@@ -146,12 +155,25 @@ def layout_of(lines: Sequence[str], file: Path) -> Layout:
     """
     found = [layout for each in DELIMITERS for layout in _layouts(lines, each)]
     if not found:
-        raise DataRefused(
-            file, None, "no table", "rows of numbers, two at least", "name another file", ErrorCode.TABLE
-        )
+        raise _no_table(lines, file)
     best = max(found, key=lambda each: (each.numbers, len(each.names), each.all_numbers))
     _refuse_commas_of_both_kinds(lines, best, file)
     return best
+
+
+def _no_table(lines: Sequence[str], file: Path) -> DataRefused:
+    """Return the refusal of lines that make no table, with what hides the numbers in them."""
+    found, remedy = "no table", "name another file"
+    written = [line.lstrip() for line in lines if line.strip()]
+    marked = [line for line in written if line.startswith(COMMENT)]
+    if 2 * len(marked) > len(written):
+        mark = next(each for each in COMMENT if marked[0].startswith(each))
+        found += f": {len(marked)} of {len(written)} lines begin with {mark}, as comments"
+        remedy = f"remove the {mark} from rows of numbers, and part all cells by one delimiter"
+    elif hexadecimal := next((match[0] for line in written if (match := _HEXADECIMAL.search(line))), ""):
+        found += f": hexadecimal numbers, as {hexadecimal}"
+        remedy = "write signed decimal numbers"
+    return DataRefused(file, None, found, "rows of numbers, two at least", remedy, ErrorCode.TABLE)
 
 
 def _layouts(lines: Sequence[str], delimiter: str | None) -> Iterator[Layout]:

@@ -80,6 +80,47 @@ def test_a_degree_sign_of_another_encoding_and_a_row_of_units(tmp_path: Path) ->
     assert list(named.columns) == ["t", "gx [°/s]", "b"]
 
 
+@pytest.mark.parametrize(
+    ("units", "expected"),
+    [("us\t\tm.s^-2\tdeg.s^-1\tdeg C", ["us", "", "m.s^-2", "deg.s^-1", "deg C"]),
+     ("s\t-\tm/s2\trad/s\thPa", ["s", "", "m/s2", "rad/s", "hPa"]),
+     ("[ms]\t[uT]\t[mg]\t[dps]\t", ["ms", "uT", "mg", "dps", ""])],
+)  # fmt: skip
+def test_a_row_of_units_below_the_names_is_put_behind_them(
+    tmp_path: Path, units: str, expected: list[str]
+) -> None:
+    names = ["Timestamp", "Status", "Accel X", "Gyro X", "Temp"]
+    rows = "".join(f"{i}\t7\t9.8{i % 7}\t0.{i % 3}\t25.{i % 9}\n" for i in range(20))
+    (tmp_path / "log.txt").write_text("\t".join(names) + f"\n{units}\n{rows}")
+    found = list(read_table(tmp_path / "log.txt").columns)
+    assert found == [f"{name} [{unit}]" if unit else name for name, unit in zip(names, expected, strict=True)]
+
+
+@pytest.mark.parametrize(
+    ("last", "is_named"), [("Comment", True), ("Remarks", True), ("", True), ("\t\t", True), ("gz", False)]
+)
+def test_a_column_of_remarks_that_the_rows_lack_costs_no_names(tmp_path: Path, last: str, is_named: bool) -> None:
+    rows = "".join(f"0.{i:02}\t1.{i}\t2.{i}\n" for i in range(20))
+    (tmp_path / "log.lvm").write_text(f"***End_of_Header***\nX_Value\tgx\tgy\t{last}\n{rows}")
+    assert list(read_table(tmp_path / "log.lvm").columns) == (
+        ["X_Value", "gx", "gy"] if is_named else ["1", "2", "3"]
+    )
+
+
+@pytest.mark.parametrize(
+    ("row", "said"),
+    [
+        ("%RAWIMUSA,2105,425384.180;2105,64546,{}*04068385", "%"),
+        ("# {} 1 2 3", "#"),
+        ("0x0004{:04X},0xFFFE63DE", "0x"),
+    ],
+)
+def test_rows_that_look_like_comments_or_are_hexadecimal_are_named(tmp_path: Path, row: str, said: str) -> None:
+    (tmp_path / "log.txt").write_text("".join(f"{row.format(i)}\n" for i in range(300)))
+    with refused(DataRefused, ErrorCode.TABLE, said):
+        read_table(tmp_path / "log.txt")
+
+
 def test_empty_cells_are_no_number_and_comments_and_empty_lines_no_row(tmp_path: Path) -> None:
     lines = text(",", "t,a,b\n").splitlines()
     lines[5] = "0.4,,N/A"
