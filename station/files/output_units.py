@@ -78,11 +78,9 @@ class TemperatureUnit:
 
 
 DEGC = TemperatureUnit("degC", 0.0, 1.0)
-_TEMPERATURE_UNITS = {
-    "degc": DEGC, "k": TemperatureUnit("K", 273.15, 1.0), "degf": TemperatureUnit("degF", 32.0, 1 / 1.8),
-}  # fmt: skip
-_TEMPERATURES = {"c": "degc", "°c": "degc", "celsius": "degc", "kelvin": "k", "f": "degf", "°f": "degf",
-                 "fahrenheit": "degf", "deg_c": "degc", "deg_f": "degf"}  # fmt: skip
+_KELVIN, _DEGF = TemperatureUnit("K", 273.15, 1.0), TemperatureUnit("degF", 32.0, 1 / 1.8)
+_TEMPERATURES = {"c": DEGC, "celsius": DEGC, "k": _KELVIN, "kelvin": _KELVIN, "f": _DEGF, "fahrenheit": _DEGF}
+_DEGREES = re.compile(r"^(?:°|º|deg(?:rees?)?)_?")  # degC, Degrees Celsius
 _SCALED_TEMPERATURE = re.compile(  # 0.0125degC+25; 16k is none
     r"([0-9]*\.[0-9]+|[0-9]+e-[0-9]+)[*_]?([^0-9.+-]+)([+-][0-9]*\.?[0-9]+)?"
 )
@@ -91,7 +89,7 @@ _SCALED_TEMPERATURE = re.compile(  # 0.0125degC+25; 16k is none
 def temperature_unit(text: str) -> TemperatureUnit | None:
     """Return a unit of temperature, or a multiple and an offset of one as ``0.0125degC+25``; None of none."""
     plain = text.strip().lower().replace(" ", "")
-    if (unit := _TEMPERATURE_UNITS.get(_TEMPERATURES.get(plain, plain))) is not None:
+    if (unit := _TEMPERATURES.get(_DEGREES.sub("", plain))) is not None:
         return unit
     scaled = _SCALED_TEMPERATURE.fullmatch(plain)
     unit = temperature_unit(scaled[2]) if scaled else None

@@ -151,6 +151,8 @@ def choose_columns(
     if stamps_of is None and time is not None:
         guesses += compare_clocks(table, time, found.unit_time, found.clocks, stated.time is not None)
     _refuse_ambiguous_kinds(found, stated, free)
+    if found.temperature is None and stated.temperature is None:
+        used.append(guessed_temperature(free) or "")  # a guess says why it is not
     if unused := [name for name in names if name not in used and name]:
         shown = ", ".join(unused[:MAX_NAMES_SHOWN]) + (", ..." if len(unused) > MAX_NAMES_SHOWN else "")
         hint = _unused_hint(unused, found, stated)

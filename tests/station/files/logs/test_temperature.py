@@ -114,6 +114,17 @@ def test_a_command_that_needs_no_temperature_does_not_speak_of_one(tmp_path: Pat
     assert [guess for guess in found.guesses if "temp" in guess] == ["not used: temp"]
 
 
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [("Degrees Celsius", "degC"), ("deg C", "degC"), ("°C", "degC"), ("C", "degC"), ("K", "K"), ("Kelvin", "K"),
+     ("°F", "degF"), ("degrees_fahrenheit", "degF"), ("0.10 degC", "0.1degC"), ("0.0125degC+25", "0.0125degC+25")],
+)  # fmt: skip
+def test_units_of_temperature_as_people_write_them(text: str, name: str) -> None:
+    found = temperature_unit(text)
+    assert found is not None
+    assert found.name == name
+
+
 @pytest.mark.parametrize("text", ["", "deg", "16k", "0degC", "0.1", "0.0degC", "degC+", "5K", "x8005"])
 def test_what_is_no_unit_of_temperature(text: str) -> None:
     assert temperature_unit(text) is None
