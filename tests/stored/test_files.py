@@ -40,7 +40,7 @@ def log_columns(n: int = 1500) -> dict[str, np.ndarray]:
     accel = np.array([0.01, -0.02, 1.0]) + 1e-3 * rng.standard_normal((n, 3))
     columns = {"time_ms": 1000 * PERIOD * i, **{f"gyro_{a}": gyro[:, k] for k, a in enumerate("xyz")}}
     columns |= {f"acc_{a}": accel[:, k] for k, a in enumerate("xyz")}
-    return columns | {"temperature": 298.15 + i / 600, "fan": i % 7.0}
+    return columns | {"temperature_K": 298.15 + i / 600, "fan": i % 7.0}
 
 
 def text_of(columns: dict[str, np.ndarray], comma: str = ",", *, header: bool = True) -> str:
