@@ -74,7 +74,7 @@ _NO_SENSOR = re.compile(rf"{_OF_A_TABLE}|true|gravity|heading|course")
 _MAGNETIC = re.compile(r"(?:^|_)(?:mag|compass|field|[mbh]_?[xyz]$)")
 _GRAVITY_REMOVED = re.compile(r"(?:lin(?:ear)?|user|free)_?acc")
 _NO_OUTPUT = re.compile(  # a filter's estimate, statistics, a derivative
-    r"ang(?:ular)?_?acc|(?<!un)(?<!de)bias(?!.*(?:corr|remov|comp|free))|offset|(?:^|_)std(?:dev)?(?:_|$)|sigma|covar|variance"
+    r"ang(?:ular)?_?acc|(?<!un)(?<!de)(?<!no)(?<!no_)(?:bias|offset)(?!.*(?:corr|remov|comp|free))|(?:^|_)std(?:dev)?(?:_|$)|sigma|covar|variance"
 )
 _BARE = r"(?:.*_)?"
 _FILLER_WORD = r"(?:raw|data|out|cal)"

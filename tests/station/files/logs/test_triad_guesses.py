@@ -130,6 +130,7 @@ def test_estimates_next_to_outputs_leave_these_and_gravity_is_preferred() -> Non
     ]
     assert guessed_triad(names, "gyroscope") == ["gyro_x", "gyro_y", "gyro_z"]
     assert guessed_triad(names, "accelerometer") == [f"TotalAcceleration_{axis}" for axis in "xyz"]
+    assert guessed_triad(["bias_corrected_gx"], "gyroscope")[0] == "bias_corrected_gx"
     assert sensors_without_axis(["gyro_bias_deg_s", "fog_deg_s"], "gyroscope") == ["fog_deg_s"]
 
 
