@@ -23,7 +23,7 @@ from procedures.campaign.campaign import Campaign
 from procedures.campaign.dead_channels import without_dead
 from procedures.diagnosis.caches import clear_caches
 from procedures.diagnosis.declared_effects import declare, declared_effects
-from procedures.diagnosis.findings import findings_of
+from procedures.diagnosis.findings import findings_of, measure_next, not_separable
 from procedures.diagnosis.rate_tables import RateTables, SoaksAlone
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
@@ -192,7 +192,7 @@ def _closed(subject: BaseModel, effects: Sequence[Effect]) -> Diagnosis:
         verdict_of(findings, is_left=is_left), findings, (),
         residual_rms(first.evidence, now, left_out_groups(first.evidence)), first.fits, now.fits, now.evidence,
         subject.report(first), subject.report(now), left, _measure_next(findings, is_left=is_left),
-        unnamed=unnamed, probabilities=found.posterior.probabilities, not_separable=_not_separable(found),
+        unnamed=unnamed, probabilities=found.posterior.probabilities, not_separable=not_separable(found),
         added=(*now.declared, *now.added), values=(*now.declared_values, *now.values),
         unexplained=stays[1], unexplained_before=stays[0],
         left=left_patterns(now.evidence, fits[1]) if is_left else (), on_table=subject.on_table(now),
@@ -207,15 +207,9 @@ def _as_is(now: Refit) -> LinearFit:
     return fit_linear(evidence, [each.term for each in now.added], factor=np.ones(len(evidence.residual)))
 
 
-def _not_separable(found: Inferred) -> dict[str, str]:
-    """Return the names that the model's own parameters take wholly, with the measurement that separates each."""
-    ways = {name: next(iter(found.pool.get(name, ())), None) for name in found.not_separable}
-    return {name: way.effect.separate_by for name, way in ways.items() if way is not None}
-
-
 def _measure_next(findings: Sequence[Finding], *, is_left: bool) -> str:
     """Return what separates the findings' names, or whether what is left comes back; nothing if all is named."""
-    measurements = "; ".join(dict.fromkeys(each.separate_by for each in findings if each.confidence == "possible"))
+    measurements = measure_next(findings)
     return REPEAT_CAMPAIGN if is_left and not measurements else measurements
 
 

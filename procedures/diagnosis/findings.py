@@ -30,6 +30,17 @@ def findings_of(found: Inferred) -> tuple[tuple[Finding, ...], tuple[Unnamed, ..
     return tuple(named), tuple(each for each in unnamed if forms[each.what] is each)
 
 
+def not_separable(found: Inferred) -> dict[str, str]:
+    """Return the names that the model's own parameters take wholly, with the measurement that separates each."""
+    ways = {name: next(iter(found.pool.get(name, ())), None) for name in found.not_separable}
+    return {name: way.effect.separate_by for name, way in ways.items() if way is not None}
+
+
+def measure_next(findings: Sequence[Finding]) -> str:
+    """Return the measurements that separate what is only possible."""
+    return "; ".join(dict.fromkeys(each.separate_by for each in findings if each.confidence == "possible"))
+
+
 def _finding(found: Inferred, cause: Cause, of: Coefficients, left_out: Sequence[IntArray]) -> Finding:
     effect, columns = of.candidate.effect, of.candidate.columns
     names, value, std = _sizes(found.refit, of)

@@ -168,6 +168,13 @@ class NormFit:
         """Degrees of freedom that the norms leave."""
         return free_norms(self.fit, len(self.residual))
 
+    def moved(self, by: FloatArray, covariance: FloatArray) -> "NormFit":
+        """Return the fit with its parameters (9,) moved, and a covariance (9, 9) added to theirs."""
+        x = self.fit.x + by
+        return replace(
+            self, K=_lower(x), b=x[6:], fit=replace(self.fit, x=x, covariance=self.fit.covariance + covariance)
+        )
+
     @property
     def not_observable(self) -> tuple[str, ...]:
         """The misalignments that the prior says more of than the rests do, as ``misalignment.yx``."""

@@ -23,6 +23,19 @@ ONE_SIGMA = 0.8413447460685429  # probability of the normal distribution below o
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class TakenOff:
+    """What effects that were taken off the outputs leave open of the fit to these.
+
+    It moves the fit's parameters by ``moved`` (9,) and adds ``covariance`` (9, 9); ``coefficients`` is how many
+    numbers the poses determine of the effects.
+    """
+
+    moved: FloatArray
+    covariance: FloatArray
+    coefficients: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class MeansCalibration:
     """What the means of n poses say.
 
@@ -71,7 +84,13 @@ def differ_like_poses(accel: FloatArray, t: FloatArray | None) -> bool:
 
 
 def calibrate_means(
-    accel: FloatArray, std: FloatArray, gravity: float, gravity_std: float, *, is_std_stated: bool
+    accel: FloatArray,
+    std: FloatArray,
+    gravity: float,
+    gravity_std: float,
+    *,
+    is_std_stated: bool,
+    effects: TakenOff | None = None,
 ) -> MeansCalibration | Undetermined:
     """Calibrate accelerometers by the means of poses.
 
@@ -80,14 +99,18 @@ def calibrate_means(
     accel, std : (n, 3) [output], means and their standard uncertainties
     gravity, gravity_std : [g], the specific force in every pose
     is_std_stated : whether ``std`` holds noise that was measured; else it is the rounding of the table at most
+    effects : what effects leave open that were taken off ``accel``
     """
     fit = fit_norm(accel, std, gravity)
     if isinstance(fit, Undetermined):
         return fit
+    free = fit.free
+    if effects is not None:
+        fit, free = fit.moved(effects.moved, effects.covariance), max(free - effects.coefficients, 0.0)
     value, covariance = fit.scale_and_bias()
     noise = norm_sigma(fit.K, fit.b, accel, std)
     scatter = float(np.mean(fit.excess**2 / (noise**2 + fit.excess**2))) if is_std_stated else 1.0
-    widening = widened(fit.free, scatter)
+    widening = widened(free, scatter)
     sigma = np.sqrt(np.diag(covariance)) * widening
     k, bias = value[:3], value[3:]
     relative = gravity_std / gravity  # common to all poses: k falls as gravity rises, b / k with it
@@ -98,7 +121,7 @@ def calibrate_means(
         E_std = np.maximum(E_std * widening, _jackknife([_misalignment(each)[0] for each in others]) * (E_std > 0))
     return MeansCalibration(
         k, np.hypot(sigma[:3], relative * k), bias, np.hypot(sigma[3:], relative * bias), E, E_std,
-        fit.residual, noise, held_out, fit.free, fit.not_observable,
+        fit.residual, noise, held_out, free, fit.not_observable,
     )  # fmt: skip
 
 

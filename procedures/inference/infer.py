@@ -7,6 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
+from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import CampaignFits, report
 from procedures.calibration.reduced_steps import ReducedSteps
 from procedures.calibration.solution_values import Solution
@@ -20,7 +21,7 @@ from procedures.inference.board import Board
 from procedures.inference.hypotheses import Library, library_of
 from procedures.inference.marginal import Member, log_sum, tail
 from procedures.inference.nonlinear_constants import resolved
-from procedures.inference.posterior import Posterior, averaged_fits, posterior
+from procedures.inference.posterior import Posterior, averaged_fits, averaged_parameters, posterior
 from procedures.inference.result import TableSensor
 from procedures.inference.search import Model, Search
 
@@ -66,7 +67,8 @@ class Inferred:
     """What was inferred: the posterior, the board it is of, the base model and the refit with the best effects in.
 
     ``refit`` has fits averaged over the models, ``first`` is the base model without any effect, ``pool`` holds the
-    ways in which effects may act.
+    ways in which effects may act. ``moved`` is what the average over the models does to the parameters of the last
+    linearisation (p,), with the covariance (p, p) that it adds.
     """
 
     posterior: Posterior
@@ -75,6 +77,7 @@ class Inferred:
     refit: Refit
     subject: BaseModel
     pool: Candidates
+    moved: tuple[FloatArray, FloatArray]
 
     @property
     def not_separable(self) -> tuple[str, ...]:
@@ -107,7 +110,8 @@ def infer(subject: BaseModel, effects: Sequence[Effect]) -> Inferred:
     if {each.effect.name for each in now.added} != {each.effect.name for each in wanted}:
         with suppress(DoesNotFit):  # two linearisations that lead to each other: the model of the last one
             now = subject.refit(wanted)
-    return Inferred(found, search.board, first, replace(now, fits=fits), subject, pool)
+    moved = averaged_parameters(search, found.causes)
+    return Inferred(found, search.board, first, replace(now, fits=fits), subject, pool, moved)
 
 
 def _with_alternatives(

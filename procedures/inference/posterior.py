@@ -272,18 +272,15 @@ def averaged(board: Board, rest: Sequence[Member], hypothesis: int, member: Memb
     return Coefficients(candidate, columns.coefficients[:k], value, covariance, nonlinear, acts)
 
 
-def averaged_fits(search: Search, fits: CampaignFits, causes: Sequence[Cause]) -> CampaignFits:
-    """Return fits with parameters and covariance averaged over the models of what the causes may be.
+def averaged_parameters(search: Search, causes: Sequence[Cause]) -> tuple[FloatArray, FloatArray]:
+    """Return by how much the model's parameters (p,) move on average over what the causes may be.
 
-    What may act unseen in addition to them, as likely as before the data, is no part of the average.
+    Second is the covariance (p, p) that this adds to that of noise. What may act unseen in addition to the causes,
+    as likely as before the data, is no part of the average.
 
     With A the model's own columns and S those of members, on all rows, and c the members' coefficients in units
-    of their prior, the parameters are ``dx = A^+ (S c - y)``; their covariance is that of noise,
+    of their prior, the parameters move by ``dx = A^+ (S c - y)``; to the covariance of noise is added
     A^+ S cov(c) S' A^+', and that of dx from model to model.
-
-    Parameters
-    ----------
-    fits : where the board was linearised, with the covariance of noise alone
     """
     board, shown = search.board, {name for each in causes for name in each.shares}
     models = [m for m in search.window if {board.hypotheses[i].name for i in m.names} <= shown] or [search.best]
@@ -301,8 +298,18 @@ def averaged_fits(search: Search, fits: CampaignFits, causes: Sequence[Cause]) -
         taken = np.linalg.solve(R, Q.T @ S)
         changes[i] = taken @ held.c - np.linalg.solve(R, Q.T @ y)
         added += p[i] * taken @ held.inverse @ taken.T
-    mean = p @ changes
-    added += ((changes - mean) * p[:, None]).T @ (changes - mean)
+    mean: FloatArray = p @ changes
+    return mean, added + ((changes - mean) * p[:, None]).T @ (changes - mean)
+
+
+def averaged_fits(search: Search, fits: CampaignFits, causes: Sequence[Cause]) -> CampaignFits:
+    """Return fits with parameters and covariance averaged over the models of what the causes may be.
+
+    Parameters
+    ----------
+    fits : where the board was linearised, with the covariance of noise alone
+    """
+    mean, added = averaged_parameters(search, causes)
 
     def moved(joint: TriadFit, columns: IntArray) -> TriadFit:
         one = joint.fit
@@ -310,7 +317,7 @@ def averaged_fits(search: Search, fits: CampaignFits, causes: Sequence[Cause]) -
         return replace(joint, fit=replace(one, x=one.x + mean[columns], covariance=covariance))
 
     accel, gyro = fits.accelerometer, fits.gyroscope
-    first, second = evidence.columns_of
+    first, second = search.board.evidence.columns_of
     return replace(
         fits, accelerometer=accel and moved(accel, first),
         gyroscope=gyro and replace(gyro, joint=moved(gyro.joint, second)),

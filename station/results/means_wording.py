@@ -6,7 +6,13 @@ from typing import Any
 
 from procedures.frames import AXES
 from procedures.inference.result import UNEXPLAINED_LOG_P
-from station.results.diagnosis.diagnosis_document import DiagnosisDocument, Lines, Table
+from station.results.diagnosis.diagnosis_document import DiagnosisDocument, Lines, Table, causes_of, error_tables
+from station.results.diagnosis.diagnosis_wording import (
+    PROBABILITY_NOTE,
+    nameless_in_words,
+    not_separable_in_words,
+    terms_in_words,
+)
 from station.results.diagnosis.finding_wording import p_text, probability_text
 from station.results.diagnosis.means_document import LEAST_FREE
 from station.results.solution_text import measured
@@ -24,7 +30,9 @@ def document_of_means(found: Mapping[str, Any]) -> DiagnosisDocument:
         verdict=found["verdict"],
         title=found["verdict"] if is_checked else NOT_CHECKED,
         headline=_headline(found, part) if part and is_checked else _not_checked(part),
-        causes=(),
+        causes=causes_of(found),
+        cause_note=PROBABILITY_NOTE if any(each["aliases"] for each in found["findings"]) else "",
+        not_separable=tuple(not_separable_in_words(found)),
         measure_next=found["next_measurement"],
         sections=tuple(each for each in _sections(found) if each),
         not_observable=", ".join(found["not_observable"]),
@@ -40,6 +48,7 @@ def _sections(found: Mapping[str, Any]) -> Iterator[Table | Lines]:
         tuple(_wrong_poses(found["wrong_poses"])),
     )
     yield Table("values", "<<", ("parameter", "value +- u"), tuple(_values(found)))
+    yield from error_tables(found["error"] if found["findings"] else ())
     yield Lines("residuals", tuple(_residuals(found)))
 
 
@@ -55,9 +64,10 @@ def _not_checked(part: Mapping[str, Any] | None) -> str:
 def _headline(found: Mapping[str, Any], part: Mapping[str, Any]) -> str:
     wrong = found["wrong_poses"]
     held_out = [each for each in wrong if each["is_held_out"]]
-    fit = _against_noise(found, part)
+    fit = " ".join(filter(None, (terms_in_words(found), _against_noise(found, part), _nameless(found))))
     if not wrong:
-        return fit if found["verdict"] == "unexplained" else f"No pose contradicts the others. {fit}"
+        is_quiet = found["verdict"] == "unexplained" or found["findings"]
+        return fit if is_quiet else f"No pose contradicts the others. {fit}"
     if not held_out:
         either = {one["pose"]: one for each in wrong for one in (*each["alternatives"], each)}
         which = " or ".join(f"{_name(one)} ({probability_text(one['probability'])})" for one in either.values())
@@ -73,6 +83,11 @@ def _headline(found: Mapping[str, Any], part: Mapping[str, Any]) -> str:
     ]
     text = " ".join(each[0].upper() + each[1:] for each in texts)
     return f"{text} The values below are without {'it' if len(held_out) == 1 else 'them'}. {fit}"
+
+
+def _nameless(found: Mapping[str, Any]) -> str:
+    texts = [f"{c['what']} (probability {probability_text(c['joint_probability'])})" for c in found["unnamed"]]
+    return nameless_in_words(texts) if texts else ""
 
 
 def _otherwise(wrong: Mapping[str, Any]) -> str:
@@ -94,8 +109,9 @@ def _against_noise(found: Mapping[str, Any], part: Mapping[str, Any]) -> str:
     test = f"chi2 {part['chi2']:.4g}, {free:.3g} degrees of freedom, {p_text(found['log10_p'])}"
     if found["log10_p"] < UNEXPLAINED_LOG_P / log(10):
         times = significant((part["chi2"] / free) ** 0.5)
+        what = "With that in the model, residuals still" if found["findings"] else "Residuals"
         return (
-            f"Residuals exceed the noise that standard deviations and numbers of samples state, {times} times "
+            f"{what} exceed the noise that standard deviations and numbers of samples state, {times} times "
             f"({test}). The uncertainty treats them as scatter of all poses. A single wrong pose may change a "
             f"value by more."
         )

@@ -188,6 +188,11 @@ RESULTS: dict[str, ResultFormat] = {
             "wrong_poses": "poses that contradict the others: `pose`, `line` of the file, `probability`, "
             "`confidence`, `off_mg` (specific force less gravity), `sigmas`, `is_held_out` (the values are "
             "without it), `alternatives`",
+            "findings": "error terms of the accelerometers, as of `diagnosis/2`; they are in the values",
+            "unnamed": "as of `diagnosis/2`",
+            "probabilities": "as of `diagnosis/2`",
+            "not_separable": "as of `diagnosis/2`",
+            "error": "as of `diagnosis/2`, each pose held out in turn",
             "next_measurement": "what to measure next",
             "accelerometer": "scale factor, misalignment and bias with std, where the poses determine them; the "
             "rms of residuals, stated noise and held-out poses; `chi2`, `degrees_of_freedom`",

@@ -249,7 +249,7 @@ def _sections(found: Mapping[str, Any]) -> Iterator[Table | Lines]:
         ("quantity", "value +- u"),
         tuple(_on_table(solution.get("rate_tables", {"gyroscope": {}, "unit": {}}))),
     )
-    yield from _errors(found["error"])
+    yield from error_tables(found["error"])
     yield Lines("largest residuals", tuple(left_lines(found)))
     yield Table(
         "the unexplained residual increases the uncertainty: U (95 %), largest increases",
@@ -298,7 +298,7 @@ def _calibrations(solution: Mapping[str, Any]) -> Iterator[Table | Lines]:
     yield Lines("not solved", tuple(missing))
 
 
-def _errors(errors: Sequence[Mapping[str, Any]]) -> Iterator[Table]:
+def error_tables(errors: Sequence[Mapping[str, Any]]) -> Iterator[Table]:
     """Yield the errors without and with the findings, a table for each way by which rows were held out."""
     for method in dict.fromkeys(each["method"] for each in errors):
         rows = list[tuple[str, ...]]()

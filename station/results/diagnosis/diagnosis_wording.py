@@ -56,8 +56,8 @@ def verdict_sentence(document: Mapping[str, Any]) -> str:
     """Return a `diagnosis/2`'s verdict in plain words."""
     if "log10_p" not in document:
         return "The results of this recording are below."
-    found, chance = known_findings(document), p_text(document["log10_p"])
-    sure, possible = ([f for f in found if (f["confidence"] == "possible") is so] for so in (False, True))
+    chance = p_text(document["log10_p"])
+    sure, possible = sure_and_possible(document)
     known = f"{_named(sure)} {_reduction(document)}" if sure else ""
     match document["verdict"]:
         case "consistent" if nothing_is_left(document):
@@ -72,12 +72,32 @@ def verdict_sentence(document: Mapping[str, Any]) -> str:
         case "established" | "likely":
             return f"{known}With that in the model, residuals are consistent with noise ({chance})."
         case "ambiguous":
-            detected = "Another error term was detected" if sure else "An error term was detected"
-            which = f"{detected}, but the data cannot determine which: {_groups(document, possible)}."
-            return f"{known}{which}"
+            return terms_in_words(document)
         case _:
             maybe = f" Also possible: {_groups(document, possible)}." if possible else ""
             return f"{known}{_excess_text(document, chance, is_after=bool(sure))}{maybe} {TAKEN_FOR_SCATTER}"
+
+
+def sure_and_possible(document: Mapping[str, Any]) -> tuple[list[Mapping[str, Any]], list[Mapping[str, Any]]]:
+    """Return the findings that are likely or established, and those that are only possible."""
+    found = known_findings(document)
+    sure = [each for each in found if each["confidence"] != "possible"]
+    return sure, [each for each in found if each["confidence"] == "possible"]
+
+
+def terms_in_words(document: Mapping[str, Any]) -> str:
+    """Return the error terms found, with what they explain, and those of which the data cannot determine which."""
+    sure, possible = sure_and_possible(document)
+    known = f"{_named(sure)} {_reduction(document)}" if sure else ""
+    if not possible:
+        return known.rstrip()
+    detected = "Another error term was detected" if sure else "An error term was detected"
+    return f"{known}{detected}, but the data cannot determine which: {_groups(document, possible)}."
+
+
+def nameless_in_words(texts: Sequence[str]) -> str:
+    """Return that what is left looks like ``texts``, each with its probability."""
+    return f"No known error term fits. What is left looks like {both(texts)}."
 
 
 def _reduction(document: Mapping[str, Any]) -> str:
@@ -141,11 +161,7 @@ def _excess_text(document: Mapping[str, Any], chance: str, *, is_after: bool) ->
         )
     for code, several in texts.items():
         once = list(dict.fromkeys(several))  # several findings of one name have one reason
-        found += (
-            [f"No known error term fits. What is left looks like {both(once)}."]
-            if code == Because.NAMELESS
-            else once
-        )
+        found += [nameless_in_words(once)] if code == Because.NAMELESS else once
     return " ".join(found)
 
 

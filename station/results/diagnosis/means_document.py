@@ -7,6 +7,7 @@ import numpy as np
 
 from procedures.anomalies.wrong_poses import WrongPose, find_wrong_poses
 from procedures.arrays import FloatArray, IntArray
+from procedures.diagnosis.pose_tables import PoseDiagnosis, PoseTable, diagnose_poses
 from procedures.errors import NotObservable
 from procedures.frames import AXES
 from procedures.free_positions.norm_fit import Undetermined
@@ -19,6 +20,12 @@ from station.files.campaign_folder.campaign_reading import ANY_EARTH_RATE_DEG_H,
 from station.files.campaign_folder.campaign_schema import SiteTable
 from station.files.logs.means_table import MeansTable
 from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW, outputs_per_unit
+from station.results.diagnosis.diagnosis_json import (
+    error_document,
+    finding_document,
+    probabilities_document,
+    unnamed_document,
+)
 from station.results.result_formats import document_of
 from station.results.solution_json import provenance_of
 from station.text import NOT_KNOWN
@@ -26,6 +33,7 @@ from station.text import NOT_KNOWN
 LEAST_FREE = 0.5  # degrees of freedom, below which no residual is left to judge the poses by
 FEW_FREE = 4.0  # degrees of freedom, below which a sigma from the scatter is itself known to no better than 35 %
 MG = 1e3
+POSES_LEFT_OUT = "pose, held out in turn"
 
 
 def means_document(means: MeansTable, latitude_deg: float | None, serial: str | None) -> dict[str, Any]:
@@ -40,8 +48,8 @@ def means_document(means: MeansTable, latitude_deg: float | None, serial: str | 
     site = site_of(None if latitude_deg is None else SiteTable(latitude_deg=latitude_deg))
     document: dict[str, Any] = {
         "format": "means/2", "file": table.file.name, "poses": len(means.rows), "verdict": "consistent",
-        "wrong_poses": [], "next_measurement": "", "not_observable": [], "warnings": [],
-        "guessed": list(means.found.guesses),
+        "wrong_poses": [], "findings": [], "unnamed": [], "error": [], "next_measurement": "",
+        "not_observable": [], "warnings": [], "guessed": list(means.found.guesses),
         "provenance": document_of(provenance_of({table.file.name: table.sha256}, NOT_KNOWN, serial or NOT_KNOWN)),
     }  # fmt: skip
     if latitude_deg is None:
@@ -56,7 +64,13 @@ def means_document(means: MeansTable, latitude_deg: float | None, serial: str | 
         gravity, gravity_std = site.gravity / STANDARD_GRAVITY, site.gravity_std / STANDARD_GRAVITY
         wrong = find_wrong_poses(accel, std, gravity, is_std_stated=is_stated)
         kept = np.setdiff1d(kept, [one.row for one in wrong if one.probability >= PRESENT])
-        fit = calibrate_means(accel[kept], std[kept], gravity, gravity_std, is_std_stated=is_stated)
+        poses = PoseTable.of(accel[kept], std[kept], gravity, is_std_stated=is_stated)
+        lacking = None if poses is None else diagnose_poses(poses)
+        named = lacking if lacking is not None and lacking.findings else None
+        fit = calibrate_means(
+            named.accel if named else accel[kept], std[kept], gravity, gravity_std, is_std_stated=is_stated,
+            effects=None if named is None else named.effects,
+        )  # fmt: skip
         if isinstance(fit, Undetermined):
             if means.gyro is None:
                 raise NotObservable(f"{table.file.name}: accelerometers by {len(accel)} poses", fit.missing)
@@ -64,9 +78,23 @@ def means_document(means: MeansTable, latitude_deg: float | None, serial: str | 
         else:
             document["wrong_poses"] = [_wrong_pose(each, means) for each in wrong]
             _add_accelerometer(document, fit, "" if per_g else "output/g", is_stated=is_stated)
+            _add_causes(document, lacking)
     if means.gyro is not None:
         _add_gyroscope(document, means, kept)
     return document
+
+
+def _add_causes(document: dict[str, Any], lacking: PoseDiagnosis | None) -> None:
+    """Add the causes found, the errors before and after, and what would separate them."""
+    if lacking is not None:
+        document["findings"] = [finding_document(each) for each in lacking.findings]
+        document["unnamed"] = [unnamed_document(each) for each in lacking.unnamed]
+        document["probabilities"] = probabilities_document(lacking.probabilities)
+        document["not_separable"] = dict(lacking.not_separable)
+        document["error"] = [error_document(each, POSES_LEFT_OUT) for each in lacking.errors]
+    measurements = (document["next_measurement"], lacking.next_measurement if lacking else "")
+    document["next_measurement"] = "; ".join(filter(None, measurements))
+    document["verdict"] = _verdict(document)
 
 
 def _wrong_pose(wrong: WrongPose, means: MeansTable) -> dict[str, Any]:
@@ -84,9 +112,11 @@ def _pose(row: int, probability: float, means: MeansTable) -> dict[str, Any]:
     return {"pose": at + 1, "line": means.found.table.line(at), "probability": probability}
 
 
-def _verdict(wrong: Sequence[Mapping[str, Any]], *, is_left: bool) -> Verdict:
+def _verdict(document: Mapping[str, Any]) -> Verdict:
     """Return the verdict as of every diagnosis; which of several poses is wrong may be ambiguous."""
-    words = {each["confidence"] for each in wrong}
+    wrong = document["wrong_poses"]
+    words = {each["confidence"] for each in (*wrong, *document["findings"])}
+    is_left = document.get("log10_p", 0.0) < UNEXPLAINED_LOG_P / np.log(10)
     if is_left and all(each["is_held_out"] for each in wrong):
         return "partly" if words - {"possible"} else "unexplained"
     if "possible" in words:
@@ -134,13 +164,10 @@ def _add_accelerometer(document: dict[str, Any], fit: MeansCalibration, unit: st
     document["not_observable"] += [f"accelerometer.{name} (the poses are too close to the faces)" for name in
                                    fit.not_observable]  # fmt: skip
     document["not_observable"].append("accelerometer: its axes relative to the housing (poses are not known)")
-    is_left = False
     if is_stated:
         part |= {"noise_rms_mg": MG * float(np.sqrt(np.mean(fit.noise**2))), "chi2": fit.chi2}
         if fit.free >= LEAST_FREE:
-            log_p = log_chi2_sf(fit.chi2, fit.free)
-            document["log10_p"], is_left = log_p / np.log(10), log_p < UNEXPLAINED_LOG_P
-    document["verdict"] = _verdict(document["wrong_poses"], is_left=is_left)
+            document["log10_p"] = log_chi2_sf(fit.chi2, fit.free) / np.log(10)
     document["next_measurement"] = _next_measurement(document["wrong_poses"], fit)
     held = fit.held_out[np.isfinite(fit.held_out)]
     warnings = document["warnings"]
