@@ -88,7 +88,8 @@ def _plain_of(board: Board, bent: Hypothesis) -> Iterator[int]:
         if each.effect is None or bent.effect is None or each is bent:
             continue
         is_same = each.effect.driver == bent.effect.driver and each.name.split(".")[0] == bent.name.split(".")[0]
-        if is_same and all(board.options[j].is_plain for j in board.options_of[i].tolist()):
+        ways = [board.options[j] for j in board.options_of[i].tolist()]
+        if is_same and ways and all(each.is_plain for each in ways):
             yield i
 
 
