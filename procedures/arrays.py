@@ -20,6 +20,12 @@ def interpolated(t: FloatArray, times: FloatArray, values: FloatArray) -> FloatA
     return np.stack([np.interp(t, times, values[:, i]) for i in range(3)], axis=1)
 
 
+def finite_rows(values: FloatArray) -> BoolArray:
+    """Return the rows (n,) of ``values`` (n, k), any unit, in which all are finite."""
+    finite: BoolArray = np.logical_and.reduce(np.isfinite(values), axis=1)
+    return finite
+
+
 def true_runs(mask: BoolArray) -> IntArray:
     """Return begin and end (m, 2) [rows] of each run that ``mask`` (n,) marks, in order; the end is not of it."""
     return np.flatnonzero(np.diff(np.concatenate(([False], mask, [False])))).reshape(-1, 2)

@@ -23,7 +23,7 @@ from procedures.statistics.noise_conditions import (
     without_rounding,
     without_trend,
 )
-from procedures.statistics.recording_conditions import Examined, examine
+from procedures.statistics.recording_conditions import Examined, examine, measured_rows, on_the_grid
 from procedures.statistics.spectral_shape import spectral_condition
 from procedures.statistics.spectrum import MIN_SAMPLES, Line, Spectrum, lines_of, spectrum_of, without_lines
 
@@ -95,13 +95,16 @@ def noise_of(channel: HeldChannel, is_scaled: bool) -> ChannelNoise:
 def noise_as_is(channel: HeldChannel) -> ChannelNoise:
     """Return the same, whether its unit is known or not."""
     raw, part = channel.rate[channel.longest], channel.longest
-    found = examine(raw, channel.period, channel.quantum > 0)
+    measured = channel.is_measured[part]
+    own = measured_rows(measured)
+    found = examine(raw[measured], channel.period * own.every, channel.quantum > 0, own)
     rate, period = found.rate, found.period
     curve = overlapping_deviation(rate, period)
+    even, at = (rate, np.ones(len(rate), dtype=np.bool_)) if own.every > 1 else on_the_grid(rate, measured)
     lines = list[Line]()
     if found.is_usable and found.white is None:
-        lines = [line for line in lines_of(rate, period) if line.amplitude * period > channel.quantum]
-    bare = without_lines(rate, period, lines) if lines else rate
+        lines = [line for line in lines_of(even, period) if line.amplitude * period > channel.quantum]
+    bare = without_lines(even, period, lines)[at] if lines else rate
     fit, conditions = _terms(
         found, bare, curve if not lines else overlapping_deviation(bare, period), channel.quantum
     )
@@ -118,7 +121,7 @@ def noise_as_is(channel: HeldChannel) -> ChannelNoise:
         fit = undetermined(fit, conditions)
     return ChannelNoise(
         channel.triad, AXES[channel.axis], channel.recording, len(raw) * channel.period, 1 / channel.period,
-        float(rate.mean()), False, curve, fit, spectrum_of(rate, period), tuple(lines), conditions,
+        float(rate.mean()), False, curve, fit, spectrum_of(even, period), tuple(lines), conditions,
     )  # fmt: skip
 
 
@@ -137,6 +140,8 @@ def _terms(
             conditions, tau = (*conditions, shape[0]), shape[1]
     fit, trend = without_trend(bare, found.period, fit_from(curve, tau, quantum), tau)
     conditions = (*conditions, *trend)
-    share = found.replaced
-    fit = wider(fit, dict.fromkeys(TAU_POWERS, 1 - share), dict.fromkeys(TAU_POWERS, 1 + share))
+    share = dict.fromkeys(TAU_POWERS, found.replaced + found.missing)
+    share["random_walk"] = found.replaced  # white noise does not change where rows close up over missing ones
+    low, high = ({name: 1 + sign * each for name, each in share.items()} for sign in (-1, 1))
+    fit = wider(fit, low, high)
     return undetermined(without_rounding(fit, found.rounding, found.period), conditions), conditions

@@ -7,10 +7,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from procedures.arrays import FloatArray
+from procedures.arrays import BoolArray, FloatArray
 from procedures.calibration.solution_values import Solution
 from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord, SequenceRecord, SoakRecord, TurnRecord
 from procedures.campaign.observations import channel
+from procedures.counts.missing_rows import INTERPOLATED, TRIAD_BITS
 from procedures.counts.sample_records import CountSeries, Series
 from procedures.frames import AXES, TRIADS
 from procedures.free_positions.gyroscopes_from_moves import segment
@@ -49,6 +50,13 @@ class HeldChannel:
             return self.quantum / self.period
         levels = np.unique(self.rate[:LOOKED_AT])
         return float(np.diff(levels).min()) if 1 < len(levels) <= COARSE_LEVELS else 0.0
+
+    @property
+    def is_measured(self) -> BoolArray:
+        """Say of each row (n,) whether its value was measured, not interpolated between others."""
+        bits = self.series.extra.get(INTERPOLATED, np.zeros(len(self.rate))).astype(np.int64)
+        measured: BoolArray = (bits & TRIAD_BITS[self.triad]) == 0
+        return measured
 
     @property
     def parts(self) -> list[slice]:

@@ -187,7 +187,8 @@ class Examined:
     """Samples ``rate`` (n,) in the unit of the recording, ``period`` [s] apart, and what is wrong with the rows.
 
     ``rounding`` is the variance that rounding adds, ``white`` the noise of a sample where the levels determine it
-    and the Allan deviation does not; both in the unit of the recording, ``step`` one of its steps.
+    and the Allan deviation does not; both in the unit of the recording, ``step`` one of its steps. ``replaced`` is
+    the share of the rows that have their neighbours' mean, ``missing`` of those over which the others close up.
     """
 
     rate: FloatArray
@@ -197,6 +198,7 @@ class Examined:
     step: float = 0.0
     white: NoiseOfLevels | None = None
     replaced: float = 0.0
+    missing: float = 0.0
 
     @property
     def is_usable(self) -> bool:
@@ -204,15 +206,49 @@ class Examined:
         return not any(set(each.undetermined) == set(ALL) for each in self.conditions)
 
 
-def examine(rate: FloatArray, period: float, is_counted: bool) -> Examined:
+@dataclass(frozen=True, slots=True)
+class MeasuredRows:
+    """Which rows of a recording were measured: each ``every``-th one, but for a share ``missing`` of them."""
+
+    every: int = 1
+    missing: float = 0.0
+    condition: Condition | None = None
+
+
+def measured_rows(measured: BoolArray) -> MeasuredRows:
+    """Return what the rows (n,) that were ``measured``, not interpolated, are."""
+    count, rows = int(measured.sum()), len(measured)
+    if count == rows:
+        return MeasuredRows()
+    every = int(np.median(np.diff(np.flatnonzero(measured))))
+    missing = max(1 - every * count / rows, 0.0)
+    text = f"{rows - count} of {rows} rows were not measured: the analysis uses the others."
+    if every > 1:
+        text = f"Each sample is {every} rows long: the analysis uses one row of each sample."
+    values = {"rows": float(rows - count), "every": float(every)}
+    return MeasuredRows(every, missing, Condition("interpolated_rows", text, (), values))
+
+
+def on_the_grid(rate: FloatArray, measured: BoolArray) -> tuple[FloatArray, BoolArray]:
+    """Return samples (m,) with those that were not ``measured`` (n,) on straight lines, and which are ``rate``.
+
+    Of rows that were cut since nothing is known: they are returned as they are.
+    """
+    if len(rate) != int(measured.sum()):
+        return rate, np.ones(len(rate), dtype=np.bool_)
+    return np.interp(np.arange(len(measured)), np.flatnonzero(measured), rate), measured
+
+
+def examine(rate: FloatArray, period: float, is_counted: bool, own: MeasuredRows = MeasuredRows()) -> Examined:
     """Return what a gap-free record ``rate`` (n,) in any unit, samples ``period`` [s] apart, is.
 
-    ``is_counted``: samples are counts whose remainder is carried on; they are whole for another reason.
+    ``is_counted``: samples are counts whose remainder is carried on; they are whole for another reason. ``own``:
+    which rows of the recording ``rate`` holds.
     """
     step = level_step(rate)
     if step == 0:
         return Examined(rate, period)
-    found = Examined(rate, period, step=step)
+    found = _with(Examined(rate, period, step=step, missing=own.missing), own.condition)
     if not is_counted:
         found = _at_the_sensors_rate(found)
     found = _without_bad_rows(found, is_counted) if found.is_usable else found

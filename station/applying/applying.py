@@ -195,6 +195,10 @@ def _run(
     left = [
         f"{source.stated.damage}: samples until then are here" if source.stated.damage else "",
         f"{plural(samples.lost, 'row')} without a number in time or outputs: discarded" if samples.lost else "",
+        *(
+            f"{plural(rows, 'row')} with {number:g}, far from all others: discarded"
+            for number, rows in samples.sentinels.items()
+        ),
         f"repeated rows discarded: {samples.repeated}" if samples.repeated else "",
     ]
     text = (*filter(None, left), *doubts(calibration.document, datetime.now(UTC)), *last.warnings)

@@ -5,7 +5,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from procedures.arrays import BoolArray, FloatArray
+from procedures.arrays import BoolArray, FloatArray, finite_rows
+from procedures.counts.missing_rows import MAX_BRIDGED, sentinel_cells
 from procedures.counts.sample_times import GAP_PERIODS, own_period
 from procedures.errors import ErrorCode
 from station.applying.source import Samples, Source, Stated
@@ -94,6 +95,9 @@ class CheckedSamples:
     is_of_counts: bool
     lost: int = 0
     repeated: int = 0
+    of_one_triad: int = 0
+    sentinels: dict[float, int] = field(default_factory=dict)  # rows that hold a number which stands for no sample
+    _rows: int = 0
     _last: FloatArray = field(default_factory=lambda: np.full(7, np.nan))
     _base: FloatArray | None = None
 
@@ -108,13 +112,31 @@ class CheckedSamples:
                 yield kept
 
     def _usable(self, block: Samples) -> Samples:
+        marked = sentinel_cells(block.values)
+        if marked.any():
+            for number in np.unique(block.values[marked]).tolist():
+                rows = (marked & (block.values == number)).any(axis=1)
+                self.sentinels[number] = self.sentinels.get(number, 0) + int(rows.sum())
+            block = replace(block, values=np.where(marked, np.nan, block.values))
         there: BoolArray = np.logical_not(np.isnan(block.values).all(axis=0))
-        keep: BoolArray = np.logical_and(np.isfinite(block.t), np.isfinite(block.values[:, there]).all(axis=1))
-        self.lost += int(np.sum(~keep))
+        keep: BoolArray = np.logical_and(np.isfinite(block.t), finite_rows(block.values[:, there]))
+        self.lost += int(np.sum(~keep & ~marked.any(axis=1)))
+        self._refuse_other_rates(block, [finite_rows(block.values[:, part]) for part in (slice(3), slice(3, 6))])
         kept = self._once(_only(block, keep), block, keep)
         if self.is_of_counts and len(kept.t):
             self._refuse_fractions(block, keep, there)
         return self._increments(kept)
+
+    def _refuse_other_rates(self, block: Samples, there: Sequence[BoolArray]) -> None:
+        """Refuse rows of which many hold one triad alone: increments of the other rows would be lost."""
+        self._rows += len(block.t)
+        self.of_one_triad += int(np.sum(there[0] != there[1])) if all(part.any() for part in there) else 0
+        if (share := self.of_one_triad / max(self._rows, 1)) > MAX_BRIDGED:
+            slow = "accel" if there[0].sum() > there[1].sum() else "gyro"
+            raise DataRefused(
+                block.where, None, f"{share:.0%} of the rows with one triad alone", "both triads in each row",
+                f"state --{slow} -,-,- to use the other triad alone, at its own rate", ErrorCode.COLUMNS,
+            )  # fmt: skip
 
     def _once(self, kept: Samples, block: Samples, keep: BoolArray) -> Samples:
         """Return rows without those that were written twice."""

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from procedures.arrays import BoolArray, FloatArray, IntArray
+from procedures.arrays import BoolArray, FloatArray, IntArray, finite_rows
 from procedures.counts.encoder_angle import (
     LEAST_ROWS,
     SURE,
@@ -15,6 +15,15 @@ from procedures.counts.encoder_angle import (
     mean_rates,
     slope_and_correlation,
     unwrapped,
+)
+from procedures.counts.missing_rows import (
+    INTERPOLATED,
+    MAX_BRIDGED,
+    TRIAD_BITS,
+    bridged,
+    rows_lost,
+    rows_of_slower,
+    sentinel_cells,
 )
 from procedures.counts.sample_times import SAME_WRAP_STEPS, StampsGoBack, log_times
 from procedures.errors import ErrorCode
@@ -100,29 +109,35 @@ def log_data(found: LogColumns, rate_hz: float | None, name: str) -> tuple[Table
 
     Between them is the time [s] at which ``t_s`` is 0 by the log's own clock, None where that is not known.
 
-    Rows whose outputs or time are empty or no number are omitted: the samples are lost. A channel that never
-    changes is no channel. Raise `DataRefused` if time goes back, a cell of a column that is used is no number, or
-    fewer than `MIN_ROWS` rows are left.
+    Rows whose outputs or time are empty or no number are lost samples: a few in sequence are interpolated and
+    marked. A channel that never changes is no channel. Raise `DataRefused` if time goes back, a cell of a column
+    that is used is no number, fewer than `MIN_ROWS` rows are left, or many rows hold one triad alone.
     """
     table, notes = found.table, list(found.table.notes)
     found = _without_empty(found, notes)
     triads = {"gyro": outputs(found, found.gyro), "accel": outputs(found, found.accel)}
     _refuse_beyond_numbers(found)
+    if found.reference is None:
+        triads = _without_sentinels(found, triads, notes)
     stamps = None if found.time is None else found.unit_time.linear(table.column(found.time))
     reference = None if found.reference is None else table.column(found.reference) / found.reference_unit
-    keep = _usable([*triads.values(), stamps, reference], table.rows)
+    there = {triad: finite_rows(values) for triad, values in triads.items() if values is not None}
+    in_use = there if reference is not None else _at_own_rates(found, there, notes)
+    keep = np.ones(table.rows, dtype=np.bool_)
+    for usable in (*in_use.values(), *(np.isfinite(one) for one in (stamps, reference) if one is not None)):
+        keep &= usable
     lost = ~keep
     lost[list(table.damaged)] = False  # the reader reported so
+    empty = ""
     if lost.any():
-        count = int(lost.sum())
-        notes.append(f"{count} rows without a number in time or outputs, first in {_place(found, lost)}: not used")
+        empty = f"{int(lost.sum())} rows without a number in time or outputs, first in {_place(found, lost)}"
     if stamps is not None and (again := _repeated(stamps, list(triads.values())) & keep).any():
         notes.append(f"{int(again.sum())} rows that repeat the one before: not used")
         keep &= ~again
     if keep.sum() < MIN_ROWS:
-        rows = f"{int(keep.sum())} rows with a number in all of time and outputs"
+        few = f"{int(keep.sum())} rows with a number in all of time and outputs"
         remedy = "name fewer columns, or correct the file"
-        raise DataRefused(table.file, None, rows, f"at least {MIN_ROWS}", remedy, code=ErrorCode.TOO_SHORT)
+        raise DataRefused(table.file, None, few, f"at least {MIN_ROWS}", remedy, code=ErrorCode.TOO_SHORT)
     columns, origin = _times(found, stamps, keep, rate_hz, notes)
     for triad, names in TRIADS.items():
         if (values := triads[triad]) is not None:
@@ -138,7 +153,95 @@ def log_data(found: LogColumns, rate_hz: float | None, name: str) -> tuple[Table
         columns = {"rate_ref_deg_s": reference[keep], **columns}
         columns = {each: values for each, values in columns.items() if each in _TURNTABLE}
     read = Table(Path(name), columns, table.sha256, lines)
+    if reference is None:
+        read, text = _bridged(read, {triad: known[keep] for triad, known in there.items()})
+        notes += [f"{empty}; {text}" if empty and text else text or f"{empty}: not used"] if empty or text else []
+    elif empty:
+        notes.append(f"{empty}: not used")
     return read, origin, [f"{table.file.name}: {note}" for note in notes]
+
+
+KINDS = {"gyro": "gyroscope", "accel": "accelerometer"}
+
+
+def _without_sentinels(
+    found: LogColumns, triads: Mapping[str, FloatArray | None], notes: list[str]
+) -> dict[str, FloatArray | None]:
+    """Return the outputs, nan where they hold a number that stands for no sample."""
+    there = [triad for triad, values in triads.items() if values is not None]
+    values = np.hstack([part for triad in there if (part := triads[triad]) is not None])
+    marked = sentinel_cells(values)
+    if not marked.any():
+        return dict(triads)
+    names = [name for triad in there for name in getattr(found, triad)]
+    shown = ", ".join(dict.fromkeys(f"{number:g}" for number in values[marked].tolist()))
+    of = ", ".join(str(names[i]) for i in np.flatnonzero(marked.any(axis=0)).tolist())
+    rows: BoolArray = np.logical_or.reduce(marked, axis=1)
+    notes.append(
+        f"{of} hold {shown} in {int(rows.sum())} rows, far from all others, first in {_place(found, rows)}: "
+        "missing samples"
+    )
+    values = np.where(marked, np.nan, values)
+    return {**triads, **{triad: values[:, 3 * i : 3 * i + 3] for i, triad in enumerate(there)}}
+
+
+def _at_own_rates(found: LogColumns, there: Mapping[str, BoolArray], notes: list[str]) -> Mapping[str, BoolArray]:
+    """Return the rows (n,) in which each triad is known: of one in every k-th row of the other also in between.
+
+    Raise `DataRefused` if many rows hold one triad alone, in no such order.
+    """
+    if len(there) < 2 or (there["gyro"] == there["accel"]).all():
+        return there
+    slow, fast = sorted(there, key=lambda triad: int(there[triad].sum()))
+    common = np.flatnonzero(there[fast])
+    if (known := rows_of_slower(there[slow][common])) is not None:
+        every = int(np.median(np.diff(np.flatnonzero(there[slow][common]))))
+        notes.append(
+            f"{KINDS[slow]}s stand in every {every}. row of the {KINDS[fast]}s: on straight lines in between"
+        )
+        rows = np.zeros(len(there[slow]), dtype=np.bool_)
+        rows[common[known]] = True
+        return {fast: there[fast], slow: rows}
+    share = float(np.mean(there[fast] != there[slow]))
+    if share > MAX_BRIDGED:
+        what = f"{share:.0%} of the rows with {KINDS[fast]}s or {KINDS[slow]}s alone"
+        remedy = f"state --{slow} -,-,- to use the {KINDS[fast]}s alone, or --{fast} -,-,- for the {KINDS[slow]}s"
+        expected = "both in each row, or the slower ones in every k-th"
+        raise DataRefused(found.table.file, None, what, expected, remedy, ErrorCode.COLUMNS)
+    return there
+
+
+def _bridged(read: Table, there: Mapping[str, BoolArray]) -> tuple[Table, str]:
+    """Return a log with short gaps of time, and the slower triad between its samples, on straight lines; as text.
+
+    The column `INTERPOLATED` marks these values. ``there`` (n,) is where each triad was measured.
+    """
+    t, text = read.columns.get("t_s"), ""
+    if t is None:
+        return read, text
+    lost, rows = rows_lost(t), len(t)
+    share = lost.sum() / (rows + lost.sum())
+    if share > MAX_BRIDGED:
+        lost, text = np.zeros_like(lost), f"{share:.0%} of the samples are missing: each gap ends a recording"
+    elif share:
+        text = (
+            f"{int(lost.sum())} samples missing in short gaps ({share:.2%}) are on straight lines, without noise"
+        )
+    if not lost.any() and all(known.all() for known in there.values()):
+        return read, text
+    own = np.arange(rows) + np.cumsum(lost)  # where the rows that were read stand
+    every = np.arange(int(own[-1]) + 1)
+    source = np.searchsorted(own, every)
+    is_own = own[source] == every
+    columns = {name: np.where(is_own, values[source], np.nan) for name, values in read.columns.items()}
+    columns["t_s"] = np.interp(every, own, t)
+    columns[INTERPOLATED] = np.zeros(len(every))
+    for triad, known in there.items():
+        columns[INTERPOLATED] += TRIAD_BITS[KINDS[triad]] * ~(is_own & known[source])
+        for name in TRIADS[triad]:
+            columns[name] = bridged(columns["t_s"], t[known], read.columns[name][known])
+    lines = [read.line(row) for row in source.tolist()] if read.lines is not None else None
+    return replace(read, columns=columns, lines=lines), text
 
 
 _TURNTABLE = ("rate_ref_deg_s", "t_s", *TRIADS["gyro"], "temp_c")
@@ -176,14 +279,6 @@ def _repeated(stamps: FloatArray, outputs: Sequence[FloatArray | None]) -> BoolA
         if part is not None:
             same[1:] &= (part[1:] == part[:-1]).all(axis=1)
     return same if np.array_equal(same, shared) else np.zeros(len(same), dtype=bool)
-
-
-def _usable(parts: Sequence[FloatArray | None], rows: int) -> BoolArray:
-    keep = np.ones(rows, dtype=bool)
-    for part in parts:
-        if part is not None:
-            keep &= np.isfinite(part).all(axis=1) if part.ndim == 2 else np.isfinite(part)
-    return keep
 
 
 def _place(found: LogColumns, rows: BoolArray) -> str:

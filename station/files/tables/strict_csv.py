@@ -14,6 +14,7 @@ from typing import BinaryIO
 import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.counts.missing_rows import INTERPOLATED
 from station.errors import DataRefused
 from station.files.opening import MAX_LINE
 from station.files.tables.table import Table
@@ -24,7 +25,7 @@ MAX_EXACT_INTEGER = 2**53  # integers below it are exact in float64
 
 
 _AUX = re.compile(r"aux_[A-Za-z0-9_]+")
-_SAMPLE_COLUMNS = ("t_s", *OUTPUTS, "temp_c", "utc_s", "aux_NAME")
+_SAMPLE_COLUMNS = ("t_s", *OUTPUTS, "temp_c", "utc_s", INTERPOLATED, "aux_NAME")
 _TURNTABLE_COLUMNS = ("rate_ref_deg_s", "t_s", *TRIADS["gyro"], "temp_c")
 
 

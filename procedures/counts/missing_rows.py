@@ -1,0 +1,100 @@
+"""Rows without a sample: numbers that stand for none, samples that were lost, and triads of unlike sample rates.
+
+A few rows that are missing in sequence are samples whose times are known. They are bridged by straight lines, so
+that a recording stays whole, and marked: their values hold no noise, and no noise is computed from them.
+"""
+
+import numpy as np
+
+from procedures.arrays import BoolArray, FloatArray, IntArray, true_runs
+from procedures.counts.sample_times import GAP_PERIODS, own_period, sample_times
+
+INTERPOLATED = "interpolated"  # column of a series: the sum of the bits of the triads whose values are no samples
+TRIAD_BITS = {"gyroscope": 1, "accelerometer": 2}
+MIN_SENTINELS = 3  # cells of one number, far from all others
+SENTINEL_FAR = 10.0  # times the spread of all others: what moves passes through the values in between
+MOST_LOST = 3  # rows in sequence that are bridged
+MAX_BRIDGED = 0.25  # of the rows: of more the times and the slow terms of the noise are no longer good
+WHOLE = 0.25  # sample periods that a gap may be off a whole number of them
+REGULAR_STAMPS = 0.99  # of the steps, that are a whole number of periods
+ROWS_AHEAD = 8  # over which the lateness of a lost row lasts; stamps that were late catch up
+MIN_REGULAR = 0.9  # of the steps from one row of the slower triad to the next, that are alike
+COARSE_LEVELS = 256  # of a channel: a value between two would be a level that it does not have
+MAX_STEPS = 4  # of these steps, across which the slower triad is still known
+
+
+def sentinel_cells(values: FloatArray) -> BoolArray:
+    """Mark cells of ``values`` (n, k), in any units, that hold a number which stands for no sample.
+
+    It is the largest or smallest of its column, far from all others, comes in `MIN_SENTINELS` cells or more of the
+    row's columns, and in short runs: what stays there is a state of the sensor.
+    """
+    marked = np.zeros(values.shape, dtype=np.bool_)
+    finite = np.isfinite(values)
+    for sign in (1.0, -1.0):
+        signed = np.where(finite, sign * values, -np.inf)
+        top = signed.max(axis=0, initial=-np.inf)
+        is_top = finite & (signed == top)
+        is_other = finite & ~is_top
+        second = np.where(is_other, signed, -np.inf).max(axis=0, initial=-np.inf)
+        least = np.where(is_other, signed, np.inf).min(axis=0, initial=np.inf)
+        is_far = is_other.any(axis=0) & (second > least)
+        is_far[is_far] = (top - second)[is_far] > SENTINEL_FAR * (second - least)[is_far]
+        for i in np.flatnonzero(is_far):
+            alike = int(is_top[:, is_far & (top == top[i])].sum())
+            runs = np.ptp(true_runs(is_top[:, i]), axis=1)
+            if alike >= MIN_SENTINELS and np.median(runs) <= MOST_LOST and is_top[:, i].mean() < 0.5:
+                marked[:, i] |= is_top[:, i]
+    return marked
+
+
+def rows_lost(t: FloatArray) -> IntArray:
+    """Return how many samples are missing (n,) before each row at ``t`` (n,) [s]; 0 before a longer gap."""
+    lost = np.zeros(len(t), dtype=np.int64)
+    step = np.diff(t)
+    if len(t) < 3 or not (step > 0).all() or step.max() <= GAP_PERIODS * (period := float(np.median(step))):
+        return lost
+    whole = np.maximum(np.rint(step / period), 1.0)
+    if np.mean(np.abs(step / period - whole) < WHOLE) >= REGULAR_STAMPS:
+        begins = np.flatnonzero(whole > 1) + 1
+        begins = begins[_lateness(t, begins, period) > whole[begins - 1] - 1 - WHOLE]
+        periods = step[begins - 1] / period
+    else:  # stamps of reads: where their lateness lasts is looked at more closely
+        found = sample_times(t, own_period(t))
+        begins = found.begins[1:]
+        periods = (found.t[begins] - found.t[begins - 1]) / found.period
+    count = np.rint(periods).astype(np.int64) - 1
+    is_short = (count >= 1) & (count <= MOST_LOST) & (np.abs(periods - count - 1) < WHOLE)
+    lost[begins[is_short]] = count[is_short]
+    return lost
+
+
+def _lateness(t: FloatArray, begins: IntArray, period: float) -> FloatArray:
+    """Return by how many periods rows at ``t`` (n,) [s] from ``begins`` (m,) on are late, at the least (m,)."""
+    ahead = np.minimum(begins[:, None] + np.arange(ROWS_AHEAD), len(t) - 1)
+    late = (t[ahead] - t[begins - 1][:, None]) / period - (ahead - begins[:, None] + 1)
+    least: FloatArray = late.min(axis=1)
+    return least
+
+
+def rows_of_slower(there: BoolArray) -> BoolArray | None:
+    """Return the rows (n,) in which a triad is known that is ``there`` (n,) in every k-th row; None of another."""
+    at = np.flatnonzero(there)
+    step = np.diff(at)
+    if len(step) < 2 or (usual := int(np.median(step))) < 2 or np.mean(step == usual) < MIN_REGULAR:
+        return None
+    known = np.zeros(len(there), dtype=np.bool_)
+    for begin, end in true_runs(np.concatenate((step <= MAX_STEPS * usual, [False]))).tolist():
+        known[at[begin] : at[end] + 1] = True
+    return known
+
+
+def bridged(t: FloatArray, times: FloatArray, values: FloatArray) -> FloatArray:
+    """Return ``values`` (m,) at ``times`` (m,) [s] at ``t`` (n,), straight in between; of few levels the nearest."""
+    line = np.interp(t, times, values)
+    levels = np.unique(values)
+    if len(levels) > COARSE_LEVELS:
+        return line
+    middles = (levels[1:] + levels[:-1]) / 2
+    nearest: FloatArray = levels[np.searchsorted(middles, line)]
+    return nearest
