@@ -90,7 +90,14 @@ def rows_of_slower(there: BoolArray) -> BoolArray | None:
 
 
 def bridged(t: FloatArray, times: FloatArray, values: FloatArray) -> FloatArray:
-    """Return ``values`` (m,) at ``times`` (m,) [s] at ``t`` (n,), straight in between; of few levels the nearest."""
+    """Return values at other times, straight in between; of few levels the nearest one.
+
+    Parameters
+    ----------
+    t : (n,) [s], where values are wanted
+    times : (m,) [s], rising
+    values : (m,), of any unit
+    """
     line = np.interp(t, times, values)
     levels = np.unique(values)
     if len(levels) > COARSE_LEVELS:

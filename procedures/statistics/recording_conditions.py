@@ -216,7 +216,7 @@ class MeasuredRows:
 
 
 def measured_rows(measured: BoolArray) -> MeasuredRows:
-    """Return what the rows (n,) that were ``measured``, not interpolated, are."""
+    """Return what the rows (n,) (numbers) that were ``measured``, not interpolated, are."""
     count, rows = int(measured.sum()), len(measured)
     if count == rows:
         return MeasuredRows()
@@ -230,9 +230,9 @@ def measured_rows(measured: BoolArray) -> MeasuredRows:
 
 
 def on_the_grid(rate: FloatArray, measured: BoolArray) -> tuple[FloatArray, BoolArray]:
-    """Return samples (m,) with those that were not ``measured`` (n,) on straight lines, and which are ``rate``.
+    """Return samples (n,), any unit, those not ``measured`` on straight lines, and the mask.
 
-    Of rows that were cut since nothing is known: they are returned as they are.
+    ``rate`` (m,), in the same unit, holds the others. Where some of them were cut since, it is returned as it is.
     """
     if len(rate) != int(measured.sum()):
         return rate, np.ones(len(rate), dtype=np.bool_)

@@ -30,6 +30,7 @@ from procedures.errors import ErrorCode
 from procedures.units import S_PER_H
 from station.errors import DataRefused
 from station.files.logs.log_columns import LogColumns, outputs
+from station.files.logs.time_units import contradiction_of_rate
 from station.files.output_units import GYRO_UNITS, outputs_per_unit
 from station.files.tables.strict_csv import TRIADS
 from station.files.tables.table import Table
@@ -117,6 +118,8 @@ def log_data(found: LogColumns, rate_hz: float | None, name: str) -> tuple[Table
     found = _without_empty(found, notes)
     triads = {"gyro": outputs(found, found.gyro), "accel": outputs(found, found.accel)}
     _refuse_beyond_numbers(found)
+    if text := contradiction_of_rate(table, found.time, found.unit_time, rate_hz):
+        notes.append(text)
     if found.reference is None:
         triads = _without_sentinels(found, triads, notes)
     stamps = None if found.time is None else found.unit_time.linear(table.column(found.time))

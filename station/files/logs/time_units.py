@@ -6,6 +6,7 @@ Other clocks of the same rows are evidence too; where one contradicts the time, 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
+from shlex import quote
 
 import numpy as np
 
@@ -145,6 +146,11 @@ def unit_of_time(
     found = decide(evidence)
     if not found.readings:  # nothing rises: what reads the stamps says so
         return SECOND
+    if found.winner is None and rate_hz is not None and not evidence.named and evidence.scale_s is None:
+        step = usual_step(stamps[: evidence_rows(stamps)])[0]
+        unit = time_unit(f"tick:{1 / (rate_hz * step):.10g}")
+        guesses.append(f"time in {unit.name}, by --rate: {rate_hz:.5g} Hz")
+        return unit
     if found.winner is None:
         if stamps_of is not None:
             found = decide(replace(evidence, stamps=stamps_of(names, True)))
@@ -158,6 +164,26 @@ def unit_of_time(
     if shared.mean() > FEW_DIGITS:
         guesses.append(f"{shared.mean():.0%} of the rows share a time stamp in {time}: they are spaced evenly")
     return unit
+
+
+def contradiction_of_rate(table: Table, time: str | None, unit: TimeUnit, rate_hz: float | None) -> str:
+    """Return in words that ``rate_hz`` [Hz], which was stated, and a column of times contradict each other.
+
+    ``unit`` is that of ``time``; without one the column is guessed, and of an unknown unit it contradicts nothing.
+    """
+    column = time or guessed_time([name for name in table.columns if name not in table.unreadable])
+    if column is None or rate_hz is None:
+        return ""
+    try:
+        unit = unit if time else unit_of_time(table, column, None, rate_hz, [])
+    except TimeUnitAsked:
+        return ""
+    stamps = _finite(table.column(column))
+    step = usual_step(unit.linear(stamps[: evidence_rows(stamps)]))[0] * unit.seconds
+    if step <= 0 or abs(step * rate_hz - 1) <= CLOCKS_AGREE:
+        return ""
+    used = f"{column} is used (omit --rate)" if time else f"--rate is used (or --time {quote(column)})"
+    return f"--rate {rate_hz:g} contradicts {column}, which makes {1 / step:.5g} Hz: {used}"
 
 
 def duration_in_words(seconds: float) -> str:

@@ -8,6 +8,7 @@ damaged sensor, gives a note and is used. Without a unit (``raw``) nothing is cl
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from shlex import quote
 
 import numpy as np
 
@@ -34,6 +35,7 @@ from station.files.output_units import ACCEL_UNITS, GYRO_UNITS, RAW, outputs_per
 LSB_PER_G = (16384, 8192, 4096, 2048, 1024, 512, 256, 128)  # of common accelerometers, by their range
 LSB_PER_DEG_S = (131, 65.5, 32.8, 16.4, 114.3, 57.1, 28.6, 14.3)  # of common gyroscopes, by their range
 INTERVALS_S = (1e-3, 2e-3, 2.5e-3, 4e-3, 5e-3, 8e-3, 0.01, 0.02, 0.025, 0.04, 0.05, 0.1, 0.2, 0.25, 0.5)
+OWN_TOLERANCE = 0.005  # relative, of the sample period against an interval that its device was set to
 INTERVAL_TOLERANCE = 0.03  # relative: increments are of an interval that a logger can be set to
 GRAVITY_REMOVED = 0.05 * STANDARD_GRAVITY  # m/s2 at rest: below it gravity was taken out
 
@@ -129,7 +131,7 @@ def _of_force(log: Readings, sample_rate: float) -> _Impossible | None:
         return None
     what = f"a specific force of {found.found:.3g} m/s2 at rest, accelerometers in {unit}"
     others = _units(unit, per_g, ACCEL_UNITS, LSB_PER_G, "g", "accel")
-    others += _increments(found, sample_rate, found.found * per_g / STANDARD_GRAVITY)
+    others += _increments(found, sample_rate, per_g, log)
     text = [each.name for each in explanations(found, others)]
     if (bits := _twos_complement(log, axes, per_g)) is not None:
         text.insert(0, f"signed {bits}-bit integers printed as unsigned")
@@ -170,16 +172,23 @@ def _units(
     return of_ranges + others
 
 
-def _increments(found: Contradiction, sample_rate: float, outputs_in_g: float) -> list[Assumption]:
-    """Return the interval whose velocity increments the outputs are: of a sample, or shorter where rows lack."""
-    intervals = [1 / sample_rate, *INTERVALS_S]
-    text = "increments of velocity in {:.3g} s (--unit-accel {:.3g}/g)"
-    return [
-        Assumption(text.format(interval, outputs_in_g), 1 / interval)
-        for i, interval in enumerate(intervals)
-        if (i == 0 or interval < 1.01 / sample_rate)
-        and abs(found.found / interval / STANDARD_GRAVITY - 1) < INTERVAL_TOLERANCE
-    ][:1]
+def _increments(found: Contradiction, sample_rate: float, per_g: float, log: Readings) -> list[Assumption]:
+    """Return the interval whose velocity increments the outputs are: of a sample, or shorter where rows lack.
+
+    Gyroscopes whose unit was stated, not named by their columns, are increments of angle alongside them.
+    """
+    own = next((known for known in INTERVALS_S if abs(known * sample_rate - 1) < OWN_TOLERANCE), 1 / sample_rate)
+    gyro = log.stated.get("gyro")
+    per_deg_s = outputs_per_unit(gyro, GYRO_UNITS) if gyro else None
+    for interval in (own, *INTERVALS_S):
+        is_possible = interval == own or interval < 1.01 / sample_rate
+        if is_possible and abs(found.found / interval / STANDARD_GRAVITY - 1) < INTERVAL_TOLERANCE:
+            options = f"--unit-accel {per_g * interval:.6g}/g"
+            if per_deg_s:
+                options += f" --unit-gyro {quote(f'{per_deg_s * interval:.6g}/(deg/s)')}"
+            what = "velocity and angle" if per_deg_s else "velocity"
+            return [Assumption(f"increments of {what} in {interval:.4g} s ({options})", 1 / interval)]
+    return []
 
 
 def _twos_complement(log: Readings, axes: BoolArray, per_g: float) -> int | None:
