@@ -29,7 +29,7 @@ SIGNIFICANT = 5.0  # sigma: 48 readings are tried
 MIN_EXPLAINED = 0.3  # of the change of f, by rates of a scale that a unit has
 MIN_EXPLAINED_ELSE = 0.65  # by rates of other axes, or of a scale that no unit has
 TIE_RATIO = 1.5  # times the least residual: readings that are indistinguishable; the fewest changes are named
-# a factor: beyond, it is reported; a long lever arm makes 1.9 of 1, so that only a unit's is refused
+# a factor: beyond, it is reported; a long lever arm makes 1.9 of 1, so that what it may be is not refused
 MIN_SCALE_ERROR = 1.5
 NEAR_UNIT = 0.25  # relative: how near to a unit's factor a scale is taken for it; a lever arm makes 0.83 of 1
 MIN_GAIN = 3e-4  # of gravity, in the mean force: what two readings that agree may differ by
@@ -39,6 +39,7 @@ MIN_MISSING = 0.1  # of gravity: what gyros that clip or lose samples may lose o
 TOO_LARGE = {"deg/s": RAD_PER_DEG, "mrad/s": 1e-3, "mdeg/s": 1e-3 * RAD_PER_DEG}  # rad/s
 RANGE_FACTORS = (4.0, 8.0)  # of full-scale ranges; 2 is what a lever arm may make of 1
 RATE_LETTERS = "pqr"
+ARM_ITERATIONS = 4  # of the lever arm: the force of 25 m at 0.2 Hz is four times gravity's change
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +48,7 @@ class AxesDisagreement:
 
     ``reading`` such as "p,-q,r"; ``units`` such as ("deg/s",), several where a scale is that of several, none
     where it is of none; ``scale`` by which to multiply, and its 1 sigma, None of a unit's own factor; ``row`` at
-    which it is clear.
+    which it is clear. ``is_by_lever_arm`` is whether a lever arm of any length may explain the scale.
     """
 
     reading: str
@@ -55,6 +56,7 @@ class AxesDisagreement:
     scale: float
     scale_std: float | None
     row: int
+    is_by_lever_arm: bool = False
 
     @property
     def has_other_axes(self) -> bool:
@@ -112,7 +114,10 @@ def _by_change(log: AttitudeLog, scales: list[RateScale], windows: Windows) -> A
         return None
     if not _is_nearer_gravity((found.scale if off else 1.0) * found.S, windows):
         return None
-    return AxesDisagreement(_named(found.S), units if off else ("rad/s",), found.scale, found.std, _row(log))
+    return AxesDisagreement(
+        _named(found.S), units if off else ("rad/s",), found.scale, found.std, _row(log),
+        is_by_lever_arm=not other_axes and _may_be_lever_arm(log),
+    )  # fmt: skip
 
 
 def _by_mean(log: AttitudeLog, windows: Windows) -> AxesDisagreement | None:
@@ -138,23 +143,52 @@ def rate_scales(log: AttitudeLog) -> list[RateScale]:
     if blocks < MIN_BLOCKS:
         return []
     y, x, bias = _regression(log, rows, blocks)
-    Q = np.linalg.qr(bias + 1e-12)[0]
-    y, x = y - Q @ (Q.T @ y), x - Q @ (Q.T @ x)
+    y, x = _without(bias, y), _without(bias, x)
+    return [_fitted(S, x @ S.reshape(-1), y) for S in _signed_permutations()]
+
+
+def _without(columns: FloatArray, values: FloatArray) -> FloatArray:
+    """Return ``values`` (3n, ...) [m/s2] less what ``columns`` (3n, k) explain of them."""
+    Q = np.linalg.qr(columns + 1e-12)[0]
+    return np.asarray(values - Q @ (Q.T @ values))
+
+
+def _fitted(S: FloatArray, turned: FloatArray, y: FloatArray) -> RateScale:
+    """Return the scale of rates read by ``S`` that turn the force by ``turned`` (3n,), where ``y`` did [m/s2]."""
     total = max(float(y @ y), 1e-300)
-    found = list[RateScale]()
-    for S in _signed_permutations():
-        turned = x @ S.reshape(-1)
-        size = max(float(turned @ turned), 1e-300)
-        scale = float(turned @ y) / size
-        error = y - scale * turned
-        score = (turned * error).reshape(-1, 3).sum(axis=1)
-        lagged = [
-            (2 - (k == 0)) * (1 - k / (LAGS + 1)) * (score[k:] @ score[: len(score) - k]) for k in range(LAGS + 1)
-        ]
-        white = float(error @ error) / (len(y) - 12) * size  # less than that only where few blocks turn
-        std = float(np.sqrt(max(float(sum(lagged)), white))) / size
-        found.append(RateScale(S, scale, std, 1 - float(error @ error) / total))
-    return found
+    size = max(float(turned @ turned), 1e-300)
+    scale = float(turned @ y) / size
+    error = y - scale * turned
+    score = (turned * error).reshape(-1, 3).sum(axis=1)
+    lagged = [
+        (2 - (k == 0)) * (1 - k / (LAGS + 1)) * (score[k:] @ score[: len(score) - k]) for k in range(LAGS + 1)
+    ]
+    white = float(error @ error) / (len(y) - 12) * size  # less than that only where few blocks turn
+    std = float(np.sqrt(max(float(sum(lagged)), white))) / size
+    return RateScale(S, scale, std, 1 - float(error @ error) / total)
+
+
+def _may_be_lever_arm(log: AttitudeLog) -> bool:
+    """Say whether rates as given may be right, the sensor being away from the centre of its motion by any arm r.
+
+    Its specific force then has ``w' x r + w x (w x r)`` beside gravity's, which of a swing of one frequency looks
+    like another scale, and of several or of all axes does not.
+    """
+    rows = max(round(BLOCK_S / log.nominal), 1)
+    blocks = min(len(log.t) // rows, MAX_BLOCKS)
+    used = rows * blocks
+    t, rate = log.t[:used], log.omega_b[:used]
+    rise = np.gradient(rate, t, axis=0)
+    forces = np.stack([np.cross(rise, arm) + np.cross(rate, np.cross(rate, arm)) for arm in np.eye(3)], axis=2)
+    of_arm = np.diff(forces.reshape(blocks, rows, 3, 3).mean(axis=1), axis=0).reshape(-1, 3)
+    r = np.zeros(3)
+    for _ in range(ARM_ITERATIONS):  # gravity alone turns with the body: what the arm adds is subtracted first
+        y, x, bias = _regression(AttitudeLog(t, rate, log.f_b[:used] - forces @ r), rows, blocks)
+        turned, beside = x @ np.eye(3).reshape(-1), np.column_stack((of_arm, bias))
+        r = r + np.linalg.lstsq(np.column_stack((turned, beside)), y, rcond=None)[0][1:4]
+        found = _fitted(np.eye(3), _without(beside, turned), _without(beside, y))
+    low, high = (found.scale + sign * SIGNIFICANT * found.std for sign in (-1, 1))
+    return low < MIN_SCALE_ERROR and high > 1 / MIN_SCALE_ERROR
 
 
 def _regression(log: AttitudeLog, rows: int, blocks: int) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -12,6 +12,7 @@ from procedures.counts.sample_times import GAP_PERIODS, own_period, sample_times
 INTERPOLATED = "interpolated"  # column of a series: the sum of the bits of the triads whose values are no samples
 TRIAD_BITS = {"gyroscope": 1, "accelerometer": 2}
 MIN_SENTINELS = 3  # cells of one number, far from all others
+MAX_LOG_CHANCE = -14.0  # ln of how many such rows chance makes: once in a million recordings
 SENTINEL_FAR = 10.0  # times the spread of all others: what moves passes through the values in between
 MOST_LOST = 3  # rows in sequence that are bridged
 MAX_BRIDGED = 0.25  # of the rows: of more the times and the slow terms of the noise are no longer good
@@ -26,11 +27,12 @@ MAX_STEPS = 4  # of these steps, across which the slower triad is still known
 def sentinel_cells(values: FloatArray) -> BoolArray:
     """Mark cells of ``values`` (n, k), in any units, that hold a number which stands for no sample.
 
-    It is the largest or smallest of its column, far from all others, comes in `MIN_SENTINELS` cells or more of the
-    row's columns, and in short runs: what stays there is a state of the sensor.
+    Either all columns that change hold it in one row, which is no chance; or it is the largest or smallest of its
+    column, far from all others, comes in `MIN_SENTINELS` cells or more, and in short runs: what stays there is a
+    state of the sensor.
     """
-    marked = np.zeros(values.shape, dtype=np.bool_)
     finite = np.isfinite(values)
+    marked = _rows_of_one_number(values)
     for sign in (1.0, -1.0):
         signed = np.where(finite, sign * values, -np.inf)
         top = signed.max(axis=0, initial=-np.inf)
@@ -39,12 +41,29 @@ def sentinel_cells(values: FloatArray) -> BoolArray:
         second = np.where(is_other, signed, -np.inf).max(axis=0, initial=-np.inf)
         least = np.where(is_other, signed, np.inf).min(axis=0, initial=np.inf)
         is_far = is_other.any(axis=0) & (second > least)
-        is_far[is_far] = (top - second)[is_far] > SENTINEL_FAR * (second - least)[is_far]
+        away, spread = top[is_far] - second[is_far], second[is_far] - least[is_far]
+        is_far[is_far] = away > SENTINEL_FAR * spread
         for i in np.flatnonzero(is_far):
             alike = int(is_top[:, is_far & (top == top[i])].sum())
             runs = np.ptp(true_runs(is_top[:, i]), axis=1)
             if alike >= MIN_SENTINELS and np.median(runs) <= MOST_LOST and is_top[:, i].mean() < 0.5:
                 marked[:, i] |= is_top[:, i]
+    return marked
+
+
+def _rows_of_one_number(values: FloatArray) -> BoolArray:
+    """Mark rows of ``values`` (n, k), in any units, in which all columns that change hold one number."""
+    marked = np.zeros(values.shape, dtype=np.bool_)
+    with np.errstate(invalid="ignore"):
+        changes = np.flatnonzero((values != values[:1]).any(axis=0) & np.isfinite(values).any(axis=0))
+    if len(changes) < 2:
+        return marked
+    own = values[:, changes]
+    alike = np.flatnonzero(np.logical_and.reduce(own == own[:, :1], axis=1))
+    if len(alike) and 2 * len(alike) < len(values):
+        levels = min(len(np.unique(own[:, i])) for i in range(len(changes)))
+        if np.log(len(values)) - (len(changes) - 1) * np.log(levels) < MAX_LOG_CHANCE:
+            marked[np.ix_(alike, changes)] = True
     return marked
 
 

@@ -41,12 +41,14 @@ class LogPlace:
     units_by_option: bool = False
     rate_names: tuple[str, ...] = ("p", "q", "r")
     outputs_per_deg_s: float | None = None  # stated as N/(deg/s)
+    rate_hz: float | None = None  # of a log whose sample rate an option may state
 
     def refused(self, row: int, found: str, expected: str, remedy: str, code: ErrorCode) -> DataRefused:
         """Return a refusal of a row."""
         return DataRefused(self.file, self.line(row), found, expected, remedy, code)
 
 
+CORRECT = "correct the range (full scale) or the unit of the rates, or the unit of time"
 LEVER_ARM_SCALE = 3.0  # 1 + L w^2 / g of a sensor 30 m up a mast that swings at 0.13 Hz; none is higher up
 
 
@@ -62,7 +64,7 @@ def check_motion(log: AttitudeLog, place: LogPlace) -> list[str]:
     _check_force_unit(seen, place)
     other = disagreement(log, windows)
     is_near = other is not None and 1 / LEVER_ARM_SCALE < other.scale < LEVER_ARM_SCALE
-    if other is not None and (other.units or other.has_other_axes or not is_near):
+    if other is not None and (other.units or other.has_other_axes or not is_near or not other.is_by_lever_arm):
         raise _rates_refused(other, place)
     if seen.is_absent:
         raise _without_gravity(seen, place)
@@ -70,7 +72,7 @@ def check_motion(log: AttitudeLog, place: LogPlace) -> list[str]:
         return []
     return [
         f"gravity turns {other.scale:.3g} times as fast as the rates: "
-        "a long lever arm, or a wrong range (full scale) of the gyroscopes"
+        "a long lever arm, or a wrong range (full scale) of the gyroscopes, or a wrong sample rate"
     ]
 
 
@@ -119,22 +121,20 @@ def _rates_refused(seen: AxesDisagreement, place: LogPlace) -> DataRefused:
         expected = "rates about the same right-handed axes as the accelerometers"
         return place.refused(seen.row, found, expected, "correct signs or order of the columns", ErrorCode.AXES)
     found = f"gravity turning {seen.scale:.4g} times as fast as the rates{std}"
-    if seen.units:
-        found += f": looks like {' or '.join(seen.units)}"
+    rate = f", or --rate {place.rate_hz / seen.scale:.4g}, if that is the sample rate" if place.rate_hz else ""
     if place.outputs_per_deg_s is not None:
-        stated = f"{place.outputs_per_deg_s / seen.scale:.3g}/(deg/s)"
-        remedy = f"say --unit-gyro {stated}, if that is the range"
+        stated = f"'{place.outputs_per_deg_s / seen.scale:.3g}/(deg/s)'"
+        remedy = f"say --unit-gyro {stated}, if that is the range{rate}"
         return place.refused(seen.row, found, f"{place.outputs_per_deg_s:g}/(deg/s)", remedy, ErrorCode.UNIT)
     held = [unit for unit, count in GYRO_UNITS.items() if is_near(count * seen.scale, GYRO_UNITS[place.rate_unit])]
     if place.units_by_option and held:
-        found, remedy = (
-            found.partition(": looks like")[0] + f": looks like {held[0]}",
-            f"say --unit-gyro {held[0]}",
-        )
-    elif seen.units:
-        remedy = f"convert the columns to {place.rate_unit}"
+        found, remedy = f"{found}: looks like {held[0]}", f"say --unit-gyro {held[0]}"
     else:
-        remedy = "correct the range (full scale) or the unit of the rates, or the unit of time"
+        found += f": looks like {' or '.join(seen.units)}" if seen.units else ""
+        remedy = f"convert the columns to {place.rate_unit}" if seen.units else CORRECT
+        if place.units_by_option:
+            per = f"{GYRO_UNITS[place.rate_unit] / seen.scale:.4g}/(deg/s)"
+            remedy = f"say --unit-gyro '{per}', if the unit, range or scale factor is another{rate}"
     return place.refused(seen.row, found, f"{place.rate_unit}", remedy, ErrorCode.UNIT)
 
 

@@ -98,7 +98,7 @@ def _general(path: Path, stated: ColumnOptions) -> tuple[ReadLog, LogPlace]:
         place = replace(place, rate_unit=chosen.unit_gyro)
     elif chosen.unit_gyro is not None:
         place = replace(place, outputs_per_deg_s=per_deg_s)
-    place = replace(place, rate_names=tuple(str(name) for name in chosen.gyro))
+    place = replace(place, rate_names=tuple(str(name) for name in chosen.gyro), rate_hz=1 / log.nominal)
     _refuse_beyond(log, place)
     return ReadLog(log, guesses, [*notes, *check_motion(log, place)]), place
 

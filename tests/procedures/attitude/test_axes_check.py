@@ -110,6 +110,23 @@ def test_a_wrong_full_scale_of_the_gyros_is_of_no_unit(factor: float) -> None:
     assert found is not None
     assert found.units == ()
     assert found.scale == pytest.approx(1 / factor, rel=0.02)
+    assert not found.is_by_lever_arm
+
+
+@pytest.mark.parametrize(("seconds_pitch", "arm_m"), [(0.0, 8.0), (9.0, 12.0), (9.0, 25.0), (5.0, -4.0)])
+def test_a_lever_arm_is_no_wrong_full_scale(seconds_pitch: float, arm_m: float) -> None:
+    """A sensor ``arm_m`` above the centre of a roll of 0.2 Hz, alone or with a pitch of another frequency."""
+    t = np.arange(0, 120, 0.02)
+    roll = np.radians(10) * np.sin(0.4 * np.pi * t)
+    pitch = np.radians(8) * np.sin(2 * np.pi / seconds_pitch * t) if seconds_pitch else 0 * t
+    dr, dp = np.gradient(roll, t), np.gradient(pitch, t)
+    rate = np.stack([dr, dp * np.cos(roll), -dp * np.sin(roll)], axis=1)
+    down = np.stack([-np.sin(pitch), np.sin(roll) * np.cos(pitch), np.cos(roll) * np.cos(pitch)], axis=1)
+    arm = np.array([0.0, 0.0, -arm_m])
+    force = -G * down + np.cross(np.gradient(rate, t, axis=0), arm) + np.cross(rate, np.cross(rate, arm))
+    log = AttitudeLog(t, rate, force + 0.05 * np.random.default_rng(2).standard_normal(force.shape))
+    found = disagreement(log)
+    assert found is None or found.is_by_lever_arm
 
 
 def test_rest_and_pure_yaw_say_nothing() -> None:

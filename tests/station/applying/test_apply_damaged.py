@@ -6,9 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from procedures.errors import ErrorCode
 from station.errors import explain
-from tests.station.applying.inputs import COLUMNS, calibration_file, write_mcap
-from tests.station.applying.run import apply
+from tests.station.applying.inputs import COLUMNS, NAMES, calibration_file, write_csv, write_mcap
+from tests.station.applying.run import apply, refusal, written
 
 SHORT = {name: column[:400] for name, column in COLUMNS.items()}
 DAMAGES = 12
@@ -58,3 +59,30 @@ def test_a_recording_that_was_cut_short_is_applied_so_far_and_says_so(tail: byte
     assert result.exit_code == 0, result.exception
     assert "the recording was cut short" in result.output
     assert "the recording was cut short" in json.loads((tmp_path / "out.csv.json").read_text())["warnings"][0]
+
+
+def test_rows_of_one_sentinel_are_no_samples(tmp_path: Path) -> None:
+    rows = np.arange(50, 400, 100)
+    spoiled = {name: np.where(np.isin(np.arange(400), rows), 9999.0, SHORT[name]) for name in NAMES}
+    without = {name: np.delete(column, rows) for name, column in SHORT.items()}
+    outs = list[Path]()
+    for name, columns in (("spoiled", SHORT | spoiled), ("without", without)):
+        outs.append(tmp_path / f"{name}.npz")
+        source = write_csv(tmp_path / f"{name}.csv", columns)
+        result = apply(source, "--calibration", calibration_file(tmp_path), "--out", outs[-1])
+        assert result.exit_code == 0, result.exception
+        assert ("9999" in result.output) == (name == "spoiled")
+    assert np.allclose(*map(written, outs), rtol=1e-12, atol=1e-12)
+
+
+def test_rows_of_one_triad_are_not_lost_in_silence(tmp_path: Path) -> None:
+    slow = {name: np.where(np.arange(400) % 4 == 0, SHORT[name], np.nan) for name in ("ax", "ay", "az")}
+    source, out = tmp_path / "slow.npz", tmp_path / "out.npz"
+    np.savez(source, **SHORT | slow)
+    asked = source, "--calibration", calibration_file(tmp_path), "--out", out
+    found = refusal(apply(*asked))
+    assert found.code is ErrorCode.COLUMNS
+    assert "--accel -,-,-" in str(found)
+    result = apply(*asked, "--accel", "-,-,-")
+    assert result.exit_code == 0, result.exception
+    assert len(written(out)) == 400

@@ -1,5 +1,6 @@
 """Logs as phones and loggers write them, of a body whose motion is known exactly."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -62,6 +63,19 @@ def test_a_specified_unit_is_held_against_motion(tmp_path: Path) -> None:
     for stated in ("deg/s", "mdeg/s", "deg/h"):
         with refused(DataRefused, None, "--unit-gyro rad/s"):
             read_any_log(tmp_path / "log.csv", ColumnOptions(unit_gyro=stated))
+
+
+@pytest.mark.parametrize("factor", [0.5, 2.0])
+def test_a_scale_that_no_lever_arm_makes_is_refused_with_both_causes(factor: float, tmp_path: Path) -> None:
+    phone_log(tmp_path / "log.csv", rate=65.5 * 180 / np.pi)
+    wrong = ColumnOptions(unit_gyro=f"{65.5 * factor:g}/(deg/s)", unit_accel="m/s2")
+    with refused(DataRefused, ErrorCode.UNIT, "--unit-gyro '65.5/(deg/s)'", "--rate"):
+        read_any_log(tmp_path / "log.csv", wrong)
+    phone_log(tmp_path / "log.csv", rate=180 / np.pi)
+    stated = ColumnOptions(unit_gyro="deg/s", unit_accel="m/s2", rate_hz=50.0 * factor)
+    with refused(DataRefused, ErrorCode.UNIT, "--unit-gyro", "--rate 50"):
+        read_any_log(tmp_path / "log.csv", stated)
+    assert read_any_log(tmp_path / "log.csv", replace(stated, rate_hz=50.0)).log is not None
 
 
 def test_rates_of_a_unit_that_nothing_determines_are_asked_for(tmp_path: Path) -> None:

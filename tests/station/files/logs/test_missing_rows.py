@@ -1,6 +1,7 @@
 """Rows of a log without a sample: a few in sequence leave the recording whole, and make no noise of their own."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -144,3 +145,36 @@ def test_only_what_lies_far_from_all_others_and_does_not_stay_is_a_sentinel() ->
     stays = draw.standard_normal((5000, 1))
     stays[1000:2000] = 100.0
     assert not sentinel_cells(stays).any()
+
+
+def test_one_number_in_all_channels_is_no_chance_unless_the_channels_are_coarse() -> None:
+    draw = np.random.default_rng(4)
+    counts = np.rint(draw.normal(0, 9000, (2000, 6)))
+    counts[500] = counts[900] = 9999.0
+    assert np.array_equal(np.flatnonzero(sentinel_cells(counts).all(axis=1)), [500, 900])
+    coarse = draw.integers(0, 4, (2000, 6)).astype(float)
+    assert not sentinel_cells(coarse).any()
+
+
+@pytest.mark.parametrize(("options", "expected"), [
+    ({"rate_hz": 50.0}, ["100", "50"]), ({"rate_hz": 50.0, "time": "t"}, ["100", "50"]), ({"rate_hz": 100.0}, []),
+])  # fmt: skip
+def test_a_rate_that_a_time_column_contradicts_is_reported(
+    options: dict[str, Any], expected: list[str], tmp_path: Path
+) -> None:
+    columns = soak()
+    file = save(tmp_path / "log.csv", {"t [s]": columns.pop("t"), **columns})
+    options |= {"time": "t [s]"} if "time" in options else {}
+    found = campaign_of_logs([file], LogOptions(ColumnOptions(unit_gyro="deg/s", unit_accel="g", **options)))
+    notes = [note for note in found.notes if "--rate" in note]
+    assert len(notes) == bool(expected)
+    assert all(f"{hertz} Hz" in notes[0] or f"--rate {hertz} " in notes[0] for hertz in expected)
+
+
+def test_a_counter_is_a_time_at_the_rate_that_was_stated(tmp_path: Path) -> None:
+    columns = soak()
+    file = save(tmp_path / "log.csv", {"PacketCounter": np.arange(N) % 65536.0, **columns})
+    stated = ColumnOptions(unit_gyro="deg/s", unit_accel="g", time="PacketCounter", rate_hz=100.0)
+    assert campaign_of_logs([file], LogOptions(stated)).loaded.campaign.soaks[0].series.period == pytest.approx(
+        0.01
+    )

@@ -66,6 +66,21 @@ def test_a_unit_that_gravity_contradicts_is_refused_with_what_the_data_are(
     read(tmp_path, f * per_g, w, unit_accel="raw")
 
 
+@pytest.mark.parametrize(("accel", "gyro", "per_g", "per_deg_s"), [
+    ("m/s2", "rad/s", G, np.pi / 180), ("g", "deg/s", 1.0, 1.0), ("mg", "deg/h", 1e3, 3600.0),
+])  # fmt: skip
+def test_increments_are_repaired_in_both_triads_by_the_interval_alone(
+    tmp_path: Path, accel: str, gyro: str, per_g: float, per_deg_s: float
+) -> None:
+    f, w = truth()
+    f, w = f * per_g / HZ, w * per_deg_s / HZ
+    options = f"--unit-accel {per_g / HZ:.6g}/g --unit-gyro '{per_deg_s / HZ:.6g}/(deg/s)'"
+    with refused(DataRefused, ErrorCode.UNIT, options):
+        read(tmp_path, f, w, unit_accel=accel, unit_gyro=gyro)
+    stated = {"unit_accel": f"{per_g / HZ:.6g}/g", "unit_gyro": f"{per_deg_s / HZ:.6g}/(deg/s)"}
+    assert read(tmp_path, f, w, **stated) == []
+
+
 def test_a_rest_in_the_middle_of_a_motion_is_enough(tmp_path: Path) -> None:
     f, w = truth()
     f[:400] += np.random.default_rng(3).normal(0, 1, (400, 3)).cumsum(axis=0) / 10
