@@ -181,8 +181,8 @@ def _without_sentinels(
     of = ", ".join(str(names[i]) for i in np.flatnonzero(marked.any(axis=0)).tolist())
     rows: BoolArray = np.logical_or.reduce(marked, axis=1)
     notes.append(
-        f"{of} hold {shown} in {int(rows.sum())} rows, far from all others, first in {_place(found, rows)}: "
-        "missing samples"
+        f"{shown} in {int(rows.sum())} rows of {of}, far from all others, first in {_place(found, rows)}: missing "
+        "samples"
     )
     values = np.where(marked, np.nan, values)
     return {**triads, **{triad: values[:, 3 * i : 3 * i + 3] for i, triad in enumerate(there)}}
@@ -200,7 +200,7 @@ def _at_own_rates(found: LogColumns, there: Mapping[str, BoolArray], notes: list
     if (known := rows_of_slower(there[slow][common])) is not None:
         every = int(np.median(np.diff(np.flatnonzero(there[slow][common]))))
         notes.append(
-            f"{KINDS[slow]}s stand in every {every}. row of the {KINDS[fast]}s: on straight lines in between"
+            f"{KINDS[slow]}s stand in one of {every} rows of the {KINDS[fast]}s: on straight lines in between"
         )
         rows = np.zeros(len(there[slow]), dtype=np.bool_)
         rows[common[known]] = True

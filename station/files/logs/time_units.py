@@ -178,7 +178,8 @@ def contradiction_of_rate(table: Table, time: str | None, unit: TimeUnit, rate_h
         unit = unit if time else unit_of_time(table, column, None, rate_hz, [])
     except TimeUnitAsked:
         return ""
-    stamps = _finite(table.column(column))
+    stamps = table.column(column)
+    stamps = stamps[np.isfinite(stamps)]
     step = usual_step(unit.linear(stamps[: evidence_rows(stamps)]))[0] * unit.seconds
     if step <= 0 or abs(step * rate_hz - 1) <= CLOCKS_AGREE:
         return ""
