@@ -31,39 +31,40 @@ def sentinel_cells(values: FloatArray) -> BoolArray:
     column, far from all others, comes in `MIN_SENTINELS` cells or more, and in short runs: what stays there is a
     state of the sensor.
     """
-    finite = np.isfinite(values)
     marked = _rows_of_one_number(values)
     for sign in (1.0, -1.0):
-        signed = np.where(finite, sign * values, -np.inf)
-        top = signed.max(axis=0, initial=-np.inf)
-        is_top = finite & (signed == top)
-        is_other = finite & ~is_top
-        second = np.where(is_other, signed, -np.inf).max(axis=0, initial=-np.inf)
-        least = np.where(is_other, signed, np.inf).min(axis=0, initial=np.inf)
-        is_far = is_other.any(axis=0) & (second > least)
-        away, spread = top[is_far] - second[is_far], second[is_far] - least[is_far]
-        is_far[is_far] = away > SENTINEL_FAR * spread
-        for i in np.flatnonzero(is_far):
-            alike = int(is_top[:, is_far & (top == top[i])].sum())
-            runs = np.ptp(true_runs(is_top[:, i]), axis=1)
-            if alike >= MIN_SENTINELS and np.median(runs) <= MOST_LOST and is_top[:, i].mean() < 0.5:
-                marked[:, i] |= is_top[:, i]
+        far = {i: top for i in range(values.shape[1]) if (top := _far_end(sign * values[:, i])) is not None}
+        for i, top in far.items():
+            is_top = values[:, i] == sign * top
+            alike = sum(int(np.sum(values[:, j] == sign * top)) for j, other in far.items() if other == top)
+            runs = np.ptp(true_runs(is_top), axis=1)
+            if alike >= MIN_SENTINELS and np.median(runs) <= MOST_LOST and 2 * int(runs.sum()) < len(values):
+                marked[:, i] |= is_top
     return marked
+
+
+def _far_end(values: FloatArray) -> float | None:
+    """Return the largest of ``values`` (n,), any unit, where it is far from all others; else None."""
+    known = values[np.isfinite(values)]
+    if not len(known) or (top := float(known.max())) == (least := float(known.min())):
+        return None
+    second = float(np.max(known, where=known < top, initial=least))
+    return top if second > least and top - second > SENTINEL_FAR * (second - least) else None
 
 
 def _rows_of_one_number(values: FloatArray) -> BoolArray:
     """Mark rows of ``values`` (n, k), in any units, in which all columns that change hold one number."""
     marked = np.zeros(values.shape, dtype=np.bool_)
-    with np.errstate(invalid="ignore"):
-        changes = np.flatnonzero((values != values[:1]).any(axis=0) & np.isfinite(values).any(axis=0))
+    changes = [i for i, column in enumerate(values.T) if np.isfinite(column).any() and (column != column[0]).any()]
     if len(changes) < 2:
         return marked
-    own = values[:, changes]
-    alike = np.flatnonzero(np.logical_and.reduce(own == own[:, :1], axis=1))
-    if len(alike) and 2 * len(alike) < len(values):
-        levels = min(len(np.unique(own[:, i])) for i in range(len(changes)))
+    alike = np.ones(len(values), dtype=np.bool_)
+    for i in changes:
+        alike &= values[:, i] == values[:, changes[0]]
+    if alike.any() and 2 * int(alike.sum()) < len(values):
+        levels = min(len(np.unique(values[:, i])) for i in changes)
         if np.log(len(values)) - (len(changes) - 1) * np.log(levels) < MAX_LOG_CHANCE:
-            marked[np.ix_(alike, changes)] = True
+            marked[np.ix_(alike, np.array(changes))] = True
     return marked
 
 
