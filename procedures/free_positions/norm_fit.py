@@ -169,7 +169,7 @@ class NormFit:
         return free_norms(self.fit, len(self.residual))
 
     def moved(self, by: FloatArray, covariance: FloatArray) -> "NormFit":
-        """Return the fit with its parameters (9,) moved, and a covariance (9, 9) added to theirs."""
+        """Return the fit with its parameters moved ``by`` (9,) and a ``covariance`` (9, 9) added to theirs."""
         x = self.fit.x + by
         return replace(
             self, K=_lower(x), b=x[6:], fit=replace(self.fit, x=x, covariance=self.fit.covariance + covariance)

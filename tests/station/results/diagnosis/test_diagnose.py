@@ -27,11 +27,11 @@ def finding(found: Diagnosed, effect: str) -> dict[str, Any]:
 
 
 def test_what_was_planted_is_named_with_its_size(warmed: Diagnosed) -> None:
-    """With one single exponential T and dT/dt are one: the rate needs 17 times what its catalogue states."""
+    """With one single exponential T, dT/dt and a settling are one; the rate needs 17 times its size."""
     assert warmed.document["verdict"] == "likely"
     found = finding(warmed, "accelerometer.bias_temperature")
     assert (found["kind"], found["confidence"], found["aliases"], found["unit"]) == (
-        "instrument", "likely", ["accelerometer.temperature_rate"], "g/K",
+        "instrument", "likely", ["accelerometer.bias_settling", "accelerometer.temperature_rate"], "g/K",
     )  # fmt: skip
     for axis, true in (("x", 8e-5), ("y", -5e-5), ("z", 9e-5)):
         got = found["coefficients"][axis]
