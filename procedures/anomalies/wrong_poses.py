@@ -1,13 +1,10 @@
 """Poses of a table of means that contradict the others: a typing error, a sensor that was not at rest.
 
-A pose is held against the fit to all others (`procedures.free_positions.norm_fit`). Its error z [sigma] has the
-marginal likelihood of one coefficient (`procedures.inference.odds`), averaged over the scale s of the noise that
-the others show: the noise that is stated, unless all poses scatter more. With chi2 of the others and f degrees of
-freedom,
+A pose is held against the fit to all others (`procedures.free_positions.norm_fit`) by the law of
+`procedures.anomalies.held_out_rows`. What is left open is the scale s of the noise: the noise that is stated, unless
+all poses scatter more. With chi2 of the others and f degrees of freedom,
 
     p(s) ~ prior(s) s^-f exp(-chi2 / (2 s^2))
-
-Poses are held out one after the other, each time the likeliest. The odds of a set are the product of these steps.
 """
 
 from collections.abc import Sequence
@@ -16,35 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from procedures.arrays import FloatArray, IntArray
+from procedures.anomalies.held_out_rows import HeldOut, WrongRow, find_wrong_rows, log_odds
 from procedures.free_positions.norm_fit import LOWER_TRIANGLE, NormFit, fit_norm, norm_sigma
-from procedures.inference import odds, priors
-from procedures.inference.marginal import log_mean
+from procedures.inference import priors
 
-MOST_WRONG = 4  # poses of one table: with more of them it is not worth a calibration
-LEAST_RIGHT = 0.75  # of the poses: those that contradict are few
 SCALES = 4 * priors.AMPLITUDES  # points of a logarithmic grid over six decades and more
-
-
-@dataclass(frozen=True, slots=True)
-class WrongPose:
-    """A pose that contradicts the others.
-
-    ``row`` is its number from 0, ``off`` [g] its norm less gravity by the fit to the others, ``sigmas`` that in
-    standard uncertainties. ``alternatives`` are other rows that may be the wrong one, with their probabilities.
-    """
-
-    row: int
-    probability: float
-    off: float
-    sigmas: float
-    alternatives: tuple[tuple[int, float], ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class _HeldOut:
-    off: float
-    sigmas: float
-    log_odds: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,10 +29,10 @@ class _Poses:
     gravity: float
     is_std_stated: bool
 
-    def held_out(self, without: Sequence[int]) -> dict[int, _HeldOut]:
+    def held_out(self, without: Sequence[int]) -> dict[int, HeldOut]:
         """Hold out each pose in turn where those ``without`` are gone; none whose others determine no fit."""
         inside = np.setdiff1d(np.arange(len(self.accel)), without)
-        found = dict[int, _HeldOut]()
+        found = dict[int, HeldOut]()
         for row in inside.tolist():
             others = inside[inside != row]
             fit = fit_norm(self.accel[others], self.std[others], self.gravity)
@@ -67,7 +40,7 @@ class _Poses:
                 found[row] = self._against(fit, row, others)
         return found
 
-    def _against(self, fit: NormFit, row: int, others: IntArray) -> _HeldOut:
+    def _against(self, fit: NormFit, row: int, others: IntArray) -> HeldOut:
         noise = norm_sigma(fit.K, fit.b, self.accel, self.std)
         weight = np.hypot(noise, fit.excess)
         off, predicted = _predicted(fit, self.accel[row], self.gravity)
@@ -80,14 +53,13 @@ class _Poses:
             scale = np.append(scale, least)
             prior = np.append(prior + np.log(priors.ODDS_NAMED / SCALES), 0.0)
         right = prior - (fit.free + 1) * np.log(scale) - (chi2 + sigmas**2) / (2 * scale**2)
-        gain = float(log_mean(right + odds.gain_of_squares((sigmas / scale) ** 2, 1)) - log_mean(right))
-        return _HeldOut(off, float(abs(sigmas)), odds.log_odds(gain, len(self.accel)))
+        return HeldOut(off, float(abs(sigmas)), log_odds(right, (sigmas / scale) ** 2, len(self.accel)))
 
 
 def find_wrong_poses(
     accel: FloatArray, std: FloatArray, gravity: float, *, is_std_stated: bool
-) -> tuple[WrongPose, ...]:
-    """Find the poses that contradict the others, as they are likelier than none.
+) -> tuple[WrongRow, ...]:
+    """Find the poses that contradict the others, as they are likelier than none; ``off`` [g] is of the norm.
 
     Parameters
     ----------
@@ -96,24 +68,7 @@ def find_wrong_poses(
     is_std_stated : whether ``std`` holds noise that was measured; else it is the least that noise may be
     """
     poses = _Poses(accel, std, gravity, is_std_stated)
-    most = min(MOST_WRONG, int((1 - LEAST_RIGHT) * len(accel)))
-    out, total, best, number = list[int](), 0.0, 0.0, 0
-    while len(out) < most and (found := poses.held_out(out)):
-        row = max(found, key=lambda each: found[each].log_odds)
-        out, total = [*out, row], total + found[row].log_odds
-        if total > best:
-            best, number = total, len(out)
-    wrong = out[:number]
-    return tuple(_wrong_pose(poses, row, [each for each in wrong if each != row]) for row in wrong)
-
-
-def _wrong_pose(poses: _Poses, row: int, others: Sequence[int]) -> WrongPose:
-    """Return a pose with its share of the probability where the ``others`` that are wrong are held out."""
-    found = poses.held_out(others)
-    shares = odds.shares({str(each): one.log_odds for each, one in found.items()})
-    likely = sorted(((int(name), share) for name, share in shares.items()), key=lambda each: -each[1])
-    alternatives = tuple(each for each in likely if each[0] != row and each[1] >= priors.NEGLIGIBLE)
-    return WrongPose(row, shares[str(row)], found[row].off, found[row].sigmas, alternatives)
+    return find_wrong_rows(poses.held_out, len(accel))
 
 
 def _predicted(fit: NormFit, mean: FloatArray, gravity: float) -> tuple[float, float]:

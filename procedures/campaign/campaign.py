@@ -161,6 +161,7 @@ class RateTable:
 
     ``reference`` (n,) [deg/s], ``output`` (n, 3) of the gyroscopes, nan where absent, per second for counts;
     ``temperature`` (n,) [degC] and ``t`` (n,) [s], the middle of a point, nan where unknown; t rises.
+    ``lines`` (n,) are those of the file, None where a point is no line.
     """
 
     name: str
@@ -169,6 +170,7 @@ class RateTable:
     output: FloatArray
     temperature: FloatArray
     t: FloatArray | None = None
+    lines: Sequence[int] | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

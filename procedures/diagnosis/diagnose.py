@@ -16,7 +16,6 @@ from procedures.anomalies.checks import CheckedCampaigns, check_campaigns
 from procedures.anomalies.clock_rate_check import find_clock
 from procedures.anomalies.disturbances import find_disturbances, without_disturbances
 from procedures.anomalies.disturbed_soaks import without_shocks
-from procedures.anomalies.saturated_rates import without_saturated
 from procedures.calibration.joint_calibration import CampaignFits, fit_reduced
 from procedures.calibration.reduced_steps import ReducedSteps, reduce_steps
 from procedures.campaign.campaign import Campaign
@@ -24,7 +23,7 @@ from procedures.campaign.dead_channels import without_dead
 from procedures.diagnosis.caches import clear_caches
 from procedures.diagnosis.declared_effects import declare, declared_effects
 from procedures.diagnosis.findings import findings_of, measure_next, not_separable
-from procedures.diagnosis.rate_tables import RateTables, SoaksAlone
+from procedures.diagnosis.rate_tables import RateTables, SoaksAlone, usable_points
 from procedures.effects import EFFECTS
 from procedures.effects.effect import Effect
 from procedures.effects.term.effect_of_term import TermEffect
@@ -98,10 +97,10 @@ def _of_recordings(
 ) -> Diagnosis:
     """Diagnose rate tables, steps and soaks by their rows."""
     every = (*(one.effect() for one in declared), *effects)
-    within, saturated = without_saturated(campaigns)
-    tables = RateTables.of(within)
+    usable, not_used = usable_points(campaigns)
+    tables = RateTables.of(usable)
     of_tables = None if tables is None else with_file_names(_closed(tables, every))
-    of_tables = of_tables and _with_found_before(of_tables, saturated, ())
+    of_tables = of_tables and _with_found_before(of_tables, not_used, ())
     try:
         found = _of_steps(campaigns, effects, declared)
     except NotObservable:

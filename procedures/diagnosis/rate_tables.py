@@ -18,6 +18,8 @@ from typing import Self
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray
+from procedures.anomalies.saturated_rates import without_saturated
+from procedures.anomalies.wrong_rates import without_wrong_rows
 from procedures.calibration.joint_calibration import CampaignFits
 from procedures.calibration.solution_values import FitQuality, Solution
 from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord, SoakRecord
@@ -31,12 +33,19 @@ from procedures.evidence.residual_rows import KINDS, Evidence, evidence_of
 from procedures.evidence.row_sums import NodeWeights
 from procedures.evidence.thermal_soaks import BLOCK_S, MIN_BLOCKS, soaks_seen
 from procedures.frames import AXES, TRIADS
-from procedures.inference.result import TableSensor
+from procedures.inference.result import Finding, TableSensor
 from procedures.statistics.significance import log_chi2_sf
 from procedures.units import DEG_H_PER_DEG_S
 
 GYROSCOPE = TRIADS.index("gyroscope")
 OFFSET_SHARE = 0.1  # of the fastest rate: no gyroscope's bias is a tenth of the rates that it is made for
+
+
+def usable_points(campaigns: Sequence[Campaign]) -> tuple[tuple[Campaign, ...], tuple[Finding, ...]]:
+    """Return campaigns whose rate tables lack what says nothing of the sensor: beyond its range, wrong rows."""
+    within, saturated = without_saturated(campaigns)
+    right, wrong = without_wrong_rows(within)
+    return right, (*saturated, *wrong)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

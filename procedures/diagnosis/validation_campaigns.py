@@ -11,14 +11,13 @@ from dataclasses import replace
 import numpy as np
 
 from procedures.anomalies.checks import check_campaigns
-from procedures.anomalies.saturated_rates import without_saturated
 from procedures.arrays import FloatArray
 from procedures.calibration.joint_calibration import fit_reduced
 from procedures.calibration.reduced_steps import reduce_steps
 from procedures.campaign.campaign import Campaign
 from procedures.campaign.dead_channels import without_dead
 from procedures.diagnosis.caches import clear_caches
-from procedures.diagnosis.rate_tables import RateTables, SoaksAlone
+from procedures.diagnosis.rate_tables import RateTables, SoaksAlone, usable_points
 from procedures.errors import DoesNotFit, NotObservable
 from procedures.evidence.candidates import Candidate
 from procedures.evidence.linear_model import fit_linear
@@ -62,7 +61,7 @@ def validate(diagnosis: Diagnosis, campaigns: Sequence[Campaign]) -> tuple[Resid
 
 def _on_tables(diagnosis: Diagnosis, campaigns: Sequence[Campaign]) -> tuple[ResidualRms, ...]:
     """Return the errors on other rate tables, of a diagnosis of tables alone; their line is fitted again."""
-    model = RateTables.of(without_saturated(campaigns)[0])
+    model = RateTables.of(usable_points(campaigns)[0])
     if model is None:
         raise NotObservable("what a rate table showed", ("a rate table of the same sensor",))
     evidence, fits = model.evidence(), diagnosis.before

@@ -134,7 +134,7 @@ def loaded_step(kind: str, table: StepTable, columns: Table, imu: CampaignImuTab
     if isinstance(table, TurntableTable):
         if "t_s" in columns.columns:
             refuse_time_backwards(columns, np.diff(columns.columns["t_s"]))
-        return LoadedStep(kind, table, None, columns.columns)
+        return LoadedStep(kind, table, None, columns.columns, columns.lines)
     return LoadedStep(kind, table, step_data(columns, imu))
 
 
@@ -158,8 +158,9 @@ def _rate_table(step: LoadedStep, table: TurntableTable) -> RateTable:
     absent = np.full(len(reference), np.nan)
     output = np.stack([step.points.get(name, absent) for name in TRIADS["gyro"]], axis=1)
     return RateTable(
-        table.file, table.axis, reference, output, step.points.get("temp_c", absent), step.points.get("t_s")
-    )
+        table.file, table.axis, reference, output, step.points.get("temp_c", absent), step.points.get("t_s"),
+        step.lines,
+    )  # fmt: skip
 
 
 def _campaign(tables: CampaignTable, used: list[LoadedStep]) -> Campaign:

@@ -27,12 +27,13 @@ MAX_PERIOD_DEVIATION = 1e-2  # relative, docs/how-to/campaign-folder.md
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LoadedStep:
-    """A step of any kind with its data: a series, or for a turntable the columns of its points, each (n,)."""
+    """A step of any kind with its data: a series, or for a turntable the columns of its points, each (n,), and their lines in the file."""
 
     kind: str
     table: StepTable
     data: StepData | None
     points: Mapping[str, FloatArray] = field(default_factory=dict)
+    lines: Sequence[int] | None = None
 
     @property
     def label(self) -> str:

@@ -78,11 +78,12 @@ def share_text(share: float) -> str:
     return f"{100 * share:.0f} %" if share > 0.095 else f"{100 * share:.2g} %"
 
 
-OF_SAMPLES = {  # what is found sample by sample and has no entry in the catalogue
+OF_SAMPLES = {  # what is found sample by sample, or row by row, and has no entry in the catalogue
     "auxiliary.periodic": "Error that repeats with an auxiliary channel",
     "accelerometer.count_periodic": "Error that repeats with an accelerometer's own count",
     "gyroscope.count_periodic": "Error that repeats with a gyroscope's own count",
     "disturbance.line": "Sinusoidal disturbance of one frequency",
+    "procedure.wrong_row": "Row of a rate table that contradicts the others",
 }
 FAULTS: Mapping[Fault, str] = {
     "wrong row": "Single wrong samples",
@@ -213,7 +214,8 @@ def both(names: Sequence[str]) -> str:
 
 TIMES = {"from_s": "from {} s", "to_s": "to {} s", "at_s": "at {} s", "after_s": "at {} s"}  # by key of `where`
 FILES = ("file", "in")
-PLACES = {"after": "after {}", "campaign": "campaign {}", "position": "position {}", "channel": "channel {}"}
+PLACES = {"after": "after {}", "campaign": "campaign {}", "position": "position {}", "channel": "channel {}", "line": "line {}",
+          "or_line": "or line {}", "point": "point {}", "or_point": "or point {}", "rate_deg_s": "at {} deg/s"}  # fmt: skip
 COUNTED = "others"  # of a finding that stands for several: how many more there are
 
 

@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from procedures.anomalies.wrong_poses import WrongPose, find_wrong_poses
+from procedures.anomalies.held_out_rows import WrongRow
+from procedures.anomalies.wrong_poses import find_wrong_poses
 from procedures.arrays import FloatArray, IntArray
 from procedures.diagnosis.pose_tables import PoseDiagnosis, PoseTable, diagnose_poses
 from procedures.errors import NotObservable
@@ -97,7 +98,7 @@ def _add_causes(document: dict[str, Any], lacking: PoseDiagnosis | None) -> None
     document["verdict"] = _verdict(document)
 
 
-def _wrong_pose(wrong: WrongPose, means: MeansTable) -> dict[str, Any]:
+def _wrong_pose(wrong: WrongRow, means: MeansTable) -> dict[str, Any]:
     return _pose(wrong.row, wrong.probability, means) | {
         "confidence": word(wrong.probability),
         "off_mg": MG * wrong.off,

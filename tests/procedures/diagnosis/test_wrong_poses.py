@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from procedures.anomalies.wrong_poses import WrongPose, find_wrong_poses
+from procedures.anomalies.held_out_rows import WrongRow
+from procedures.anomalies.wrong_poses import find_wrong_poses
 from procedures.arrays import FloatArray
 from procedures.inference import priors
 from tests.procedures.free_positions.test_pose_means import BIAS, NOISE, SIX, directions, outputs
@@ -19,7 +20,7 @@ def lengthened(accel: FloatArray, row: int, sigmas: float) -> FloatArray:
     return found
 
 
-def wrong_of(accel: FloatArray, *, stated: bool = True) -> tuple[WrongPose, ...]:
+def wrong_of(accel: FloatArray, *, stated: bool = True) -> tuple[WrongRow, ...]:
     std = np.full(accel.shape, NOISE if stated else 1e-6)
     return find_wrong_poses(accel, std, 1.0, is_std_stated=stated)
 
