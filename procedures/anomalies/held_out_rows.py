@@ -1,8 +1,8 @@
 """Rows that contradict the others: the law by which a pose or a rate point is held against the fit to the rest.
 
 A row's error z [sigma] has the marginal likelihood of one coefficient (`procedures.inference.odds`), averaged over
-what the rows leave open: how large the noise is, what curve the others follow. With ln of the weight w of each case,
-which is its prior and the likelihood of all rows with this one right,
+what the rows leave open: how large the noise is, what curve the others follow. With ln of the weight w of each
+case, which is its prior and the likelihood of all rows with this one right,
 
     ln odds = ln prior odds - ln N + ln mean(exp(w + gain(z))) - ln mean(exp(w))
 
@@ -25,7 +25,7 @@ LEAST_RIGHT = 0.75  # of the rows: those that contradict are few
 
 @dataclass(frozen=True, slots=True)
 class HeldOut:
-    """A row held out: by how much it is ``off`` the prediction by the others, also in sigmas, and ln of the odds."""
+    """A row held out: by how much it is ``off`` what the others predict, also in sigmas, and ln of the odds."""
 
     off: float
     sigmas: float

@@ -1,8 +1,8 @@
 """Poses of a table of means that contradict the others: a typing error, a sensor that was not at rest.
 
 A pose is held against the fit to all others (`procedures.free_positions.norm_fit`) by the law of
-`procedures.anomalies.held_out_rows`. What is left open is the scale s of the noise: the noise that is stated, unless
-all poses scatter more. With chi2 of the others and f degrees of freedom,
+`procedures.anomalies.held_out_rows`. What is left open is the scale s of the noise: the noise that is stated,
+unless all poses scatter more. With chi2 of the others and f degrees of freedom,
 
     p(s) ~ prior(s) s^-f exp(-chi2 / (2 s^2))
 """
@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from procedures.arrays import FloatArray, IntArray
 from procedures.anomalies.held_out_rows import HeldOut, WrongRow, find_wrong_rows, log_odds
+from procedures.arrays import FloatArray, IntArray
 from procedures.free_positions.norm_fit import LOWER_TRIANGLE, NormFit, fit_norm, norm_sigma
 from procedures.inference import priors
 

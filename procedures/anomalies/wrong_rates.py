@@ -1,14 +1,14 @@
-"""Rows of a rate table that contradict the others: a sign or a digit typed wrong, two rows exchanged, a disturbance.
+"""Rows of a rate table that contradict the others: a sign or a digit typed wrong, two rows exchanged, a shock.
 
-A row's output is held against the prediction by the others, by the law of `procedures.anomalies.held_out_rows`. The
-others predict it by a Gaussian process: a line for each direction of the rate; and, with variances that the table
-leaves open, a smooth function of the rate (a cubic smoothing spline), a value of its own at each rate that is
-repeated, and a walk with time or temperature, of the bias or of the scale factor. Every combination of variances is
-a case. Noise is what the case leaves, Student's t at its degrees of freedom.
+A row's output is held against the prediction by the others (`procedures.anomalies.held_out_rows`). They predict it
+by a Gaussian process: a line for each direction of the rate; and, with variances that the table leaves open, a
+smooth function of the rate (a cubic smoothing spline), a value of its own at each rate that is repeated, and a walk
+with time or a smooth function of temperature, of the bias or of the scale factor. Every combination of variances
+is a case. Noise is what the case leaves, Student's t at its degrees of freedom.
 
 What an error term does to several rows at once is another explanation, as likely as a wrong row, and competes
-with it: one rate at which all repeats are off, a jump or a settling of bias or scale factor, a zone about zero, the end of a range.
-Where a rate at the end of the range was taken once, the others do not predict it.
+with it: one rate at which all repeats are off, a jump or a settling of bias or scale factor, a zone about zero, an
+end of the range. Where a rate at the end of the range was taken once, the others do not predict it.
 """
 
 from collections.abc import Iterator, Sequence
@@ -21,7 +21,7 @@ from scipy.linalg import solve_triangular
 from procedures.anomalies.held_out_rows import HeldOut, WrongRow, find_wrong_rows, log_odds
 from procedures.arrays import FloatArray, IntArray
 from procedures.campaign.campaign import Campaign, RateTable
-from procedures.evidence.rate_points import EXACT, LEAST_POINTS, ROWS_BY_HAND, SAME_RATE_SHARE
+from procedures.evidence.rate_points import EXACT, LEAST_POINTS, ROWS_BY_HAND, same_rates
 from procedures.frames import AXES
 from procedures.inference.priors import PRESENT
 from procedures.inference.result import Finding
@@ -30,7 +30,7 @@ EFFECT = "procedure.wrong_row"
 # Standard deviations [noise] of the curves: from noise to the largest that a table shows, a case every 1.5 decades
 OF_CURVE = (0.0, 3e1, 1e3, 3e4, 1e6)  # of the second derivative over the range of rates
 OF_RATES = (0.0, 1e1, 3e2)
-OF_WALK = (3.0, 1e2, 3e3)  # over the whole table
+OF_DRIVEN = (3.0, 1e2, 3e3)  # over the whole table
 OFFSET_SHARE = 0.1  # of the range of outputs: no error term but a curve of the rate adds as much to several rows
 SETTLING_ROWS = (2.0, 5.0, 15.0)  # time constants of what settles after the start
 LEAST_DOF = 3  # to judge the noise by
@@ -115,7 +115,7 @@ def _points(table: RateTable, sensor: int) -> _Points | None:
     if np.ptp(table.output[rows, sensor]) == 0:
         return None
     u, y = table.reference[rows] / np.max(np.abs(table.reference[rows])), table.output[rows, sensor]
-    rates, rate, times = np.unique(np.round(u / SAME_RATE_SHARE), return_inverse=True, return_counts=True)
+    rates, rate, times = np.unique(same_rates(u), return_inverse=True, return_counts=True)
     at_end = (rate == 0) | (rate == len(rates) - 1)
     alone = np.flatnonzero(at_end & (times[rate] == 1))
     free = np.column_stack((np.ones(len(u)), u, np.abs(u), np.eye(len(u))[:, alone]))
@@ -126,24 +126,34 @@ def _points(table: RateTable, sensor: int) -> _Points | None:
 
 def _covariances(table: RateTable, rows: IntArray, u: FloatArray, rate: IntArray) -> Iterator[FloatArray]:
     """Yield the covariance (n, n) of the curves in each case [noise^2]."""
-    x = (u - u.min()) / np.ptp(u)
-    least, most = np.minimum.outer(x, x), np.maximum.outer(x, x)
-    spline = least**2 * (3 * most - least) / 6
-    own = 1.0 * np.equal.outer(rate, rate)
-    walks = [np.zeros_like(own)]
-    time = None if table.t is None else table.t[rows]
-    for drives in (np.arange(len(rows)) if time is None else time, table.temperature[rows]):
-        if np.isfinite(drives).all() and np.ptp(drives) > 0:
-            z = (drives - drives.min()) / np.ptp(drives)
-            walk = np.minimum.outer(z, z)
-            walks += [size**2 * each for each in (walk, walk * np.outer(u, u)) for size in OF_WALK]
+    spline, own = _spline(_unit(u)), 1.0 * np.equal.outer(rate, rate)
+    time = 1.0 * np.arange(len(rows)) if table.t is None else table.t[rows]
+    drives, T = [np.zeros_like(own)], table.temperature[rows]
+    if np.isfinite(time).all() and np.ptp(time) > 0:
+        walk = np.minimum.outer(_unit(time), _unit(time))
+        drives += [size**2 * by * walk for by in (1.0, np.outer(u, u)) for size in OF_DRIVEN]
+    if np.isfinite(T).all() and np.ptp(T) > 0:
+        smooth = np.outer(_unit(T), _unit(T)) + _spline(_unit(T))
+        drives += [size**2 * by * smooth for by in (1.0, np.outer(u, u)) for size in OF_DRIVEN]
     has_repeats = len(np.unique(rate)) < len(rate)
-    for curve, values, walk in product(OF_CURVE, OF_RATES if has_repeats else OF_RATES[:1], walks):
-        yield curve**2 * spline + values**2 * own + walk
+    for curve, values, driven in product(OF_CURVE, OF_RATES if has_repeats else OF_RATES[:1], drives):
+        yield curve**2 * spline + values**2 * own + driven
+
+
+def _unit(x: FloatArray) -> FloatArray:
+    found: FloatArray = (x - x.min()) / np.ptp(x)
+    return found
+
+
+def _spline(x: FloatArray) -> FloatArray:
+    """Return the covariance (n, n) of a cubic smoothing spline of x (n,) in [0, 1], but for its line."""
+    least, most = np.minimum.outer(x, x), np.maximum.outer(x, x)
+    found: FloatArray = least**2 * (3 * most - least) / 6
+    return found
 
 
 def _shared(u: FloatArray, rate: IntArray) -> Iterator[FloatArray]:
-    """Yield what an error term does to several rows (n,): a rate, a jump, a settling, a zone about zero, an end."""
+    """Yield what an error term does to several rows (n,)."""
     for number in np.flatnonzero(np.bincount(rate) > 1).tolist():
         yield 1.0 * (rate == number)
     order = np.arange(len(u))
@@ -159,11 +169,11 @@ def _shared(u: FloatArray, rate: IntArray) -> Iterator[FloatArray]:
             yield u * (np.abs(u) <= edge)
         for side in (u, -u):
             if (side > edge).sum() > 1:
-                yield np.maximum(side - edge, 0.0)
+                yield np.asarray(np.maximum(side - edge, 0.0), np.float64)
 
 
 def _whitened(C: FloatArray, y: FloatArray, H: FloatArray) -> tuple[np.ndarray, ...]:
-    """Return of a covariance C (n, n) ln det, y'y, h'h, h'y and what h leaves of y'y, of whitened y (n,), H (n, m)."""
+    """Return ln det C (n, n); of y (n,), H (n, m) that C whitens, y'y, h'h, h'y and what each h leaves of y'y."""
     L = np.linalg.cholesky(C)
     white = solve_triangular(L, np.column_stack((y, H)), lower=True)
     y, H = white[:, 0], white[:, 1:]

@@ -82,10 +82,11 @@ def diagnose(
 
 def _with_found_before(found: Diagnosis, findings: Sequence[Finding], tests: Sequence[EffectTest]) -> Diagnosis:
     """Return a diagnosis with what was found before it, which was put right in what it looked at."""
-    every = (*findings, *found.findings)
+    every, is_left = (*findings, *found.findings), _is_left(found)
     return replace(
-        found, verdict=verdict_of(every, is_left=_is_left(found)), findings=every, tried=(*tests, *found.tried)
-    )
+        found, verdict=verdict_of(every, is_left=is_left), findings=every, tried=(*tests, *found.tried),
+        next_measurement=found.next_measurement or _measure_next(every, is_left=is_left),
+    )  # fmt: skip
 
 
 def _is_left(found: Diagnosis) -> bool:

@@ -17,9 +17,9 @@ from typing import Self
 
 import numpy as np
 
-from procedures.arrays import BoolArray, FloatArray
 from procedures.anomalies.saturated_rates import without_saturated
 from procedures.anomalies.wrong_rates import without_wrong_rows
+from procedures.arrays import BoolArray, FloatArray
 from procedures.calibration.joint_calibration import CampaignFits
 from procedures.calibration.solution_values import FitQuality, Solution
 from procedures.campaign.campaign import Campaign, DwellRecord, RestRecord, SoakRecord

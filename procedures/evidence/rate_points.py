@@ -252,11 +252,15 @@ def noise_of(points: RatePoints, residual: FloatArray) -> tuple[FloatArray, floa
     return found, dof
 
 
+def same_rates(omega: FloatArray) -> IntArray:
+    """Return numbers (n, ...) that are equal where rates (n, ...) are the same, but for how they were set."""
+    found: IntArray = np.round(omega / (SAME_RATE_SHARE * np.max(np.abs(omega)))).astype(np.int64)
+    return found
+
+
 def _equal_rates(points: RatePoints, rows: IntArray) -> list[IntArray]:
     """Return one sensor's ``rows`` (r,) in groups of equal rates, each in the order of the file."""
-    omega = points.omega[points.at[rows]]
-    same = np.round(omega / (SAME_RATE_SHARE * np.max(np.abs(omega)))).astype(np.int64)
-    _, group = np.unique(same, axis=0, return_inverse=True)
+    _, group = np.unique(same_rates(points.omega[points.at[rows]]), axis=0, return_inverse=True)
     return [rows[group == number] for number in range(group.max() + 1)]
 
 

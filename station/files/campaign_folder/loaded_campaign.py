@@ -27,7 +27,10 @@ MAX_PERIOD_DEVIATION = 1e-2  # relative, docs/how-to/campaign-folder.md
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LoadedStep:
-    """A step of any kind with its data: a series, or for a turntable the columns of its points, each (n,), and their lines in the file."""
+    """A step of any kind with its data: a series, or for a turntable the columns of its points, each (n,).
+
+    ``lines`` (n,) are those of the points in the user's file, None where a point is no line.
+    """
 
     kind: str
     table: StepTable

@@ -214,8 +214,11 @@ def both(names: Sequence[str]) -> str:
 
 TIMES = {"from_s": "from {} s", "to_s": "to {} s", "at_s": "at {} s", "after_s": "at {} s"}  # by key of `where`
 FILES = ("file", "in")
-PLACES = {"after": "after {}", "campaign": "campaign {}", "position": "position {}", "channel": "channel {}", "line": "line {}",
-          "or_line": "or line {}", "point": "point {}", "or_point": "or point {}", "rate_deg_s": "at {} deg/s"}  # fmt: skip
+PLACES = {
+    "after": "after {}", "campaign": "campaign {}", "position": "position {}", "channel": "channel {}",
+    "line": "line {}", "or_line": "or line {}", "point": "point {}", "or_point": "or point {}",
+    "rate_deg_s": "at {} deg/s",
+}  # fmt: skip
 COUNTED = "others"  # of a finding that stands for several: how many more there are
 
 

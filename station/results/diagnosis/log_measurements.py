@@ -109,7 +109,8 @@ OTHER_RATES = Measurement(
 )
 TABLE_AGAIN = Measurement(
     "table_again",
-    "Record the same rates again in random order, on another day: an error that does not repeat is no error term.",
+    "Record the table again in random order, on another day, with more rates where the residual is largest: an "
+    "error that repeats at a rate is a function of the rate; one that does not is no error term.",
 )
 TABLE_HEATED = Measurement(
     "table_at_two_temperatures",

@@ -325,3 +325,22 @@ def test_22_points_of_a_linear_sensor_are_consistent(order: str, seed: int) -> N
 def test_of_too_few_points_nothing_is_reported() -> None:
     with refused(NotObservable, ErrorCode.NOT_OBSERVABLE):
         diagnosed(np.linspace(-100, 100, LEAST_POINTS - 1), 1, size=0.0, noise=0.002)
+
+
+def test_what_all_repeats_of_a_rate_share_is_a_function_of_the_rate_and_no_scatter() -> None:
+    slow = np.array([0, 0.02, 0.05, 0.1, 0.3, 1, 2, 5, 10, 20])
+    u, rng = np.tile(np.concatenate((slow, -slow[1:])), 3), np.random.default_rng(0)
+    locked = np.sign(u) * np.sqrt(np.maximum(u**2 - 0.04**2, 0.0))
+    output = np.full((len(u), 3), np.nan)
+    output[:, 2] = locked + 3e-4 * rng.standard_normal(len(u))
+    (cause,) = diagnose([campaign(RateTable("locked.csv", "z", u, output, np.full(len(u), np.nan)))]).unnamed
+    assert cause.what == "a function of the rate, gyroscope"
+    assert cause.joint > 0.99
+
+
+def test_what_no_repeats_share_is_a_scatter() -> None:
+    one, rng = table(0), np.random.default_rng(5)
+    odd = rng.random(len(one.reference)) < 0.2
+    shaken = one.output + 2e4 * 0.05 * (odd * rng.standard_normal(len(odd)))[:, None]
+    (cause,) = diagnose([campaign(replace(one, output=shaken))]).unnamed
+    assert cause.what.startswith("a scatter of rate points")
