@@ -127,7 +127,7 @@ def _points(table: RateTable, sensor: int) -> _Points | None:
 def _covariances(table: RateTable, rows: IntArray, u: FloatArray, rate: IntArray) -> Iterator[FloatArray]:
     """Yield the covariance (n, n) of the curves in each case [noise^2]."""
     spline, own = _spline(_unit(u)), 1.0 * np.equal.outer(rate, rate)
-    time = 1.0 * np.arange(len(rows)) if table.t is None else table.t[rows]
+    time: FloatArray = rows.astype(np.float64) if table.t is None else table.t[rows]
     drives, T = [np.zeros_like(own)], table.temperature[rows]
     if np.isfinite(time).all() and np.ptp(time) > 0:
         walk = np.minimum.outer(_unit(time), _unit(time))
@@ -137,7 +137,8 @@ def _covariances(table: RateTable, rows: IntArray, u: FloatArray, rate: IntArray
         drives += [size**2 * by * smooth for by in (1.0, np.outer(u, u)) for size in OF_DRIVEN]
     has_repeats = len(np.unique(rate)) < len(rate)
     for curve, values, driven in product(OF_CURVE, OF_RATES if has_repeats else OF_RATES[:1], drives):
-        yield curve**2 * spline + values**2 * own + driven
+        covariance: FloatArray = curve**2 * spline + values**2 * own + driven
+        yield covariance
 
 
 def _unit(x: FloatArray) -> FloatArray:

@@ -253,7 +253,7 @@ def noise_of(points: RatePoints, residual: FloatArray) -> tuple[FloatArray, floa
 
 
 def same_rates(omega: FloatArray) -> IntArray:
-    """Return numbers (n, ...) that are equal where rates (n, ...) are the same, but for how they were set."""
+    """Return numbers (n, ...) [1] that are equal where rates ``omega`` (n, ...) [deg/s] were set the same."""
     found: IntArray = np.round(omega / (SAME_RATE_SHARE * np.max(np.abs(omega)))).astype(np.int64)
     return found
 
