@@ -2,9 +2,9 @@
 
 A row's output is held against the prediction by the others (`procedures.anomalies.held_out_rows`). They predict it
 by a Gaussian process: a line for each direction of the rate; and, with variances that the table leaves open, a
-smooth function of the rate (a cubic smoothing spline), a value of its own at each rate that is repeated, and a walk
-with time or a smooth function of temperature, of the bias or of the scale factor. Every combination of variances
-is a case. Noise is what the case leaves, Student's t at its degrees of freedom.
+smooth function of the rate (a cubic smoothing spline), a value of its own at each rate that is repeated, and a
+walk with time or a smooth function of temperature, of the bias or of the scale factor. Every combination of
+variances is a case. Noise is what the case leaves, Student's t at its degrees of freedom.
 
 What an error term does to several rows at once is another explanation, as likely as a wrong row, and competes
 with it: one rate at which all repeats are off, a jump or a settling of bias or scale factor, a zone about zero, an
@@ -126,9 +126,9 @@ def _points(table: RateTable, sensor: int) -> _Points | None:
 
 def _covariances(table: RateTable, rows: IntArray, u: FloatArray, rate: IntArray) -> Iterator[FloatArray]:
     """Yield the covariance (n, n) of the curves in each case [noise^2]."""
-    spline, own = _spline(_unit(u)), 1.0 * np.equal.outer(rate, rate)
+    spline, own = _spline(_unit(u)), np.equal.outer(rate, rate).astype(np.float64)
     time: FloatArray = rows.astype(np.float64) if table.t is None else table.t[rows]
-    drives, T = [np.zeros_like(own)], table.temperature[rows]
+    drives, T = [np.zeros(own.shape)], table.temperature[rows]
     if np.isfinite(time).all() and np.ptp(time) > 0:
         walk = np.minimum.outer(_unit(time), _unit(time))
         drives += [size**2 * by * walk for by in (1.0, np.outer(u, u)) for size in OF_DRIVEN]
@@ -137,8 +137,7 @@ def _covariances(table: RateTable, rows: IntArray, u: FloatArray, rate: IntArray
         drives += [size**2 * by * smooth for by in (1.0, np.outer(u, u)) for size in OF_DRIVEN]
     has_repeats = len(np.unique(rate)) < len(rate)
     for curve, values, driven in product(OF_CURVE, OF_RATES if has_repeats else OF_RATES[:1], drives):
-        covariance: FloatArray = curve**2 * spline + values**2 * own + driven
-        yield covariance
+        yield curve**2 * spline + values**2 * own + driven
 
 
 def _unit(x: FloatArray) -> FloatArray:

@@ -266,8 +266,10 @@ def _decided(readings: Sequence[TimeReading], evidence: TimeEvidence) -> TimeDec
         contradicts |= not _is_near(best.unit.seconds, evidence.scale_s, SAME_TICK)
     possible = POSSIBLE_HZ[0] <= best.rate_hz <= POSSIBLE_HZ[1]
     is_clear = len(readings) < 2 or best.log_weight - readings[1].log_weight >= math.log(WINNING_ODDS)
+    named = {unit.name for unit in stated}  # what a name states is offered at any rate that is possible
     offered = [
         each for each in readings
-        if OFFERED_HZ[0] <= each.rate_hz <= OFFERED_HZ[1] and each.log_weight > math.log(IMPOSSIBLE)
+        if (POSSIBLE_HZ if each.unit.name in named else OFFERED_HZ)[0] <= each.rate_hz <= OFFERED_HZ[1]
+        and each.log_weight > math.log(IMPOSSIBLE)
     ] or [best]  # fmt: skip
     return TimeDecision(tuple(offered), best if is_clear and possible and not contradicts else None)

@@ -23,7 +23,7 @@ from station.files.campaign_folder.campaign_schema import (
     StepTable,
 )
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign, LoadedStep
-from station.files.logs.log_columns import ColumnOptions, LogColumns, choose_columns
+from station.files.logs.log_columns import ColumnOptions, LogColumns, choose_columns, inferred_reference
 from station.files.logs.log_data import angle_at_ends, log_data
 from station.files.logs.log_steps import step_of_log
 from station.files.logs.means_table import is_means_table
@@ -78,7 +78,7 @@ def campaign_of_logs(files: Sequence[Path], stated: LogOptions) -> LogCampaign:
     read = [read_table(file) for file in files]
     if not stated.kinds:
         _refuse_means(read, stated.columns)
-    chosen = [choose_columns(table, stated.columns) for table in read]
+    chosen = [_chosen(table, stated) for table in read]
     _refuse_other_units(chosen)
     ends = [angle_at_ends(found) for found in chosen]
     chosen = [
@@ -117,6 +117,17 @@ def campaign_of_logs(files: Sequence[Path], stated: LogOptions) -> LogCampaign:
     if periods:  # each log was read at its own: there is none that all of them should have
         loaded = replace(loaded, campaign=replace(loaded.campaign, nominal_period=None))
     return LogCampaign(loaded, {each.name: each for each in data}, tuple(guesses), (*notes, *apart), periods)
+
+
+def _chosen(table: Table, stated: LogOptions) -> LogColumns:
+    """Return what a log's columns hold; of one that can only be a rate table the reference is inferred."""
+    if any(not each.startswith("rate") for each in stated.kinds):
+        return choose_columns(table, stated.columns)
+    reference = inferred_reference(table, stated.columns)
+    if reference is None:
+        return choose_columns(table, stated.columns)
+    found = choose_columns(table, replace(stated.columns, reference=reference))
+    return replace(found, guesses=[f"rate table, reference is {reference}", *found.guesses])
 
 
 def readings(found: LogColumns, data: Table, stated: LogOptions) -> Readings:

@@ -7,6 +7,7 @@ from shlex import quote
 import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.counts.encoder_angle import slope_and_correlation
 from procedures.counts.time_unit import SECOND, TimeUnit
 from procedures.errors import ErrorCode
 from procedures.frames import AXES
@@ -19,7 +20,7 @@ from station.files.logs.header_guesses import (
     split_unit,
 )
 from station.files.logs.temperature import temperature_column
-from station.files.logs.time_units import compare_clocks, other_clocks, unit_of_time
+from station.files.logs.time_units import are_points, compare_clocks, other_clocks, unit_of_points, unit_of_time
 from station.files.logs.triad_guesses import (
     bare_axes,
     guessed_reference,
@@ -36,6 +37,7 @@ from station.files.tables.table import MAX_NAMES_SHOWN, Table
 
 _SAY_Z = "(state -,-,COL for z)"
 ABSENT = "-"  # of a channel that the log does not have
+MIN_CORRELATION = 0.7  # of a gyroscope with the reference that turns it
 GUESSED_GRAVITY = 0.1  # relative: how near 1 g at rest an output must be for its unit to be guessed
 FEWEST_COUNTS = 64  # in 1 g, of accelerometers of 8 bits
 STEADY_LENGTH = 0.5  # relative interquartile range: gravity's length varies less in motion, that of a rate more
@@ -114,10 +116,13 @@ def choose_columns(
     time = None if stated.time is None else table.name_of(stated.time)
     reference = None if stated.reference is None else table.name_of(stated.reference)
     angle = None if reference is None else degrees_per_angle(reference)
-    has_no_time = stated.rate_hz is not None or (reference is not None and angle is None)
-    if stated.time is None and not has_no_time and (time := _guessed_time(table, free)) is not None:
-        guesses.append(f"time is {time}")
-    if time is None and not has_no_time:
+    is_table = reference is not None and angle is None
+    unit_time = stated.unit_time or (unit_of_points(table, time) if is_table else None)
+    if time is None and stated.rate_hz is None and (time := _guessed_time(table, free)) is not None:
+        unit_time = stated.unit_time or (unit_of_points(table, time) if is_table else None)
+        time = time if unit_time or not is_table else None  # points say nothing of a unit that is not named
+        guesses += [] if time is None else [f"time is {time}{f', in {unit_time}' if is_table else ''}"]
+    if time is None and stated.rate_hz is None and not is_table:
         raise DataRefused(
             table.file, None, "no time column", "--time COL or --rate HZ, or --reference COL of a rate table",
             f"name one of them{_or_a_table(free, stated)}", code=ErrorCode.COLUMNS,
@@ -142,7 +147,7 @@ def choose_columns(
         temperature_unit=temperature_unit, reference_unit=_reference_unit(reference, guesses),
         degrees_per_angle=angle, clocks=() if time is None else tuple(other_clocks(table, time, free)),
         unit_time=unit_of_time(
-            table, time, stated.unit_time, stated.rate_hz, guesses, stamps_of,
+            table, time, unit_time, stated.rate_hz, guesses, stamps_of,
             [name for name in (*gyro, *accel) if name],
         ),
         unit_gyro=unit_gyro, unit_accel=unit_accel or _by_gravity(table, accel, guesses), guesses=guesses,
@@ -158,6 +163,34 @@ def choose_columns(
         hint = _unused_hint(unused, found, stated)
         guesses.append(f"not used: {shown}{f' ({hint})' if hint else ''}")
     return found
+
+
+def inferred_reference(table: Table, stated: ColumnOptions) -> str | None:
+    """Return the column that must be a rate table's reference, where nobody named one; None where none must be.
+
+    One column alone is called so, it is a rate, another is an output that follows it, and there is no time, or its
+    rows are farther apart than samples are.
+    """
+    free = _not_stated(table, stated)
+    called = [name for name in free if guessed_reference([name]) and name not in table.unreadable]
+    if stated.reference is not None or stated.rate_hz is not None or len(called) != 1:
+        return None
+    (reference,) = called
+    time = _guessed_time(table, free) if stated.time is None else table.name_of(stated.time)
+    if degrees_per_angle(reference) is not None or (time is not None and not are_points(table, time)):
+        return None
+    others = [name for name in free if name != reference]
+    gyro = _triad(table, stated, "gyro", others, [])
+    gyro = gyro if any(gyro) else _single(others, "gyroscope", [])
+    rate, outputs = table.columns[reference], [table.columns[n] for n in gyro if n and n not in table.unreadable]
+    known = [np.isfinite(rate) & np.isfinite(each) for each in outputs]
+    correlations = [
+        slope_and_correlation(rate[rows], each[rows])[1] if rows.any() else 0.0
+        for each, rows in zip(outputs, known, strict=True)
+    ]
+    is_output = reference in _triad(table, stated, "gyro", free, [])
+    follows = any(abs(each) >= MIN_CORRELATION for each in correlations)
+    return reference if follows and not is_output else None
 
 
 def _or_a_table(free: Sequence[str], stated: ColumnOptions) -> str:

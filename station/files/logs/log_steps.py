@@ -32,7 +32,7 @@ from station.files.campaign_folder.campaign_schema import (
     TurntableTable,
 )
 from station.files.campaign_folder.loaded_campaign import LoadedStep
-from station.files.logs.log_columns import LogColumns
+from station.files.logs.log_columns import MIN_CORRELATION, LogColumns
 from station.files.tables.strict_csv import TRIADS
 from station.files.tables.table import Table
 from station.text import plural
@@ -112,7 +112,6 @@ REFERENCE = "rate_ref_deg_s"
 UNCALIBRATED = 0.03  # of 1: scale factor errors in data sheets of MEMS gyroscopes
 END_DEG = 2.0  # by which a bias that changes and noise move the angle by a gyroscope
 READ_DEG = 0.1  # to which a reference is read at an end
-MIN_CORRELATION = 0.7  # of a gyroscope with the reference that turns it
 
 
 def step_of_log(

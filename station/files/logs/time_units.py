@@ -15,6 +15,7 @@ from procedures.counts.time_decision import (
     EVIDENCE_RISES,
     EVIDENCE_ROWS,
     LIE_ODDS,
+    OFFERED_HZ,
     POSSIBLE_HZ,
     TimeDecision,
     TimeEvidence,
@@ -25,7 +26,7 @@ from procedures.counts.time_decision import (
 from procedures.counts.time_unit import BY_NAME, SECOND, TIME_UNITS, TimeUnit
 from procedures.errors import ErrorCode
 from station.errors import ClocksContradict, DataRefused, TimeUnitAsked
-from station.files.logs.header_guesses import guessed_time, guessed_utc, time_units_in_name
+from station.files.logs.header_guesses import guessed_time, guessed_utc, time_unit_in_name, time_units_in_name
 from station.files.output_units import time_unit
 from station.files.tables.table import Table
 
@@ -185,6 +186,25 @@ def contradiction_of_rate(table: Table, time: str | None, unit: TimeUnit, rate_h
         return ""
     used = f"{column} is used (omit --rate)" if time else f"--rate is used (or --time {quote(column)})"
     return f"--rate {rate_hz:g} contradicts {column}, which makes {1 / step:.5g} Hz: {used}"
+
+
+def are_points(table: Table, time: str) -> bool:
+    """Say whether rows by a column ``time`` are farther apart than samples of an inertial sensor."""
+    if (name := unit_of_points(table, time)) is None:
+        return False
+    unit = BY_NAME[name]
+    return bool(np.median(np.diff(unit.linear(table.columns[time]))) * unit.seconds * OFFERED_HZ[0] > 1)
+
+
+def unit_of_points(table: Table, time: str | None) -> str | None:
+    """Return the unit that a column's name states, where it rises from row to row; else None.
+
+    Unlike samples, points of a rate table are as far apart as they were measured: that says nothing of a unit.
+    """
+    if time is None or time in table.unreadable or not np.all(np.diff(table.columns[time]) > 0):
+        return None
+    unit = SECOND if time in table.moments else time_unit_in_name(time)
+    return unit.name if unit is not None and unit.name in BY_NAME else None
 
 
 def duration_in_words(seconds: float) -> str:
