@@ -128,7 +128,8 @@ def _covariances(table: RateTable, rows: IntArray, u: FloatArray, rate: IntArray
     """Yield the covariance (n, n) of the curves in each case [noise^2]."""
     spline, own = _spline(_unit(u)), np.equal.outer(rate, rate).astype(np.float64)
     time: FloatArray = rows.astype(np.float64) if table.t is None else table.t[rows]
-    drives, T = [np.zeros(own.shape)], table.temperature[rows]
+    T = table.temperature[rows]
+    drives: list[FloatArray] = [np.zeros_like(own)]
     if np.isfinite(time).all() and np.ptp(time) > 0:
         walk = np.minimum.outer(_unit(time), _unit(time))
         drives += [size**2 * by * walk for by in (1.0, np.outer(u, u)) for size in OF_DRIVEN]
@@ -156,7 +157,7 @@ def _shared(u: FloatArray, rate: IntArray) -> Iterator[FloatArray]:
     """Yield what an error term does to several rows (n,)."""
     for number in np.flatnonzero(np.bincount(rate) > 1).tolist():
         yield 1.0 * (rate == number)
-    order = np.arange(len(u))
+    order = np.arange(len(u), dtype=np.float64)
     for first in range(2, len(u) - 1):
         yield 1.0 * (order >= first)
         yield u * (order >= first)

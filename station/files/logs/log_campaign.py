@@ -23,7 +23,8 @@ from station.files.campaign_folder.campaign_schema import (
     StepTable,
 )
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign, LoadedStep
-from station.files.logs.log_columns import ColumnOptions, LogColumns, choose_columns, inferred_reference
+from station.files.logs.inferred_reference import inferred_reference
+from station.files.logs.log_columns import ColumnOptions, LogColumns, choose_columns
 from station.files.logs.log_data import angle_at_ends, log_data
 from station.files.logs.log_steps import step_of_log
 from station.files.logs.means_table import is_means_table

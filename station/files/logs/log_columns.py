@@ -7,7 +7,6 @@ from shlex import quote
 import numpy as np
 
 from procedures.arrays import FloatArray
-from procedures.counts.encoder_angle import slope_and_correlation
 from procedures.counts.time_unit import SECOND, TimeUnit
 from procedures.errors import ErrorCode
 from procedures.frames import AXES
@@ -20,7 +19,7 @@ from station.files.logs.header_guesses import (
     split_unit,
 )
 from station.files.logs.temperature import temperature_column
-from station.files.logs.time_units import are_points, compare_clocks, other_clocks, unit_of_points, unit_of_time
+from station.files.logs.time_units import compare_clocks, other_clocks, unit_of_points, unit_of_time
 from station.files.logs.triad_guesses import (
     bare_axes,
     guessed_reference,
@@ -37,7 +36,6 @@ from station.files.tables.table import MAX_NAMES_SHOWN, Table
 
 _SAY_Z = "(state -,-,COL for z)"
 ABSENT = "-"  # of a channel that the log does not have
-MIN_CORRELATION = 0.7  # of a gyroscope with the reference that turns it
 GUESSED_GRAVITY = 0.1  # relative: how near 1 g at rest an output must be for its unit to be guessed
 FEWEST_COUNTS = 64  # in 1 g, of accelerometers of 8 bits
 STEADY_LENGTH = 0.5  # relative interquartile range: gravity's length varies less in motion, that of a rate more
@@ -102,10 +100,14 @@ def choose_columns(
     neither time nor rate.
     """
     names, guesses = list(table.columns), list[str]()
-    free = _not_stated(table, stated)
-    gyro, accel = (_triad(table, stated, triad, free, guesses) for triad in ("gyro", "accel"))
-    gyro = gyro if any(gyro) or stated.gyro is not None else _single(free, "gyroscope", guesses)
-    accel = accel if any((*gyro, *accel)) or stated.accel is not None else _single(free, "accelerometer", guesses)
+    free = not_stated(table, stated)
+    gyro, accel = (triad_columns(table, stated, triad, free, guesses) for triad in ("gyro", "accel"))
+    gyro = gyro if any(gyro) or stated.gyro is not None else single_sensor(free, "gyroscope", guesses)
+    accel = (
+        accel
+        if any((*gyro, *accel)) or stated.accel is not None
+        else single_sensor(free, "accelerometer", guesses)
+    )
     if not any((*gyro, *accel)):
         raise DataRefused(
             table.file, None, f"columns {', '.join(names[:30])}", "outputs",
@@ -118,7 +120,7 @@ def choose_columns(
     angle = None if reference is None else degrees_per_angle(reference)
     is_table = reference is not None and angle is None
     unit_time = stated.unit_time or (unit_of_points(table, time) if is_table else None)
-    if time is None and stated.rate_hz is None and (time := _guessed_time(table, free)) is not None:
+    if time is None and stated.rate_hz is None and (time := time_column(table, free)) is not None:
         unit_time = stated.unit_time or (unit_of_points(table, time) if is_table else None)
         time = time if unit_time or not is_table else None  # points say nothing of a unit that is not named
         guesses += [] if time is None else [f"time is {time}{f', in {unit_time}' if is_table else ''}"]
@@ -165,34 +167,6 @@ def choose_columns(
     return found
 
 
-def inferred_reference(table: Table, stated: ColumnOptions) -> str | None:
-    """Return the column that must be a rate table's reference, where nobody named one; None where none must be.
-
-    One column alone is called so, it is a rate, another is an output that follows it, and there is no time, or its
-    rows are farther apart than samples are.
-    """
-    free = _not_stated(table, stated)
-    called = [name for name in free if guessed_reference([name]) and name not in table.unreadable]
-    if stated.reference is not None or stated.rate_hz is not None or len(called) != 1:
-        return None
-    (reference,) = called
-    time = _guessed_time(table, free) if stated.time is None else table.name_of(stated.time)
-    if degrees_per_angle(reference) is not None or (time is not None and not are_points(table, time)):
-        return None
-    others = [name for name in free if name != reference]
-    gyro = _triad(table, stated, "gyro", others, [])
-    gyro = gyro if any(gyro) else _single(others, "gyroscope", [])
-    rate, outputs = table.columns[reference], [table.columns[n] for n in gyro if n and n not in table.unreadable]
-    known = [np.isfinite(rate) & np.isfinite(each) for each in outputs]
-    correlations = [
-        slope_and_correlation(rate[rows], each[rows])[1] if rows.any() else 0.0
-        for each, rows in zip(outputs, known, strict=True)
-    ]
-    is_output = reference in _triad(table, stated, "gyro", free, [])
-    follows = any(abs(each) >= MIN_CORRELATION for each in correlations)
-    return reference if follows and not is_output else None
-
-
 def _or_a_table(free: Sequence[str], stated: ColumnOptions) -> str:
     """Return the option of a rate table, where a column is called as its rate and nobody named it.
 
@@ -216,12 +190,12 @@ def _unused_hint(unused: Sequence[str], found: LogColumns, stated: ColumnOptions
             options.insert(0, f"--{triad} A,B,C the {what}")
     if found.reference is None and guessed_reference(unused):
         options.insert(0, "--reference the rate of a rate table")
-    if found.time is None and _guessed_time(found.table, unused):
+    if found.time is None and time_column(found.table, unused):
         options.insert(0, "--time the time")
     return ", ".join(options)
 
 
-def _guessed_time(table: Table, free: Sequence[str]) -> str | None:
+def time_column(table: Table, free: Sequence[str]) -> str | None:
     """Return the column of time by its name, else the first of moments, else UTC, which is a time as well.
 
     A column of text is one where no other is, so that it can be named.
@@ -257,7 +231,7 @@ def _utc(
     return found
 
 
-def _not_stated(table: Table, stated: ColumnOptions) -> list[str]:
+def not_stated(table: Table, stated: ColumnOptions) -> list[str]:
     """Return the columns that nobody stated anything of: of these what they hold may be guessed."""
     keys = [
         stated.time,
@@ -272,7 +246,7 @@ def _not_stated(table: Table, stated: ColumnOptions) -> list[str]:
     return [name for name in table.columns if name not in named]
 
 
-def _triad(
+def triad_columns(
     table: Table, stated: ColumnOptions, triad: str, free: Sequence[str], guesses: list[str]
 ) -> tuple[str | None, ...]:
     keys: tuple[str, ...] | None = getattr(stated, triad)
@@ -301,7 +275,7 @@ def _triad(
     return (*names, *(None,) * (3 - len(names)))
 
 
-def _single(free: Sequence[str], triad: str, guesses: list[str]) -> tuple[str | None, ...]:
+def single_sensor(free: Sequence[str], triad: str, guesses: list[str]) -> tuple[str | None, ...]:
     """Return the only sensor in a unit of a ``triad`` as its x, by the unit alone."""
     if len(found := sensors_without_axis(free, triad)) != 1:
         return (None, None, None)

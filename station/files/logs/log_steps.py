@@ -32,7 +32,8 @@ from station.files.campaign_folder.campaign_schema import (
     TurntableTable,
 )
 from station.files.campaign_folder.loaded_campaign import LoadedStep
-from station.files.logs.log_columns import MIN_CORRELATION, LogColumns
+from station.files.logs.inferred_reference import MIN_CORRELATION
+from station.files.logs.log_columns import LogColumns
 from station.files.tables.strict_csv import TRIADS
 from station.files.tables.table import Table
 from station.text import plural

@@ -29,6 +29,7 @@ from procedures.uncertainty.budget import ParameterBudget, budget
 from procedures.uncertainty.sources import GivenValues
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign, effects_of
 from station.files.effect_file import EffectFile
+from station.files.output_units import GYRO_UNITS
 from station.results.diagnosis.log_measurements import Recorded, fitted_to, next_in_words, separating
 from station.results.diagnosis.uncalibrated import (
     channels_of,
@@ -92,6 +93,8 @@ def diagnosis_json(
         counts = campaigns[0].tables.imu.output != "rate"
         name = "count/s" if counts else output_unit(campaigns, "gyroscope")
         after["rate_tables"] = _on_table(diagnosis.on_table, name)
+        nominal = campaigns[0].campaign.nominal_scale.get("gyroscope")
+        after["warnings"] = [*after.get("warnings", ()), *_in_other_units(diagnosis.on_table, nominal)]
     errors = [
         error_document(each, BLOCKS_LEFT_OUT if each.quantity.endswith("samples") else LEFT_OUT)
         for each in diagnosis.errors
@@ -137,6 +140,7 @@ def diagnosis_json(
 MAX_HELD_OUT_RATIO = (
     3.0  # as where two thirds of the rows go into parameters: of n rows and p of these it is 1/(1 - p/n)
 )
+MAX_OFF_UNIT = 0.02  # of 1: no scale factor of a gyroscope in this unit is farther off
 
 
 def _far_above(errors: Sequence[ResidualRms]) -> list[str]:
@@ -224,6 +228,20 @@ def _on_table(sensors: Sequence[TableSensor], output: str) -> dict[str, Any]:
         found["offset"] = {each.axis: {"value": each.offset, "std": each.offset_std} for each in offset}
         unit["offset"] = output
     return {"gyroscope": found, "unit": unit}
+
+
+def _in_other_units(sensors: Sequence[TableSensor], nominal: float | None) -> list[str]:
+    """Return a warning for each sensor whose scale factor is that of another unit than the one specified.
+
+    ``nominal`` is how many outputs are 1 deg/s in the unit that is specified, None where none is.
+    """
+    by_size = {per: unit for unit, per in GYRO_UNITS.items()}
+    return [
+        f"gyroscope {each.axis}: a scale factor of {each.scale:.6g} output/(deg/s) is that of outputs in {unit}, "
+        f"not in {by_size[nominal]}: the unit in the name of the column, or of the reference, is probably wrong"
+        for each in sensors for per, unit in by_size.items()
+        if nominal in by_size and per != nominal and abs(abs(each.scale) / per - 1) < MAX_OFF_UNIT
+    ]  # fmt: skip
 
 
 def temperature_effect(name: str) -> bool:

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from procedures.frames import TRIADS
 from procedures.inference.result import Because
 from station.results.diagnosis.finding_wording import (
     COUNTED,
@@ -264,11 +265,17 @@ OFFERED = ("unexplained", "partly")
 def searched_in_words(document: Mapping[str, Any]) -> str:
     """Return how many terms were searched, or the offer to search where the verdict leaves something."""
     if (searched := document.get("searched")) is None:
-        is_offered = document["verdict"] in OFFERED and "solution" in document
+        is_searchable = any(triad in document.get("solution", {}) for triad in TRIADS)
+        is_offered = document["verdict"] in OFFERED and is_searchable
         return (
             "--discover searches ten thousand terms for an error term that the catalogue lacks"
             if is_offered
             else ""
+        )
+    if not searched["terms"]:
+        return (
+            "--discover searched nothing: it needs a campaign whose positions and rotations determine a triad; "
+            "a rate table or a rest does not"
         )
     found = len(document["findings"]) - len(known_findings(document))
     text = "none is significant" if not found else "one is proposed" if found == 1 else f"{found} are proposed"

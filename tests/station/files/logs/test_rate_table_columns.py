@@ -8,8 +8,9 @@ import pytest
 
 from procedures.errors import ErrorCode
 from station.errors import DataRefused
+from station.files.logs.inferred_reference import inferred_reference
 from station.files.logs.log_campaign import LogOptions, campaign_of_logs
-from station.files.logs.log_columns import ColumnOptions, inferred_reference
+from station.files.logs.log_columns import ColumnOptions
 from station.files.tables.reader import read_table
 from tests.refusals import refused
 
