@@ -159,11 +159,13 @@ def _shared(u: FloatArray, rate: IntArray) -> Iterator[FloatArray]:
         yield 1.0 * (rate == number)
     order = np.arange(len(u), dtype=np.float64)
     for first in range(2, len(u) - 1):
-        yield 1.0 * (order >= first)
-        yield u * (order >= first)
+        after = (order >= first).astype(np.float64)
+        yield after
+        yield u * after
     for rows in SETTLING_ROWS:
-        yield np.exp(-order / rows)
-        yield u * np.exp(-order / rows)
+        fading: FloatArray = np.exp(-order / rows)
+        yield fading
+        yield u * fading
     for edge in np.unique(np.abs(u)).tolist():
         if (np.abs(u) <= edge).sum() > 1:
             yield 1.0 * (np.abs(u) <= edge)

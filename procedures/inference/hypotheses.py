@@ -15,6 +15,7 @@ from procedures.arrays import FloatArray, IntArray
 from procedures.effects.excitation import Columns
 from procedures.evidence.candidates import Candidate
 from procedures.evidence.linear_model import Term, variance_classes
+from procedures.evidence.rate_points import ROWS_BY_HAND, same_rates
 from procedures.evidence.residual_rows import KINDS, Evidence
 from procedures.frames import AXES, TRIADS
 from procedures.inference import priors
@@ -24,6 +25,7 @@ from procedures.inference.nonlinear_constants import between
 from procedures.inference.smooth_functions import Function, driver_in, functions, unrecorded, walk
 from procedures.statistics.least_squares import left_singular
 
+OF_REPEATS = "a function of the rate that all repeats share, gyroscope"
 OF_ROWS = {
     "mean": "positions", "slope": "drifts within positions", "curvature": "drifts within positions",
     "turn": "rotations", "move": "transfers", "norm": "rests", "soak": "soaks", "level": "soaks",
@@ -97,10 +99,14 @@ class Library:
         return Library(tuple(hypotheses), tuple(ways))
 
     def with_noise(self, classes: Iterable[tuple[str, FloatArray]]) -> "Library":
-        """Return the library with classes of rows that may be noisier than stated, columns (n, k) [1]."""
+        """Return the library with classes of rows that may be noisier than stated, columns (n, k) [1].
+
+        A column is a row, or the rows that share what they scatter by.
+        """
         hypotheses, ways = list(self.hypotheses), list(self.ways)
         for name, E in classes:
-            ways.append(Way(len(hypotheses), E, [(0.0, np.arange(E.shape[1]))], rows=np.argmax(E, axis=0)))
+            rows = np.argmax(E, axis=0) if np.all(np.count_nonzero(E, axis=0) == 1) else None
+            ways.append(Way(len(hypotheses), E, [(0.0, np.arange(E.shape[1]))], rows=rows))
             hypotheses.append(_without_name(name, "noise", priors.ODDS_NAMED, priors.OF_SPREAD))
         return Library(tuple(hypotheses), tuple(ways))
 
@@ -314,3 +320,20 @@ def _noise(evidence: Evidence) -> Iterator[tuple[str, FloatArray]]:
                 f"a scatter of {OF_ROWS[KINDS[kind]]} beyond noise, {TRIADS[triad]}",
                 np.eye(len(shared))[:, rows],
             )
+    yield from _of_repeats(evidence)
+
+
+def _of_repeats(evidence: Evidence) -> Iterator[tuple[str, FloatArray]]:
+    """Yield that rate tables have an error at each rate which its repeats share, where rates are repeated.
+
+    Pure error tells it from scatter: what repeats at a rate is a function of the rate, however narrow.
+    """
+    rows = np.flatnonzero(evidence.rows("rate"))
+    if len(rows):
+        nodes = np.array([each.nodes.start for each in evidence.weights])  # of a table a row is a point
+        set_alike = np.column_stack((evidence.axis[rows], same_rates(evidence.excitation.omega[nodes[rows]])))
+        kinds, kind = np.unique(set_alike, axis=0, return_inverse=True)
+        if len(kinds) <= min(ROWS_BY_HAND, len(rows)) / 2:
+            E = np.zeros((len(evidence.residual), len(kinds)))
+            E[rows, kind] = 1.0
+            yield OF_REPEATS, E

@@ -16,7 +16,6 @@ from procedures.arrays import BoolArray, FloatArray
 from procedures.effects.bias_noise import MOST_DRAWS
 from procedures.effects.excitation import REFERENCE_C, Columns, Excitation, per_axis
 from procedures.effects.temperature_history import REVERSAL_K, lagged, sensor_temperature
-from procedures.evidence.rate_points import ROWS_BY_HAND, same_rates
 from procedures.evidence.residual_rows import Evidence
 from procedures.evidence.row_sums import row_sums
 from procedures.frames import AXES, TRIADS
@@ -257,8 +256,6 @@ def _coordinates(seen: Excitation, output: FloatArray, triad: str) -> dict[str, 
         u = output / max(float(np.abs(output[turning]).max()), 1e-12)
         around = [np.where(turning[:, None], np.roll(u, s, axis=1), 0.0) for s in (1, 2)]
         found["the rate"] = _of_input(np.where(turning[:, None], output, np.nan))
-        if rates := _rates(seen):
-            found["the rate"].append(_equal("one value for each rate", rates))
         found["the other axes' rates"] = [
             _equal("even and odd part", [g for v in around for g in (v**2, v * np.abs(v))])
         ]
@@ -286,18 +283,6 @@ def _attitudes(seen: Excitation, resting: BoolArray) -> list[FloatArray]:
             kinds.append(C)
             found.append(rests)
     return found if len(kinds) <= MOST_DRAWS else []
-
-
-def _rates(seen: Excitation) -> list[FloatArray]:
-    """Return which points (n,) of rate tables have each rate, where enough are repeated.
-
-    What all repeats share is a function of the rate, however narrow; what they do not share is noise or scatter.
-    """
-    points = np.array([step.kind == "rate" for step in seen.steps])[seen.step]
-    kinds, kind = np.unique(same_rates(seen.omega), axis=0, return_inverse=True)
-    rates = [1.0 * (points & (kind == number)) for number in range(len(kinds))]
-    rates = [each for each in rates if each.any()]
-    return rates if len(rates) <= min(ROWS_BY_HAND, points.sum()) / 2 else []
 
 
 def _of_input(u: FloatArray) -> list[Way]:

@@ -334,7 +334,7 @@ def test_what_all_repeats_of_a_rate_share_is_a_function_of_the_rate_and_no_scatt
     output = np.full((len(u), 3), np.nan)
     output[:, 2] = locked + 3e-4 * rng.standard_normal(len(u))
     (cause,) = diagnose([campaign(RateTable("locked.csv", "z", u, output, np.full(len(u), np.nan)))]).unnamed
-    assert cause.what == "a function of the rate, gyroscope"
+    assert cause.what.startswith("a function of the rate")
     assert cause.joint > 0.99
 
 
