@@ -320,13 +320,13 @@ def _noise(evidence: Evidence) -> Iterator[tuple[str, FloatArray]]:
                 f"a scatter of {OF_ROWS[KINDS[kind]]} beyond noise, {TRIADS[triad]}",
                 np.eye(len(shared))[:, rows],
             )
-    yield from _of_repeats(evidence)
 
 
-def _of_repeats(evidence: Evidence) -> Iterator[tuple[str, FloatArray]]:
+def of_repeats(evidence: Evidence) -> Iterator[tuple[str, FloatArray]]:
     """Yield that rate tables have an error at each rate which its repeats share, where rates are repeated.
 
-    Pure error tells it from scatter: what repeats at a rate is a function of the rate, however narrow.
+    Pure error separates it from scatter: what repeats at a rate is a function of the rate, however narrow. It
+    takes up any nonlinearity: it is to be held against a scatter, once what has a name is in the model.
     """
     rows = np.flatnonzero(evidence.rows("rate"))
     if len(rows):

@@ -18,7 +18,7 @@ from procedures.evidence.linear_model import Term
 from procedures.evidence.refit import Refit, refit, terms_at
 from procedures.inference import priors
 from procedures.inference.board import Board
-from procedures.inference.hypotheses import Library, library_of
+from procedures.inference.hypotheses import Library, library_of, of_repeats
 from procedures.inference.marginal import Member, log_sum, tail
 from procedures.inference.nonlinear_constants import resolved
 from procedures.inference.posterior import Posterior, averaged_fits, averaged_parameters, posterior
@@ -101,6 +101,10 @@ def infer(subject: BaseModel, effects: Sequence[Effect]) -> Inferred:
             break
         search = Search(library.with_adopted(now.evidence, _bent(now, pool)).on(now.evidence))
         best = search.run()
+    if any(search.board.hypotheses[i].kind == "noise" for i in best.names):
+        library = library.with_noise(of_repeats(now.evidence))
+        search = Search(library.with_adopted(now.evidence, _bent(now, pool)).on(now.evidence))
+        search.run()
     found = posterior(search)
     for curved in [each for each in now.added if each.effect.added is not None]:
         search, now, found = _with_alternatives(subject, pool, library, begin, (search, now, found), curved)

@@ -344,3 +344,13 @@ def test_what_no_repeats_share_is_a_scatter() -> None:
     shaken = one.output + 2e4 * 0.05 * (odd * rng.standard_normal(len(odd)))[:, None]
     (cause,) = diagnose([campaign(replace(one, output=shaken))]).unnamed
     assert cause.what.startswith("a scatter of rate points")
+
+
+def test_a_sine_a_hundred_thousand_times_the_noise_keeps_its_name_where_rates_are_repeated() -> None:
+    u, s, rng = np.tile(np.concatenate((RATES * 3, RATES * 0.3)), 2), 4e-3, np.random.default_rng(7)
+    output = np.full((len(u), 3), np.nan)
+    output[:, 2] = np.sin(s * u) / s + 3e-4 * rng.standard_normal(len(u))
+    found = diagnose([campaign(RateTable("sine.csv", "z", u, output, np.full(len(u), np.nan)))])
+    (sine,) = found.findings
+    assert (sine.effect, sine.confidence, found.unnamed) == ("gyroscope.sagnac_sine", "established", ())
+    assert abs(sine.value[0] - s) < 4 * sine.std[0]
