@@ -323,7 +323,7 @@ def _noise(evidence: Evidence) -> Iterator[tuple[str, FloatArray]]:
 
 
 def of_repeats(evidence: Evidence) -> Iterator[tuple[str, FloatArray]]:
-    """Yield that rate tables have an error at each rate which its repeats share, where rates are repeated.
+    """Yield, where rates are repeated, that their repeats share an error: columns (n, k) [1] by name.
 
     Pure error separates it from scatter: what repeats at a rate is a function of the rate, however narrow. It
     takes up any nonlinearity: it is to be held against a scatter, once what has a name is in the model.

@@ -249,6 +249,7 @@ def not_stated(table: Table, stated: ColumnOptions) -> list[str]:
 def triad_columns(
     table: Table, stated: ColumnOptions, triad: str, free: Sequence[str], guesses: list[str]
 ) -> tuple[str | None, ...]:
+    """Return the columns of x, y, z of a ``triad``, gyro or accel: as stated, else found among those ``free``."""
     keys: tuple[str, ...] | None = getattr(stated, triad)
     if keys is None:
         found = tuple(guessed_triad(free, "gyroscope" if triad == "gyro" else "accelerometer"))
