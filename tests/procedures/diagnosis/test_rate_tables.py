@@ -347,7 +347,8 @@ def test_what_no_repeats_share_is_a_scatter() -> None:
 
 
 def test_a_sine_a_hundred_thousand_times_the_noise_keeps_its_name_where_rates_are_repeated() -> None:
-    u, s, rng = np.tile(np.concatenate((RATES * 3, RATES * 0.3)), 2), 4e-3, np.random.default_rng(7)
+    one_way, s = np.array([5, 10, 20, 50, 100, 150, 200, 250, 300.0]), 4e-3  # rad/(deg/s)
+    u, rng = np.tile(np.concatenate(([0.0], one_way, -one_way)), 2), np.random.default_rng(7)
     output = np.full((len(u), 3), np.nan)
     output[:, 2] = np.sin(s * u) / s + 3e-4 * rng.standard_normal(len(u))
     found = diagnose([campaign(RateTable("sine.csv", "z", u, output, np.full(len(u), np.nan)))])
