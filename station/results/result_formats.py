@@ -184,18 +184,15 @@ RESULTS: dict[str, ResultFormat] = {
             "file": "name of the table",
             "poses": "number of poses",
             "verdict": "as of `diagnosis/2`; `consistent` also where no residual is left to check it",
-            "log10_p": "logarithm of the p-value of the residuals against the standard deviations in the table",
-            "wrong_poses": "poses that contradict the others: `pose`, `line` of the file, `probability`, "
-            "`confidence`, `off_mg` (specific force less gravity), `sigmas`, `is_held_out` (the values are "
-            "without it), `alternatives`",
+            "log10_p": "p-value of the residuals against the standard deviations in the table, its logarithm",
+            "wrong_poses": "poses that contradict the others: `pose`, `line` of the file, `probability`, `sigmas`, "
+            "`confidence`, `off_mg` (specific force less gravity), `is_held_out` (not used), `alternatives`",
             "findings": "error terms of the accelerometers, as of `diagnosis/2`; they are in the values",
-            "unnamed": "as of `diagnosis/2`",
-            "probabilities": "as of `diagnosis/2`",
-            "not_separable": "as of `diagnosis/2`",
+            **dict.fromkeys(("unnamed", "probabilities", "not_separable"), "as of `diagnosis/2`"),
             "error": "as of `diagnosis/2`, each pose held out in turn",
             "next_measurement": "what to measure next",
-            "accelerometer": "scale factor, misalignment and bias with std, where the poses determine them; the "
-            "rms of residuals, stated noise and held-out poses; `chi2`, `degrees_of_freedom`",
+            "accelerometer": "scale factor, misalignment and bias with std; the rms of residuals, stated noise and "
+            "held-out poses; `chi2`, `degrees_of_freedom`",
             "gyroscope": "`bias` {value, std, unit}; `earth_rate_in_bias`",
             "not_observable": NOT_SOLVED,
             "warnings": WARNINGS,
