@@ -48,8 +48,7 @@ RESULTS: dict[str, ResultFormat] = {
             "gyroscope": "`scale_factor` [count/deg], `misalignment`, `bias` [deg/h]",
             "slab": "`tilt_rad`: East and North components of the up vector, seen from the surface plate",
             "fixture": "`parallelism_rad` 3x2: rows are face pairs x, y, z; columns the two other axes",
-            "residual": "`accelerometer_rms_g`, `gyroscope_rms_deg_h`; `chi2`, `dof`, `p_value` of the global "
-            "test",
+            "residual": "`accelerometer_rms_g`, `gyroscope_rms_deg_h`; `chi2`, `dof`, `p_value` of the test",
             "effects": "error terms in the model: `name`, `coefficients` {value, std}, `unit`, `units`; of a "
             "user-defined term also `term`, `sha256`, `definition`",
             "covariance": "`names` and `matrix` over all parameters",
@@ -185,14 +184,14 @@ RESULTS: dict[str, ResultFormat] = {
             "poses": "number of poses",
             "verdict": "as of `diagnosis/2`; `consistent` also where no residual is left to check it",
             "log10_p": "p-value of the residuals against the standard deviations in the table, its logarithm",
-            "wrong_poses": "poses that contradict the others: `pose`, `line` of the file, `probability`, `sigmas`, "
-            "`confidence`, `off_mg` (specific force less gravity), `is_held_out` (not used), `alternatives`",
+            "wrong_poses": "poses that contradict the others: `pose`, `line`, `probability`, `confidence`, "
+            "`sigmas`, `off_mg` (specific force less gravity), `is_held_out` (not used), `alternatives`",
             "findings": "error terms of the accelerometers, as of `diagnosis/2`; they are in the values",
             **dict.fromkeys(("unnamed", "probabilities", "not_separable"), "as of `diagnosis/2`"),
             "error": "as of `diagnosis/2`, each pose held out in turn",
-            "next_measurement": "what to measure next",
-            "accelerometer": "scale factor, misalignment and bias with std; the rms of residuals, stated noise and "
-            "held-out poses; `chi2`, `degrees_of_freedom`",
+            "next_measurement": "as of `diagnosis/2`",
+            "accelerometer": "scale factor, misalignment, bias with std; the rms of residuals, of stated noise, "
+            "held out; `chi2`, `degrees_of_freedom`",
             "gyroscope": "`bias` {value, std, unit}; `earth_rate_in_bias`",
             "not_observable": NOT_SOLVED,
             "warnings": WARNINGS,
