@@ -13,6 +13,8 @@ PLAY = "play_k"  # name of the coefficient that is half the width of a play [K]
 PERIOD = "period_s"  # name of the coefficient that is the period of a cycle [s]
 KNEE = "knee_deg_s"  # name of the coefficient that is the rate from which on an effect acts [deg/s]
 UNITS_OF_NONLINEAR = {TAU: "s", PLAY: "K", PERIOD: "s", KNEE: "deg/s"}
+ALONG = "along_gravity_ug"  # name of the coefficient that is what a tilt leaves along gravity [ug]
+UNITS_OF_COEFFICIENTS = UNITS_OF_NONLINEAR | {ALONG: "ug"}  # of those that are not in their effect's unit
 REFERENCE_C = 25.0  # degC: temperature effects vanish there, and bias and scale factor hold there
 
 
@@ -100,7 +102,8 @@ class Columns:
     campaign it is about, ``shape`` the value of what is not linear in it. A coefficient belongs to `coefficients`,
     in ``unit`` where this way has one of its own, else the effect's; ``plausible`` likewise, one a coefficient as
     it is fitted. ``nonlinear`` holds by name, above zero, what is fitted by its logarithm: the last of the
-    coefficients.
+    coefficients. ``side_effects`` holds by name how large a coefficient plausibly is by the largest of the others,
+    where it only goes with these.
     """
 
     coefficients: tuple[str, ...]
@@ -113,6 +116,7 @@ class Columns:
     plausible: tuple[float, ...] = ()
     nonlinear: Mapping[str, float] = field(default_factory=dict)
     orders: tuple[int, ...] = ()
+    side_effects: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def tau_s(self) -> float:

@@ -11,11 +11,12 @@ import numpy as np
 
 from procedures.arrays import FloatArray
 from procedures.effects.effect import Effect
-from procedures.effects.excitation import Columns, Excitation, ExcitationStep, per_axis, rotation_columns
+from procedures.effects.excitation import ALONG, Columns, Excitation, ExcitationStep, per_axis, rotation_columns
 from procedures.frames import AXES
-from procedures.units import DEG_H_PER_DEG_S, PPM_PER_ONE
+from procedures.units import DEG_H_PER_DEG_S, PPM_PER_ONE, UG_PER_G
 
 SCALE_PPM = 100.0  # plausible
+DIRECTION_STD = 0.02  # rad, of gravity by the outputs of accelerometers that nobody calibrated: biases of 20 mg
 SLIP = 1e-4  # rad, plausible: 0.01 mm on 100 mm; beyond ten times that something else is wrong
 RESTING = ("dwell", "rest", "soak")
 MAX_PLACES = 200  # that are tried: of more, as in many soaks together, evenly spread ones
@@ -273,8 +274,16 @@ def tilt_columns(excitation: Excitation) -> Jumps:
         return Jumps([])
     turned = np.stack([np.cross(excitation.f, axis) for axis in np.eye(3)], axis=2)
 
+    # by outputs that nobody calibrated gravity is a little beside where it is, and a tilt shows along them too
+    is_raw = bool(np.array_equal(excitation.f, excitation.accel_output))
+    length = np.linalg.norm(excitation.f, axis=1, keepdims=True)
+    along = (excitation.f / length)[:, :, None] / UG_PER_G
+    names = (*AXES, ALONG) if is_raw else AXES
+    side_effects = {ALONG: DIRECTION_STD * UG_PER_G} if is_raw else {}
+
     def tilted(where: dict[str, object], later: FloatArray) -> Columns:
-        return Columns(AXES, where=where, accel=later[:, None, None] * turned)
+        acts = np.concatenate((turned, along), axis=2) if is_raw else turned
+        return Columns(names, where=where, accel=later[:, None, None] * acts, side_effects=side_effects)
 
     def slipped(where: dict[str, object], later: FloatArray) -> Columns:
         rotation = later[:, None, None] * np.eye(3)

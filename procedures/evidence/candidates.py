@@ -239,7 +239,11 @@ def term_of(evidence: Evidence, effect: Effect, columns: Columns) -> Term:
     widened = ranges * grade_factor(evidence, effect)
     if (columns.unit or effect.unit) == "ppm":  # of no grade does a scale factor lack more than all of it
         widened = np.minimum(widened, np.maximum(ranges, PPM_PER_ONE))
-    return Term(H, np.maximum(widened, as_it_drifts(evidence, effect, H)))
+    widened = np.maximum(widened, as_it_drifts(evidence, effect, H))
+    for name, share in columns.side_effects.items():
+        i = columns.coefficients.index(name)
+        widened[i] = share * np.max(np.delete(widened, i))
+    return Term(H, widened)
 
 
 def _of_model(fits: CampaignFits, width: int) -> dict[str, tuple[Columns, IntArray]]:

@@ -280,24 +280,26 @@ def beyond_its_prior(evidence: Evidence, parameter: Candidate) -> Candidate | No
 def masks(way: Candidate) -> Iterator[tuple[float, IntArray]]:
     """Yield ln of a share, and the indices (k,) of coefficients that act.
 
-    These are all, those of one sensor, those of each sensor's own axis (of a matrix), or one alone.
+    These are all, those of one sensor, those of each sensor's own axis (of a matrix), or one alone; what only goes
+    with others acts with each of them.
     """
     names = way.columns.coefficients[: len(way.columns.coefficients) - len(way.columns.nonlinear)]
-    every = np.arange(len(names))
-    if way.effect.is_scatter or len(names) == 1:
-        yield 0.0, every
+    with_each = [i for i, name in enumerate(names) if name in way.columns.side_effects]
+    every = np.array([i for i in range(len(names)) if i not in with_each], dtype=np.int64)
+    if way.effect.is_scatter or len(every) == 1:
+        yield 0.0, np.arange(len(names))
         return
-    sensors = sorted({each[0] for each in names})
+    sensors = sorted({names[i][0] for i in every})
     own = [np.array([i for i in every if names[i][0] == each]) for each in sensors]
     levels = [[every]]
-    if 1 < len(own) < len(names):
+    if 1 < len(own) < len(every):
         levels.append(own)
         along = np.array([i for i in every if names[i] == 2 * names[i][0]], dtype=np.int64)
         levels += [[along]] if len(along) > 1 else []
-    levels.append([every[i : i + 1] for i in every])
+    levels.append([every[i : i + 1] for i in range(len(every))])
     for level in levels:
         for mask in level:
-            yield -float(np.log(len(levels) * len(level))), mask
+            yield -float(np.log(len(levels) * len(level))), np.append(mask, with_each).astype(np.int64)
 
 
 def principal(W: FloatArray) -> FloatArray:

@@ -316,10 +316,10 @@ def amplitudes(finding: Mapping[str, Any]) -> list[CoefficientRow]:
 
 def coefficient_unit(name: str, unit: str) -> tuple[float, str]:
     """Return the same of a coefficient: a time constant is in s, ``x.2`` of an effect in g/K in g/K^2."""
-    from procedures.effects.excitation import UNITS_OF_NONLINEAR
+    from procedures.effects.excitation import UNITS_OF_COEFFICIENTS
 
-    if name in UNITS_OF_NONLINEAR:
-        return 1.0, UNITS_OF_NONLINEAR[name]
+    if name in UNITS_OF_COEFFICIENTS:
+        return 1.0, UNITS_OF_COEFFICIENTS[name]
     scale, shown = shown_unit(unit)
     order = name.rpartition(".")[2]
     return scale, f"{shown}^{order}" if shown.endswith("/K") and order.isdigit() and int(order) > 1 else shown

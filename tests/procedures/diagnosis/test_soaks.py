@@ -82,6 +82,21 @@ def test_a_tilt_is_not_sure_to_be_a_jump_of_the_accelerometers(tmp_path: Path) -
         assert (finding.confidence == "established") == (len(names) == 1)
 
 
+def test_a_tilt_of_a_unit_with_biases_is_no_jump(tmp_path: Path) -> None:
+    """With a bias of 8 mg the outputs say where gravity is to 8 mrad: of 2 mrad 16 ug go along them, 20 sigmas."""
+    up = np.array([[0.003, -0.002, 1.0], [0.005, -0.003, 1.0]])
+    up /= np.linalg.norm(up, axis=1)[:, None]
+    table = 3e-5 * np.random.default_rng(5).standard_normal((len(TIME), 3)) + [0.008, -0.006, 0.004]
+    table += up[(TIME > 450).astype(int)]
+    np.savetxt(tmp_path / "log.csv", table, "%.9g", ",", header="ax,ay,az", comments="")
+    columns = ColumnOptions(rate_hz=RATE, unit_accel="g")
+    (finding,) = diagnose([read_soaks([tmp_path / "log.csv"], columns)]).findings
+    assert finding.effect == "placement.tilt"
+    assert finding.probability > 0.5
+    found = dict(zip(finding.coefficients, zip(finding.value, finding.std, strict=True), strict=True))
+    assert abs(found["y"][0]) == pytest.approx(2e-3, abs=3 * found["y"][1])
+
+
 def test_noise_has_none_of_them(tmp_path: Path) -> None:
     assert not diagnosed(tmp_path, 0 * TIME).findings
 
