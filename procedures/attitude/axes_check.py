@@ -184,9 +184,9 @@ def _may_be_lever_arm(log: AttitudeLog) -> bool:
     r = np.zeros(3)
     for _ in range(ARM_ITERATIONS):  # gravity alone turns with the body: what the arm adds is subtracted first
         y, x, bias = _regression(AttitudeLog(t, rate, log.f_b[:used] - forces @ r), rows, blocks)
-        turned, beside = x @ np.eye(3).reshape(-1), np.column_stack((of_arm, bias))
-        r = r + np.linalg.lstsq(np.column_stack((turned, beside)), y, rcond=None)[0][1:4]
-        found = _fitted(np.eye(3), _without(beside, turned), _without(beside, y))
+        turned, others = x @ np.eye(3).reshape(-1), np.column_stack((of_arm, bias))
+        r = r + np.linalg.lstsq(np.column_stack((turned, others)), y, rcond=None)[0][1:4]
+        found = _fitted(np.eye(3), _without(others, turned), _without(others, y))
     low, high = (found.scale + sign * SIGNIFICANT * found.std for sign in (-1, 1))
     return low < MIN_SCALE_ERROR and high > 1 / MIN_SCALE_ERROR
 

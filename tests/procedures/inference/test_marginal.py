@@ -50,8 +50,8 @@ def test_an_option_gains_the_same_next_to_one_of_another_size(size: float) -> No
     """What two columns have in common is judged by their own lengths."""
     y, _, B = random(5)
     apart = size * np.linalg.qr(random(6)[2])[0]
-    alone, beside = (board(y, [[B], *more], AMPLITUDES, 0.0) for more in ([], [[apart]]))
-    assert ranked(beside, ()).total[0] == pytest.approx(ranked(alone, ()).total[0], rel=1e-10)
+    alone, together = (board(y, [[B], *more], AMPLITUDES, 0.0) for more in ([], [[apart]]))
+    assert ranked(together, ()).total[0] == pytest.approx(ranked(alone, ()).total[0], rel=1e-10)
 
 
 def test_a_coefficient_is_integrated_as_quadrature_does() -> None:

@@ -32,7 +32,7 @@ def diagnosed(log: str, folder: Path, *options: str) -> dict[str, Any]:
     return found
 
 
-def said(log: str, capsys: pytest.CaptureFixture[str], *options: str) -> str:
+def messages_of(log: str, capsys: pytest.CaptureFixture[str], *options: str) -> str:
     capsys.readouterr()
     assert cli.run(["diagnose", log, *options]) == 0
     return " ".join(capsys.readouterr().out.split())
@@ -50,13 +50,13 @@ def test_a_wrong_row_is_named_with_its_line_and_is_not_used(
     assert found["verdict"] == "established"
     scale = found["solution"]["rate_tables"]["gyroscope"]["scale_factor"]["z"]
     assert abs(scale["value"] - 1.0003) < 4 * scale["std"] < 1e-5
-    assert f"line {WRONG + 2}" in said(log, capsys)
+    assert f"line {WRONG + 2}" in messages_of(log, capsys)
 
 
-@pytest.mark.parametrize(("unit", "is_said"), [(np.pi / 180, "rad/s"), (3600.0, "deg/h"), (1.0, ""), (1.1, "")])
-def test_a_scale_factor_of_another_unit_is_said(unit: float, is_said: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("unit", "stated"), [(np.pi / 180, "rad/s"), (3600.0, "deg/h"), (1.0, ""), (1.1, "")])
+def test_a_scale_factor_of_another_unit_stated(unit: float, stated: str, tmp_path: Path) -> None:
     warnings = " ".join(diagnosed(written(tmp_path, unit * seen()), tmp_path)["solution"]["warnings"])
-    assert ("is probably wrong" in warnings, is_said in warnings) == (bool(is_said), True)
+    assert ("is probably wrong" in warnings, stated in warnings) == (bool(stated), True)
 
 
 def test_a_search_is_not_offered_for_a_rate_table_and_says_what_it_needs(
@@ -64,6 +64,6 @@ def test_a_search_is_not_offered_for_a_rate_table_and_says_what_it_needs(
 ) -> None:
     log = written(tmp_path, seen() + 0.01 * np.sin(RATES))
     assert diagnosed(log, tmp_path)["verdict"] in {"partly", "unexplained"}
-    assert "--discover" not in said(log, capsys)
+    assert "--discover" not in messages_of(log, capsys)
     assert diagnosed(log, tmp_path, "--discover")["searched"]["terms"] == 0
-    assert "it needs a campaign" in said(log, capsys, "--discover")
+    assert "it needs a campaign" in messages_of(log, capsys, "--discover")

@@ -108,16 +108,18 @@ def test_a_column_of_remarks_that_the_rows_lack_costs_no_names(tmp_path: Path, l
 
 
 @pytest.mark.parametrize(
-    ("row", "said"),
+    ("row", "expected"),
     [
         ("%RAWIMUSA,2105,425384.180;2105,64546,{}*04068385", "%"),
         ("# {} 1 2 3", "#"),
         ("0x0004{:04X},0xFFFE63DE", "0x"),
     ],
 )
-def test_rows_that_look_like_comments_or_are_hexadecimal_are_named(tmp_path: Path, row: str, said: str) -> None:
+def test_rows_that_look_like_comments_or_are_hexadecimal_are_named(
+    tmp_path: Path, row: str, expected: str
+) -> None:
     (tmp_path / "log.txt").write_text("".join(f"{row.format(i)}\n" for i in range(300)))
-    with refused(DataRefused, ErrorCode.TABLE, said):
+    with refused(DataRefused, ErrorCode.TABLE, expected):
         read_table(tmp_path / "log.txt")
 
 
