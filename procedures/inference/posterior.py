@@ -272,17 +272,18 @@ def averaged(board: Board, rest: Sequence[Member], hypothesis: int, member: Memb
     return Coefficients(candidate, columns.coefficients[:k], value, covariance, nonlinear, acts)
 
 
-def averaged_parameters(search: Search, causes: Sequence[Cause]) -> tuple[FloatArray, FloatArray]:
+def averaged_parameters(search: Search, found: Posterior) -> tuple[FloatArray, FloatArray]:
     """Return by how much the model's parameters (p,) move on average over what the causes may be.
 
     Second is the covariance (p, p) that this adds to that of noise. What may act unseen in addition to the causes,
-    as likely as before the data, is no part of the average.
+    as likely as before the data, is no part of the average; what the data make ten times as likely is.
 
     With A the model's own columns and S those of members, on all rows, and c the members' coefficients in units
     of their prior, the parameters move by ``dx = A^+ (S c - y)``; to the covariance of noise is added
     A^+ S cov(c) S' A^+', and that of dx from model to model.
     """
-    board, shown = search.board, {name for each in causes for name in each.shares}
+    board, shown = search.board, {name for each in found.causes for name in each.shares}
+    shown |= {name for name, p in found.probabilities.items() if p >= 1 - priors.LIKELY}
     models = [m for m in search.window if {board.hypotheses[i].name for i in m.names} <= shown] or [search.best]
     models += search.elsewhere()
     evidence = board.evidence
@@ -302,14 +303,14 @@ def averaged_parameters(search: Search, causes: Sequence[Cause]) -> tuple[FloatA
     return mean, added + ((changes - mean) * p[:, None]).T @ (changes - mean)
 
 
-def averaged_fits(search: Search, fits: CampaignFits, causes: Sequence[Cause]) -> CampaignFits:
+def averaged_fits(search: Search, fits: CampaignFits, found: Posterior) -> CampaignFits:
     """Return fits with parameters and covariance averaged over the models of what the causes may be.
 
     Parameters
     ----------
     fits : where the board was linearised, with the covariance of noise alone
     """
-    mean, added = averaged_parameters(search, causes)
+    mean, added = averaged_parameters(search, found)
 
     def moved(joint: TriadFit, columns: IntArray) -> TriadFit:
         one = joint.fit
