@@ -25,7 +25,7 @@ def host_and_port(text: str, least: int = 1) -> tuple[str, int] | None:
     An IPv6 address stands in brackets, which are left out: ``[::1]:5000``.
     """
     host, _, port = text.strip().rpartition(":")
-    if not host or not (port.isascii() and port.isdigit()) or not least <= int(port[:6]) < 65536:
+    if not host or not (port.isascii() and port.isdigit() and len(port) <= 5) or not least <= int(port) < 65536:
         return None
     return host.removeprefix("[").removesuffix("]"), int(port)
 

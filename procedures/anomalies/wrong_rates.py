@@ -34,7 +34,7 @@ OF_DRIVEN = (3.0, 1e2, 3e3)  # over the whole table
 OFFSET_SHARE = 0.1  # of the range of outputs: no error term but a curve of the rate adds as much to several rows
 SETTLING_ROWS = (2.0, 5.0, 15.0)  # time constants of what settles after the start
 LEAST_DOF = 3  # to judge the noise by
-SEEN = 1e-8  # of the squares of a column, that noise must leave of it to be numerically there
+SEEN = 1e-8  # of the largest singular value, or of a column's squares: less is rounding
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,7 +85,7 @@ def without_wrong_rows(campaigns: Sequence[Campaign]) -> tuple[tuple[Campaign, .
         tables = list[RateTable]()
         for table in campaign.rate_tables:
             output = table.output.copy()
-            for sensor in range(len(AXES)):
+            for sensor in np.flatnonzero(campaign.fixture.C_sb[:, AXES.index(table.axis)]).tolist():
                 for wrong in find_wrong_rates(table, sensor):
                     findings.append(_finding(table, sensor, wrong))
                     if wrong.probability >= PRESENT:
@@ -192,12 +192,20 @@ def _finding(table: RateTable, sensor: int, wrong: WrongRow) -> Finding:
     where: dict[str, object] = {"file": table.name, number: counted[wrong.row]}
     if wrong.alternatives:
         where |= {f"or_{number}": [counted[row] for row, _ in wrong.alternatives]}
-    moves = np.flatnonzero(np.diff(table.reference))
-    slopes = np.diff(table.output[:, sensor])[moves] / np.diff(table.reference)[moves]
-    off = wrong.off / float(np.nanmedian(slopes))
+    off = wrong.off / _scale(table.reference, table.output[:, sensor])
     return Finding(
         EFFECT, "procedure", (AXES[sensor],), np.array([off]), np.array([abs(off) / wrong.sigmas]), "deg/s",
         where | {"rate_deg_s": float(table.reference[wrong.row])}, wrong.probability,
         f"check the {number} in the file, or measure this rate again",
         "not used" if wrong.probability >= PRESENT else "used: another row may be the wrong one",
     )  # fmt: skip
+
+
+def _scale(reference: FloatArray, output: FloatArray) -> float:
+    """Return the scale factor [output/(deg/s)] of outputs (n,) at rates (n,); few wrong rows do not move it."""
+    moves = np.flatnonzero(np.diff(reference))
+    slope = float(np.nanmedian(np.diff(output)[moves] / np.diff(reference)[moves]))
+    if slope:
+        return slope
+    known = np.isfinite(output)  # outputs in coarse steps
+    return float(np.polyfit(reference[known], output[known], 1)[0])

@@ -172,10 +172,12 @@ def diagnose_poses(table: PoseTable, effects: Sequence[Effect] = EFFECTS) -> Pos
     findings, unnamed = findings_of(found)
     first, now = found.first.evidence, found.refit
     data = now.evidence.rows("norm")
+    moved, covariance = found.moved
+    moved = moved + found.board.evidence.x - now.evidence.x  # the last refit may stand somewhere else
     taken = [float(np.sum(fit_linear(now.evidence, terms).leverage[data])) for terms in ([], _terms(now))]
     return PoseDiagnosis(
         findings, unnamed, residual_rms(first, now, left_out_groups(first)), found.posterior.probabilities,
-        not_separable(found), table.without_effects(now), TakenOff(*found.moved, taken[1] - taken[0]),
+        not_separable(found), table.without_effects(now), TakenOff(moved, covariance, taken[1] - taken[0]),
         measure_next(findings),
     )  # fmt: skip
 

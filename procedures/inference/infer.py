@@ -101,14 +101,15 @@ def infer(subject: BaseModel, effects: Sequence[Effect]) -> Inferred:
             break
         search = Search(library.with_adopted(now.evidence, _bent(now, pool)).on(now.evidence))
         best = search.run()
-    if any(search.board.hypotheses[i].kind == "noise" for i in best.names):
-        library = library.with_noise(of_repeats(now.evidence))
+    is_noisy = any(search.board.hypotheses[i].kind == "noise" for i in best.names)
+    if is_noisy and (repeats := list(of_repeats(now.evidence))):
+        library = library.with_noise(repeats)
         search = Search(library.with_adopted(now.evidence, _bent(now, pool)).on(now.evidence))
         search.run()
     found = posterior(search)
     for curved in [each for each in now.added if each.effect.added is not None]:
         search, now, found = _with_alternatives(subject, pool, library, begin, (search, now, found), curved)
-    best = search.best_by_names
+    best = search.best_without_unrecorded
     fits = now.fits if now.bare is None else averaged_fits(search, now.bare, found)
     wanted = _candidates(search.board, best)
     if {each.effect.name for each in now.added} != {each.effect.name for each in wanted}:

@@ -100,7 +100,9 @@ def posterior(search: Search) -> Posterior:
         first = order[0] if order else int(np.argmax(shares))
         named = [j for j in order if board.hypotheses[j].is_named]
         is_alone = float(np.sum(shares[named])) < 1 - priors.LIKELY
-        without = [_without_name(h, a, is_alone=is_alone) for a, h in zip(alone, board.hypotheses, strict=True)]
+        without = [
+            _share_without_name(h, a, is_alone=is_alone) for a, h in zip(alone, board.hypotheses, strict=True)
+        ]
         nameless = float(_at_most_one(shares @ np.array(without)))
         top = named[0] if named else first
         member = ranking.member(board, top)
@@ -120,7 +122,7 @@ def posterior(search: Search) -> Posterior:
     return Posterior(tuple(sorted(causes, key=lambda each: -each.evidence)), every, best)
 
 
-def _without_name(hypothesis: Hypothesis, alone: float, *, is_alone: bool) -> float:
+def _share_without_name(hypothesis: Hypothesis, alone: float, *, is_alone: bool) -> float:
     """Return how far a hypothesis is without a name where it acts; ``alone`` is how far a name is what acts.
 
     A temperature that was not recorded is a cause that is known: it has no name only where it ``is_alone``.

@@ -79,7 +79,7 @@ class Search:
         return max(self.models.values(), key=lambda each: each.log_odds)
 
     @property
-    def best_by_names(self) -> Model:
+    def best_without_unrecorded(self) -> Model:
         """The likeliest model, or one not much less likely in which no temperature that was not recorded acts.
 
         A temperature that was not recorded may be a drift: what it takes is then no residual.

@@ -59,7 +59,7 @@ def channel_noise(campaigns: Sequence[Campaign], scales: Scales) -> list[Channel
             break
         for each in held_channels(record, scales):
             part = each.longest
-            if (each.triad, each.axis) not in found and part.stop - part.start >= MIN_SAMPLES:
+            if (each.triad, each.axis) not in found and each.is_measured[part].sum() >= MIN_SAMPLES:
                 found[each.triad, each.axis] = noise_of(each, each.triad in scales)
     return with_shared_conditions([found[key] for key in sorted(found)])
 

@@ -218,7 +218,7 @@ class MeasuredRows:
 def measured_rows(measured: BoolArray) -> MeasuredRows:
     """Return what the rows (n,) (numbers) that were ``measured``, not interpolated, are."""
     count, rows = int(measured.sum()), len(measured)
-    if count == rows:
+    if count == rows or count < 2:
         return MeasuredRows()
     every = int(np.median(np.diff(np.flatnonzero(measured))))
     missing = max(1 - every * count / rows, 0.0)

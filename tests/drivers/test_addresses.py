@@ -17,6 +17,7 @@ from drivers.addresses import (
     TriadAddress,
     UdpAddress,
     VideoDeviceAddress,
+    host_and_port,
     whole_url,
     with_absolute_paths,
 )
@@ -248,3 +249,13 @@ def test_a_password_is_read_and_not_reported() -> None:
     assert address.public_text == "camera:http://me:***@cam:80/stream"
     assert "p%40ss" not in address.name
     assert camera("camera:http://cam/a@b:c").public_text == "camera:http://cam/a@b:c"
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [("h:5000", ("h", 5000)), ("[::1]:5000", ("::1", 5000)), (" h:1 ", ("h", 1)), ("h:0", None), ("h:65536", None),
+     ("h:0123456", None), ("h:00000099999", None), ("h:" + "9" * 5000, None), ("h:\u0663", None), (":5", None),
+     ("h", None)],
+)  # fmt: skip
+def test_a_host_with_a_port(text: str, found: tuple[str, int] | None) -> None:
+    assert host_and_port(text) == found

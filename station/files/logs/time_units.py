@@ -118,7 +118,7 @@ def unit_of_time(
 ) -> TimeUnit:
     """Return the unit of a log's column ``time``; what nobody stated is added to ``guesses`` as text.
 
-    Rows without a number in one of the columns ``outputs`` do not count. ``table`` may be the first rows alone;
+    Rows without a number in the fullest of the columns ``outputs`` do not count. ``table`` may be the first rows alone;
     then ``stamps_of((time, *outputs), whole)`` returns as many stamps (n,) as the decision needs, or these and
     the last one of the log.
 
@@ -216,16 +216,14 @@ def duration_in_words(seconds: float) -> str:
 
 
 def stamps_with_outputs(columns: Sequence[FloatArray]) -> FloatArray:
-    """Return the finite stamps (n,), the first of ``columns``, of rows with a number in all others.
+    """Return the finite stamps (n,), the first of ``columns``, of rows with a number in the fullest of the others.
 
-    A column without any number is not considered; where no row is left all stamps are returned.
+    A triad may be slower than the other one: its rows are fewer. Where no row is left all stamps are returned.
     """
     stamps, *outputs = columns
-    there = finite = np.isfinite(stamps)
-    for values in outputs:
-        known = np.isfinite(values)
-        there = there & known if known.any() else there
-    return stamps[there] if there.any() else stamps[finite]
+    finite = np.isfinite(stamps)
+    known = max((finite & np.isfinite(values) for values in outputs), key=np.sum, default=finite)
+    return stamps[known if known.any() else finite]
 
 
 def _stated(table: Table, time: str, stated: str, stamps: FloatArray) -> TimeUnit:

@@ -7,7 +7,6 @@ gyroscope. Columns of a matrix are named as single ones are.
 """
 
 import re
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
@@ -211,6 +210,7 @@ _PLACES = tuple(
 )  # fmt: skip
 _IN_FRONT = re.compile(r"()([xyz])(.+)")  # x_acc, xacc
 _ELEMENT = re.compile(r"(.+):([0-9]+)")  # of a matrix
+_OF_MATRIX = ([1, 2, 3], [0, 1, 2])  # the columns of one of three
 _CONTINUED = re.compile(r"([yz])(?:_[0-9]+)?", re.IGNORECASE)  # numbered where several are called so
 
 
@@ -229,11 +229,14 @@ def _written_out(names: Sequence[str]) -> dict[str, str]:
     unit as well, as ``gx`` alongside ``gx (g)``, stays as it is. The columns of a matrix of three are x, y, z:
     ``acc_g:1`` is ``acc_g_x``.
     """
-    width = Counter(found[1] for name in names if (found := _ELEMENT.fullmatch(name)))
+    columns: dict[str, list[int]] = {}
+    for name in names:
+        if found := _ELEMENT.fullmatch(name):
+            columns.setdefault(found[1], []).append(int(found[2]))
     spelled = list(names)
     for i, name in enumerate(names):
-        if (found := _ELEMENT.fullmatch(name)) and width[found[1]] == len(AXES):
-            spelled[i] = f"{found[1]}_{AXES[int(found[2]) - 1]}"
+        if (found := _ELEMENT.fullmatch(name)) and sorted(columns[found[1]]) in _OF_MATRIX:
+            spelled[i] = f"{found[1]}_{AXES[int(found[2]) - min(columns[found[1]])]}"
     return dict(zip(names, _with_units(spelled), strict=True))
 
 

@@ -29,6 +29,7 @@ from procedures.uncertainty.budget import ParameterBudget, budget
 from procedures.uncertainty.sources import GivenValues
 from station.files.campaign_folder.loaded_campaign import LoadedCampaign, effects_of
 from station.files.effect_file import EffectFile
+from station.files.logs.log_steps import UNCALIBRATED
 from station.files.output_units import GYRO_UNITS
 from station.results.diagnosis.log_measurements import Recorded, fitted_to, next_in_words, separating
 from station.results.diagnosis.uncalibrated import (
@@ -140,7 +141,6 @@ def diagnosis_json(
 MAX_HELD_OUT_RATIO = (
     3.0  # as where two thirds of the rows go into parameters: of n rows and p of these it is 1/(1 - p/n)
 )
-MAX_OFF_UNIT = 0.02  # of 1: no scale factor of a gyroscope in this unit is farther off
 
 
 def _far_above(errors: Sequence[ResidualRms]) -> list[str]:
@@ -240,7 +240,7 @@ def _in_other_units(sensors: Sequence[TableSensor], nominal: float | None) -> li
         f"gyroscope {each.axis}: a scale factor of {each.scale:.6g} output/(deg/s) is that of outputs in {unit}, "
         f"not in {by_size[nominal]}: the unit in the name of the column, or of the reference, is probably wrong"
         for each in sensors for per, unit in by_size.items()
-        if nominal in by_size and per != nominal and abs(abs(each.scale) / per - 1) < MAX_OFF_UNIT
+        if nominal in by_size and per != nominal and abs(abs(each.scale) / per - 1) < UNCALIBRATED
     ]  # fmt: skip
 
 

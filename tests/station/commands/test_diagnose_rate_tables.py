@@ -53,8 +53,18 @@ def test_a_wrong_row_is_named_with_its_line_and_is_not_used(
     assert f"line {WRONG + 2}" in messages_of(log, capsys)
 
 
+def test_channels_that_the_table_does_not_turn_are_not_judged(tmp_path: Path) -> None:
+    """Rounded, they do not follow the rate at all: nothing of them is an error in deg/s."""
+    idle = np.round(0.002 * np.random.default_rng(2).standard_normal(len(RATES)), 2)
+    idle[WRONG] = 1.0
+    rows = [f"{u:.4f},{x:.2f},{y:.8f}" for u, x, y in zip(RATES, idle, seen(), strict=True)]
+    (tmp_path / "rates.csv").write_text("\n".join(["rate_ref_deg_s,gx_deg_s,gz_deg_s", *rows]) + "\n")
+    found = diagnosed(str(tmp_path / "rates.csv"), tmp_path, "--gyro", "gx_deg_s,-,gz_deg_s")
+    assert found["findings"] == []
+
+
 @pytest.mark.parametrize(("unit", "stated"), [(np.pi / 180, "rad/s"), (3600.0, "deg/h"), (1.0, ""), (1.1, "")])
-def test_a_scale_factor_of_another_unit_stated(unit: float, stated: str, tmp_path: Path) -> None:
+def test_a_scale_factor_of_another_unit_is_reported(unit: float, stated: str, tmp_path: Path) -> None:
     warnings = " ".join(diagnosed(written(tmp_path, unit * seen()), tmp_path)["solution"]["warnings"])
     assert ("is probably wrong" in warnings, stated in warnings) == (bool(stated), True)
 

@@ -80,3 +80,18 @@ def test_samples_held_by_a_fast_logger_are_analysed_at_the_rate_of_the_sensor(tm
     assert channel["conditions"][0]["values"]["sensor_hz"] == pytest.approx(100)
     walk = channel["terms"]["random_walk"]
     assert walk["low"] < 0.1 / np.sqrt(100) * 60 < walk["high"]
+
+
+@pytest.mark.parametrize("every", [15, 20, 50])
+def test_a_triad_of_few_measured_rows_is_left_out(tmp_path: Path, every: int) -> None:
+    rng = np.random.default_rng(3)
+    rows = [
+        f"{i / 100:.2f},{','.join(f'{x:.6f}' for x in rng.normal(size=3))},"
+        + (",".join(f"{x:.6f}" for x in rng.normal(size=3)) if i % every == 0 else ",,")
+        for i in range(150)
+    ]
+    (tmp_path / "log.csv").write_text("\n".join(["t,gx_deg_s,gy_deg_s,gz_deg_s,ax_g,ay_g,az_g", *rows]) + "\n")
+    out = tmp_path / "out.json"
+    assert cli.run(["noise", str(tmp_path / "log.csv"), "--json", str(out)]) == 0
+    channels = {each["channel"] for each in json.loads(out.read_text())["channels"]}
+    assert {"gyroscope x", "gyroscope y", "gyroscope z"} <= channels

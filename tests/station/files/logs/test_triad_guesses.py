@@ -114,6 +114,18 @@ def test_an_accelerometer_is_none_of_rate_in_whatever_container(
 
 
 @pytest.mark.parametrize(
+    ("columns", "found"),
+    [((1, 2, 3), (1, 2, 3)), ((0, 1, 2), (0, 1, 2)), ((4, 5, 6), None), ((1, 2, 4), None)],
+)
+def test_numbers_of_columns_are_axes_of_a_matrix_of_three_alone(
+    columns: tuple[int, ...], found: tuple[int, ...] | None
+) -> None:
+    names = [f"gyro:{i}" for i in columns]
+    expected = [None] * 3 if found is None else [f"gyro:{i}" for i in found]
+    assert guessed_triad(names, "gyroscope") == expected
+
+
+@pytest.mark.parametrize(
     "name",
     ["acc_w_{}", "a_w_{}", "f_w_{}", "mag_g_{}", "vel_w_{}", "gyro_a_{}", "gyro_f_{}", "ang_acc_{}", "pos_w_{}",
      "gyro_bias_{}", "accel_bias_{}", "gyro_bias_{}_deg_s", "accel_bias_{}_m_s2", "std_g{}", "gyro_offset_{}",
