@@ -118,8 +118,8 @@ def unit_of_time(
 ) -> TimeUnit:
     """Return the unit of a log's column ``time``; what nobody stated is added to ``guesses`` as text.
 
-    Rows without a number in the fullest of the columns ``outputs`` do not count. ``table`` may be the first rows alone;
-    then ``stamps_of((time, *outputs), whole)`` returns as many stamps (n,) as the decision needs, or these and
+    Rows without a number in the fullest of the columns ``outputs`` do not count. ``table`` may be the first rows
+    alone; then ``stamps_of((time, *outputs), whole)`` returns as many stamps (n,) as the decision needs, or these and
     the last one of the log.
 
     Raises
