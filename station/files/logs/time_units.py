@@ -119,8 +119,8 @@ def unit_of_time(
     """Return the unit of a log's column ``time``; what nobody stated is added to ``guesses`` as text.
 
     Rows without a number in the fullest of the columns ``outputs`` do not count. ``table`` may be the first rows
-    alone; then ``stamps_of((time, *outputs), whole)`` returns as many stamps (n,) as the decision needs, or these and
-    the last one of the log.
+    alone; then ``stamps_of((time, *outputs), whole)`` returns as many stamps (n,) as the decision needs, or these
+    and the last one of the log.
 
     Raises
     ------
