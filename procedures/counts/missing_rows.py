@@ -1,4 +1,4 @@
-"""Rows without a sample: numbers that stand for none, samples that were lost, and triads of unlike sample rates.
+"""Rows without a sample: samples that were lost, and triads of unlike sample rates.
 
 A few rows that are missing in sequence are samples whose times are known. They are bridged by straight lines, so
 that a recording stays whole, and marked: their values hold no noise, and no noise is computed from them.
@@ -11,9 +11,6 @@ from procedures.counts.sample_times import GAP_PERIODS, own_period, sample_times
 
 INTERPOLATED = "interpolated"  # column of a series: the sum of the bits of the triads whose values are no samples
 TRIAD_BITS = {"gyroscope": 1, "accelerometer": 2}
-MIN_SENTINELS = 3  # cells of one number, far from all others
-MAX_LOG_CHANCE = -14.0  # ln of how many such rows chance makes: once in a million recordings
-SENTINEL_FAR = 10.0  # times the spread of all others: what moves passes through the values in between
 MOST_LOST = 3  # rows in sequence that are bridged
 MAX_BRIDGED = 0.25  # of the rows: of more the times and the slow terms of the noise are no longer good
 WHOLE = 0.25  # sample periods that a gap may be off a whole number of them
@@ -22,50 +19,6 @@ ROWS_AHEAD = 8  # over which the lateness of a lost row lasts; stamps that were 
 MIN_REGULAR = 0.9  # of the steps from one row of the slower triad to the next, that are alike
 COARSE_LEVELS = 256  # of a channel: a value between two would be a level that it does not have
 MAX_STEPS = 4  # of these steps, across which the slower triad is still known
-
-
-def sentinel_cells(values: FloatArray) -> BoolArray:
-    """Mark cells of ``values`` (n, k), in any units, that hold a number which stands for no sample.
-
-    Either all columns that change hold it in one row, which is no chance; or it is the largest or smallest of its
-    column, far from all others, comes in `MIN_SENTINELS` cells or more, and in short runs: what stays there is a
-    state of the sensor.
-    """
-    marked = _rows_of_one_number(values)
-    for sign in (1.0, -1.0):
-        far = {i: top for i in range(values.shape[1]) if (top := _far_end(sign * values[:, i])) is not None}
-        for i, top in far.items():
-            is_top = values[:, i] == sign * top
-            alike = sum(int(np.sum(values[:, j] == sign * top)) for j, other in far.items() if other == top)
-            runs = np.ptp(true_runs(is_top), axis=1)
-            if alike >= MIN_SENTINELS and np.median(runs) <= MOST_LOST and 2 * int(runs.sum()) < len(values):
-                marked[:, i] |= is_top
-    return marked
-
-
-def _far_end(values: FloatArray) -> float | None:
-    """Return the largest of ``values`` (n,), any unit, where it is far from all others; else None."""
-    known = values[np.isfinite(values)]
-    if not len(known) or (top := float(known.max())) == (least := float(known.min())):
-        return None
-    second = float(np.max(known, where=known < top, initial=least))
-    return top if second > least and top - second > SENTINEL_FAR * (second - least) else None
-
-
-def _rows_of_one_number(values: FloatArray) -> BoolArray:
-    """Mark rows of ``values`` (n, k), in any units, in which all columns that change hold one number."""
-    marked = np.zeros(values.shape, dtype=np.bool_)
-    changes = [i for i, column in enumerate(values.T) if np.isfinite(column).any() and (column != column[0]).any()]
-    if len(changes) < 2:
-        return marked
-    alike = np.ones(len(values), dtype=np.bool_)
-    for i in changes:
-        alike &= values[:, i] == values[:, changes[0]]
-    if alike.any() and 2 * int(alike.sum()) < len(values):
-        levels = min(len(np.unique(values[:, i])) for i in changes)
-        if np.log(len(values)) - (len(changes) - 1) * np.log(levels) < MAX_LOG_CHANCE:
-            marked[np.ix_(alike, np.array(changes))] = True
-    return marked
 
 
 def rows_lost(t: FloatArray) -> IntArray:

@@ -194,9 +194,11 @@ def _run(
     spans.append(last := stream.apply(np.empty((0, 6)), np.empty(0), last=True))
     left = [
         f"{source.stated.damage}: samples until then are here" if source.stated.damage else "",
-        f"{plural(samples.lost, 'row')} without a number in time or outputs: discarded" if samples.lost else "",
+        f"{plural(samples.lost, 'row')} without a measured number in time or outputs: discarded"
+        if samples.lost
+        else "",
         *(
-            f"{plural(rows, 'row')} with {number:g}, far from all others: discarded"
+            f"{plural(rows, 'row')} with {number:g}, a number that stands for no sample: discarded"
             for number, rows in samples.sentinels.items()
         ),
         f"repeated rows discarded: {samples.repeated}" if samples.repeated else "",

@@ -1,13 +1,14 @@
 """Samples checked before use: times rise at an even rate, no missing numbers, running counts made increments."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from procedures.arrays import BoolArray, FloatArray, finite_rows
-from procedures.counts.missing_rows import MAX_BRIDGED, sentinel_cells
+from procedures.counts.missing_rows import MAX_BRIDGED
 from procedures.counts.sample_times import GAP_PERIODS, own_period
+from procedures.counts.sentinels import Sentinels
 from procedures.errors import ErrorCode
 from station.applying.source import Samples, Source, Stated
 from station.errors import DataRefused
@@ -19,28 +20,63 @@ TOLERANCE = 0.01  # relative, of the period that a source states
 
 @dataclass(frozen=True, slots=True)
 class Survey:
-    """How many samples there are at most, from when to when [s], and the period [s] of one."""
+    """How many samples there are at most, from when to when [s], and the period [s] of one.
+
+    ``there`` marks of each file the columns (6,) that hold a number at all.
+    """
 
     rows: int
     first: float
     last: float
     period: float
+    sentinels: Sentinels
+    there: Mapping[str, BoolArray]
+
+
+@dataclass(slots=True)
+class _Outputs:
+    """What the outputs of one file hold."""
+
+    there: BoolArray
+    rows: int = 0
+    of_one_triad: dict[str, int] = field(default_factory=lambda: {"gyro": 0, "accel": 0})
+
+    def add(self, values: FloatArray) -> None:
+        self.there = self.there | ~np.isnan(values).all(axis=0)
+        self.rows += len(values)
+        gyro, accel = finite_rows(values[:, :3]), finite_rows(values[:, 3:])
+        self.of_one_triad["gyro"] += int(np.sum(gyro & ~accel))
+        self.of_one_triad["accel"] += int(np.sum(accel & ~gyro))
+
+    def refuse_other_rates(self, where: str) -> None:
+        """Refuse a file of which many rows hold one triad alone: increments of the other rows would be lost."""
+        share = sum(self.of_one_triad.values()) / max(self.rows, 1)
+        if share > MAX_BRIDGED and self.there[:3].any() and self.there[3:].any():
+            slow = min(self.of_one_triad, key=self.of_one_triad.__getitem__)
+            raise DataRefused(
+                where, None, f"{share:.0%} of the rows with one triad alone", "both triads in each row",
+                f"state --{slow} -,-,- to use the other triad alone, at its own rate", ErrorCode.COLUMNS,
+            )  # fmt: skip
 
 
 def survey(source: Source) -> Survey:
-    """Look at all times of a source.
+    """Look at all samples of a source.
 
-    Raise `DataRefused` if time goes back, never moves, or is more than 1 % off the pace that the source states.
+    Raise `DataRefused` if time goes back, never moves, or is more than 1 % off the pace that the source states, or
+    many rows of a file hold one triad alone.
     """
     rows, first, last = 0, np.nan, -np.inf
     head, pace, total, steps = list[FloatArray](), 0.0, 0.0, 0
-    for stamps, where, lines in source.times():
-        t = stamps[np.isfinite(stamps)]
+    sentinels, outputs = Sentinels(6), dict[str, _Outputs]()
+    for block in source.blocks():
+        sentinels.add(block.values)
+        outputs.setdefault(block.where, _Outputs(np.zeros(6, dtype=np.bool_))).add(block.values)
+        t = block.t[np.isfinite(block.t)]
         if not len(t):
             continue
         step = np.diff(t, prepend=last)
         if (back := np.flatnonzero(step < 0)).size:
-            raise _goes_back(where, lines, stamps, t, int(back[0]), last)
+            raise _goes_back(block, t, int(back[0]), last)
         rows, first, last = rows + len(t), float(t[0]) if np.isnan(first) else first, float(t[-1])
         if not pace:
             head.append(t)
@@ -63,7 +99,9 @@ def survey(source: Source) -> Survey:
         raise DataRefused(
             source.stated.name, None, text, f"{1 / stated:.6g} Hz as stated, within 1 %", "correct one"
         )
-    return Survey(rows, first, last, found)
+    for where, each in outputs.items():
+        each.refuse_other_rates(where)
+    return Survey(rows, first, last, found, sentinels, {where: each.there for where, each in outputs.items()})
 
 
 def _rising(t: FloatArray, stated: Stated) -> FloatArray:
@@ -74,15 +112,18 @@ def _rising(t: FloatArray, stated: Stated) -> FloatArray:
     return found
 
 
-def _goes_back(
-    where: str, lines: Sequence[int], stamps: FloatArray, t: FloatArray, at: int, last: float
-) -> DataRefused:
-    row = int(np.flatnonzero(np.isfinite(stamps))[at])
+def _goes_back(block: Samples, t: FloatArray, at: int, last: float) -> DataRefused:
+    row = int(np.flatnonzero(np.isfinite(block.t))[at])
     before = t[at - 1] if at else last
     expected = "times that rise from row to row"
-    place = lines[row] if lines else None
+    place = block.lines[row] if block.lines else None
     return DataRefused(
-        where, place, f"time {t[at]:.9g} after {before:.9g}", expected, "cut it in two there", ErrorCode.TIME_ORDER
+        block.where,
+        place,
+        f"time {t[at]:.9g} after {before:.9g}",
+        expected,
+        "cut it in two there",
+        ErrorCode.TIME_ORDER,
     )
 
 
@@ -95,9 +136,7 @@ class CheckedSamples:
     is_of_counts: bool
     lost: int = 0
     repeated: int = 0
-    of_one_triad: int = 0
     sentinels: dict[float, int] = field(default_factory=dict)  # rows that hold a number which stands for no sample
-    _rows: int = 0
     _last: FloatArray = field(default_factory=lambda: np.full(7, np.nan))
     _base: FloatArray | None = None
 
@@ -112,31 +151,19 @@ class CheckedSamples:
                 yield kept
 
     def _usable(self, block: Samples) -> Samples:
-        marked = sentinel_cells(block.values)
+        marked = self.survey.sentinels.cells(block.values)
         if marked.any():
             for number in np.unique(block.values[marked]).tolist():
                 rows = (marked & (block.values == number)).any(axis=1)
                 self.sentinels[number] = self.sentinels.get(number, 0) + int(rows.sum())
             block = replace(block, values=np.where(marked, np.nan, block.values))
-        there: BoolArray = np.logical_not(np.isnan(block.values).all(axis=0))
+        there = self.survey.there[block.where]
         keep: BoolArray = np.logical_and(np.isfinite(block.t), finite_rows(block.values[:, there]))
         self.lost += int(np.sum(~keep & ~marked.any(axis=1)))
-        self._refuse_other_rates(block, [finite_rows(block.values[:, part]) for part in (slice(3), slice(3, 6))])
         kept = self._once(_only(block, keep), block, keep)
         if self.is_of_counts and len(kept.t):
             self._refuse_fractions(block, keep, there)
         return self._increments(kept)
-
-    def _refuse_other_rates(self, block: Samples, there: Sequence[BoolArray]) -> None:
-        """Refuse rows of which many hold one triad alone: increments of the other rows would be lost."""
-        self._rows += len(block.t)
-        self.of_one_triad += int(np.sum(there[0] != there[1])) if all(part.any() for part in there) else 0
-        if (share := self.of_one_triad / max(self._rows, 1)) > MAX_BRIDGED:
-            slow = "accel" if there[0].sum() > there[1].sum() else "gyro"
-            raise DataRefused(
-                block.where, None, f"{share:.0%} of the rows with one triad alone", "both triads in each row",
-                f"state --{slow} -,-,- to use the other triad alone, at its own rate", ErrorCode.COLUMNS,
-            )  # fmt: skip
 
     def _once(self, kept: Samples, block: Samples, keep: BoolArray) -> Samples:
         """Return rows without those that were written twice."""

@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 from procedures.arrays import FloatArray
+from procedures.counts.missing_rows import INTERPOLATED, TRIAD_BITS
 from procedures.counts.time_decision import evidence_rows, may_be_clock
 from procedures.effects.term.inputs import AUXILIARY
 from procedures.errors import ErrorCode
-from station.applying.source import Samples, Stated, Times, channels_by_column
+from station.applying.source import Samples, Stated, channels_by_column
 from station.errors import DataRefused
 from station.files.logs.header_guesses import guessed_time, split_unit
 from station.files.logs.log_columns import ColumnOptions, LogColumns, choose_columns
@@ -111,19 +112,11 @@ class LogSource:
             refuse_other_rate(unit.linear(block.columns[column]) * unit.seconds, column, stated.rate_hz, str(file))
         return cls(table, found, auxiliary, stated.rate_hz, text)
 
-    def times(self) -> Generator[Times]:
-        """Yield the times (n,) [s] of all rows, as `Source`."""
-        row = 0
-        columns = [self.found.time] if self.found.time else [next(n for n in self._outputs if n)]
-        for block in self.blocks_of.read(columns):
-            t = self._times(block, row)
-            row += len(t)
-            yield t, self.stated.name, block.lines
-
     def blocks(self) -> Generator[Samples]:
-        """Yield all rows, as `Source`; a channel of a triad that the log lacks is 0."""
-        row, found = 0, self.found
-        named = [name for name in (found.time, *self._outputs, found.temperature) if name]
+        """Yield all rows, as `Source`; a channel of a triad that the log lacks is 0, and what was interpolated is nan."""
+        row, found, head = 0, self.found, self.blocks_of.head
+        marks = INTERPOLATED if INTERPOLATED in head.columns and INTERPOLATED not in head.unreadable else None
+        named = [name for name in (found.time, *found.gyro, *found.accel, found.temperature, marks) if name]
         wanted = list(dict.fromkeys([*named, *self.auxiliary.values()]))
         for block in self.blocks_of.read(wanted):
             n = len(next(iter(block.columns.values())))
@@ -132,16 +125,16 @@ class LogSource:
             for first, names in ((0, found.gyro), (3, found.accel)):
                 for i, name in enumerate(names if any(names) else ()):
                     values[:, first + i] = 0.0 if name is None else block.columns[name]
+            if marks:
+                bits = np.nan_to_num(block.columns[marks]).astype(np.int64)
+                values[(bits & TRIAD_BITS["gyroscope"]) != 0, :3] = np.nan
+                values[(bits & TRIAD_BITS["accelerometer"]) != 0, 3:] = np.nan
             temperature = None
             if found.temperature is not None:
                 temperature = found.temperature_unit.celsius(block.columns[found.temperature])
             auxiliary = {key: block.columns[name] for key, name in self.auxiliary.items()}
             row += n
             yield Samples(t, values, temperature, auxiliary, block.done, self.stated.name, block.lines)
-
-    @property
-    def _outputs(self) -> tuple[str | None, ...]:
-        return (*self.found.gyro, *self.found.accel)
 
     def _times(self, block: Block, row: int) -> FloatArray:
         if self.found.time is None:

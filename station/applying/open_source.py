@@ -8,7 +8,7 @@ from pathlib import Path
 from procedures.frames import TRIADS
 from station.applying.log_source import LogSource, step_source
 from station.applying.recording_source import RawSource, RecordingSource
-from station.applying.source import Samples, Source, Stated, Times
+from station.applying.source import Samples, Source, Stated
 from station.errors import DataRefused
 from station.files.campaign_folder.campaign_schema import CAMPAIGN_TOML, read_campaign_toml
 from station.files.logs.log_columns import ColumnOptions
@@ -51,11 +51,6 @@ class CampaignSource:
             steps, replace(stated, temperature=warm, auxiliary=channels, triads=triads, accelerometers=axes)
         )
 
-    def times(self) -> Generator[Times]:
-        """Yield the times (n,) [s] of all samples, as `Source`."""
-        for step in self.steps:
-            yield from step.times()
-
     def blocks(self) -> Generator[Samples]:
         """Yield all samples, as `Source`."""
         for i, step in enumerate(self.steps):
@@ -64,8 +59,8 @@ class CampaignSource:
 
 
 def _begin(step: Source) -> float:
-    with closing(step.times()) as times:
-        return float(next(times)[0][0])
+    with closing(step.blocks()) as blocks:
+        return float(next(blocks).t[0])
 
 
 def _step(folder: Path, name: str, stated: Stated) -> LogSource | RecordingSource:

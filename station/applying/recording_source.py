@@ -14,7 +14,7 @@ from drivers.errors import ReplayEnded
 from procedures.arrays import FloatArray
 from procedures.counts.sample_records import SampleBlock
 from procedures.frames import TRIADS
-from station.applying.source import Samples, Stated, Times, channels_by_column
+from station.applying.source import Samples, Stated, channels_by_column
 from station.errors import DataRefused
 from station.files.mcap_files.reader import sample_messages, topic_messages
 from station.files.mcap_files.schemas import COUNTS, MESSAGES, RAW, RAW_TOPIC
@@ -53,12 +53,6 @@ class RecordingSource:
             auxiliary=tuple(auxiliary), triads=triads, damage=" ".join(found.damage),
         )  # fmt: skip
         return cls(file, text, tuple(auxiliary.values()))
-
-    def times(self) -> Generator[Times]:
-        """Yield the times (n,) [s] of all samples, as `Source`."""
-        for part, first in _parts(self.file):
-            t = np.array([message.device_ns for message, _ in part]) / 1e9
-            yield t, self.stated.name, range(first, first + len(part))
 
     def blocks(self) -> Generator[Samples]:
         """Yield all samples, as `Source`."""
@@ -149,11 +143,6 @@ class RawSource:
         for block, _ in _blocks(file, text, damage.append):
             warm, samples = warm or bool(np.isfinite(block.temperature).any()), samples + len(block)
         return cls(file, replace(text, temperature=warm, damage=" ".join(damage)), samples)
-
-    def times(self) -> Generator[Times]:
-        """Yield the times (n,) [s] of all samples, as `Source`."""
-        for block, first in _blocks(self.file, self.stated):
-            yield block.device_time, self.stated.name, range(first, first + len(block))
 
     def blocks(self) -> Generator[Samples]:
         """Yield all samples, as `Source`."""

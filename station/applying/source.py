@@ -28,9 +28,6 @@ class Samples:
     lines: Sequence[int] = ()
 
 
-Times = tuple[FloatArray, str, Sequence[int]]
-
-
 @dataclass(frozen=True, slots=True)
 class Stated:
     """What a source says of itself; None of what it does not say.
@@ -64,10 +61,6 @@ class Source(Protocol):
     @property
     def stated(self) -> Stated:
         """What it says of itself."""
-        ...
-
-    def times(self) -> Generator[Times]:
-        """Yield the times (n,) [s] of all samples, the file and each one's line or row, faster than `blocks`."""
         ...
 
     def blocks(self) -> Generator[Samples]:

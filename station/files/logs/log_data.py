@@ -23,9 +23,9 @@ from procedures.counts.missing_rows import (
     bridged,
     rows_lost,
     rows_of_slower,
-    sentinel_cells,
 )
 from procedures.counts.sample_times import SAME_WRAP_STEPS, StampsGoBack, log_times
+from procedures.counts.sentinels import sentinel_cells
 from procedures.errors import ErrorCode
 from procedures.units import S_PER_H
 from station.errors import DataRefused
@@ -181,8 +181,8 @@ def _without_sentinels(
     of = ", ".join(str(names[i]) for i in np.flatnonzero(marked.any(axis=0)).tolist())
     rows: BoolArray = np.logical_or.reduce(marked, axis=1)
     notes.append(
-        f"{shown} in {int(rows.sum())} rows of {of}, far from all others, first in {_place(found, rows)}: missing "
-        "samples"
+        f"{shown} in {int(rows.sum())} rows of {of}, a number that stands for no sample, first in "
+        f"{_place(found, rows)}: missing samples"
     )
     values = np.where(marked, np.nan, values)
     return {**triads, **{triad: values[:, 3 * i : 3 * i + 3] for i, triad in enumerate(there)}}

@@ -86,3 +86,49 @@ def test_rows_of_one_triad_are_not_lost_in_silence(tmp_path: Path) -> None:
     result = apply(*asked, "--accel", "-,-,-")
     assert result.exit_code == 0, result.exception
     assert len(written(out)) == 400
+
+
+LONG = 98_304  # rows: several blocks
+
+
+def long_log() -> dict[str, np.ndarray]:
+    counts = np.rint(np.random.default_rng(3).normal(0, 50, (LONG, 6)))
+    return {"t_s": 0.02 * np.arange(1, LONG + 1), **dict(zip(NAMES, counts.T, strict=True))}
+
+
+def test_a_sentinel_of_the_whole_log_is_none_of_a_block(tmp_path: Path) -> None:
+    columns, rows, out = long_log(), [1000, 40_000, 80_000], tmp_path / "out.npz"
+    columns["gy"][rows] = 99_999.0
+    np.savez(tmp_path / "log.npz", **columns)
+    result = apply(tmp_path / "log.npz", "--calibration", calibration_file(tmp_path), "--out", out)
+    assert result.exit_code == 0, result.exception
+    assert len(written(out)) == LONG - len(rows)
+    assert "3 rows with 99999" in result.output
+
+
+@pytest.mark.parametrize(("begin", "is_refused"), [(LONG // 6, False), (LONG // 3, True)])
+def test_a_triad_may_begin_late(begin: int, is_refused: bool, tmp_path: Path) -> None:
+    columns, out = long_log(), tmp_path / "out.npz"
+    for name in NAMES[:3]:
+        columns[name][:begin] = np.nan
+    np.savez(tmp_path / "log.npz", **columns)
+    result = apply(tmp_path / "log.npz", "--calibration", calibration_file(tmp_path), "--out", out)
+    if is_refused:
+        assert refusal(result).code is ErrorCode.COLUMNS
+        assert not out.exists()
+    else:
+        assert result.exit_code == 0, result.exception
+        assert len(written(out)) == LONG - begin
+        assert np.isfinite(written(out)).all()
+
+
+@pytest.mark.parametrize("accel", [(), ("--accel", "-,-,-")])
+def test_interpolated_rows_of_a_used_triad_are_not_written(accel: tuple[str, ...], tmp_path: Path) -> None:
+    marks, out = np.zeros(400), tmp_path / "out.npz"
+    marks[[50, 51, 200, 300]] = 3, 1, 2, 2
+    source = write_csv(tmp_path / "step.csv", SHORT | {"interpolated": marks})
+    result = apply(source, "--calibration", calibration_file(tmp_path), "--out", out, *accel)
+    assert result.exit_code == 0, result.exception
+    lost = 2 if accel else 4
+    assert len(written(out)) == 400 - lost
+    assert f"{lost} rows without a measured number" in result.output

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from procedures.arrays import BoolArray, FloatArray
-from procedures.counts.missing_rows import INTERPOLATED, rows_lost, sentinel_cells
+from procedures.counts.missing_rows import INTERPOLATED, rows_lost
+from procedures.counts.sentinels import sentinel_cells
 from procedures.errors import ErrorCode
 from procedures.samples.channel_noise import ChannelNoise, channel_noise
 from station.errors import DataRefused
