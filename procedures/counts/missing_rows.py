@@ -51,7 +51,7 @@ def _lateness(t: FloatArray, begins: IntArray, period: float) -> FloatArray:
 
 
 def rows_of_slower(there: BoolArray) -> BoolArray | None:
-    """Return the rows (n,) in which a triad is known that is ``there`` (n,) in every k-th row; None of another."""
+    """Mark [rows] (n,) in which a triad is known that is ``there`` (n,) in every k-th row; None of another."""
     at = np.flatnonzero(there)
     step = np.diff(at)
     if len(step) < 2 or (usual := int(np.median(step))) < 2 or np.mean(step == usual) < MIN_REGULAR:

@@ -75,7 +75,7 @@ class Sentinels:
         self._is_number, self._changes = np.zeros((2, self.columns), dtype=np.bool_)
 
     def add(self, values: FloatArray) -> None:
-        """Take in the next rows (n, k)."""
+        """Take in the next rows ``values`` (n, k), in any units."""
         if not len(values):
             return
         self._first = self._first if self._rows else values[0]

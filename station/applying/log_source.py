@@ -113,7 +113,7 @@ class LogSource:
         return cls(table, found, auxiliary, stated.rate_hz, text)
 
     def blocks(self) -> Generator[Samples]:
-        """Yield all rows, as `Source`; a channel of a triad that the log lacks is 0, and what was interpolated is nan."""
+        """Yield all rows, as `Source`; a channel of a triad that the log lacks is 0, what was interpolated nan."""
         row, found, head = 0, self.found, self.blocks_of.head
         marks = INTERPOLATED if INTERPOLATED in head.columns and INTERPOLATED not in head.unreadable else None
         named = [name for name in (found.time, *found.gyro, *found.accel, found.temperature, marks) if name]

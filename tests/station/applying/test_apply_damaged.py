@@ -8,7 +8,7 @@ import pytest
 
 from procedures.errors import ErrorCode
 from station.errors import explain
-from tests.station.applying.inputs import COLUMNS, NAMES, calibration_file, write_csv, write_mcap
+from tests.station.applying.inputs import COLUMNS, K_A, NAMES, PERIOD, calibration_file, write_csv, write_mcap
 from tests.station.applying.run import apply, refusal, written
 
 SHORT = {name: column[:400] for name, column in COLUMNS.items()}
@@ -92,7 +92,7 @@ LONG = 98_304  # rows: several blocks
 
 
 def long_log() -> dict[str, np.ndarray]:
-    counts = np.rint(np.random.default_rng(3).normal(0, 50, (LONG, 6)))
+    counts = np.rint(np.random.default_rng(3).normal((0, 0, 0, 0, 0, K_A[2] * PERIOD), 50, (LONG, 6)))
     return {"t_s": 0.02 * np.arange(1, LONG + 1), **dict(zip(NAMES, counts.T, strict=True))}
 
 
