@@ -171,8 +171,8 @@ def _fitted(S: FloatArray, turned: FloatArray, y: FloatArray) -> RateScale:
 def _may_be_lever_arm(log: AttitudeLog) -> bool:
     """Say whether rates as given may be right, the sensor being away from the centre of its motion by any arm r.
 
-    Its specific force then has ``w' x r + w x (w x r)`` beside gravity's, which of a swing of one frequency looks
-    like another scale, and of several or of all axes does not.
+    Then ``w' x r + w x (w x r)`` adds to gravity's specific force. Of a swing of one frequency it looks like
+    another scale, of several frequencies or about all axes it does not.
     """
     rows = max(round(BLOCK_S / log.nominal), 1)
     blocks = min(len(log.t) // rows, MAX_BLOCKS)

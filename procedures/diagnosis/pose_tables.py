@@ -25,7 +25,7 @@ from procedures.evidence.residual_rows import KINDS, Evidence
 from procedures.evidence.row_sums import NodeWeights
 from procedures.frames import TRIADS
 from procedures.free_positions.norm_fit import NormFit, Undetermined, fit_norm, norm_sigma
-from procedures.free_positions.pose_means import TakenOff
+from procedures.free_positions.pose_means import SubtractedEffects
 from procedures.inference.held_out_errors import left_out_groups, residual_rms
 from procedures.inference.infer import infer
 from procedures.inference.result import Finding, ResidualRms, TableSensor, Unnamed
@@ -162,7 +162,7 @@ class PoseDiagnosis:
     probabilities: Mapping[str, float]
     not_separable: Mapping[str, str]
     accel: FloatArray
-    effects: TakenOff
+    effects: SubtractedEffects
     next_measurement: str
 
 
@@ -177,8 +177,8 @@ def diagnose_poses(table: PoseTable, effects: Sequence[Effect] = EFFECTS) -> Pos
     taken = [float(np.sum(fit_linear(now.evidence, terms).leverage[data])) for terms in ([], _terms(now))]
     return PoseDiagnosis(
         findings, unnamed, residual_rms(first, now, left_out_groups(first)), found.posterior.probabilities,
-        not_separable(found), table.without_effects(now), TakenOff(moved, covariance, taken[1] - taken[0]),
-        measure_next(findings),
+        not_separable(found), table.without_effects(now),
+        SubtractedEffects(moved, covariance, taken[1] - taken[0]), measure_next(findings),
     )  # fmt: skip
 
 

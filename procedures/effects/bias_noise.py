@@ -56,12 +56,11 @@ def _soaks(seen: Excitation) -> Iterator[list[int]]:
     yield from (steps for steps in found.values() if len(steps) >= MIN_BLOCKS)
 
 
-def _roots(seen: Excitation, covariance: Covariance) -> FloatArray:
-    """Return a root (n, r) of the covariance at the nodes; each soak has draws of its own.
+def _roots(seen: Excitation, covariance: Covariance, most: int | None) -> FloatArray:
+    """Return a root (n, r) of the covariance at the nodes; each soak has ``most`` draws of its own.
 
-    Flicker noise has all draws: of 200 blocks those beyond the 40th look like white noise as large as the block's.
+    Flicker noise has all: of 200 blocks those beyond the 40th look like white noise as large as the block's.
     """
-    most = MOST_DRAWS if covariance is _walk else None
     found = [np.zeros((len(seen.t), 0))]
     for steps in _soaks(seen):
         t = np.array([float(np.mean(seen.t[seen.step == step])) for step in steps]) / S_PER_H
@@ -76,12 +75,12 @@ def _roots(seen: Excitation, covariance: Covariance) -> FloatArray:
     return np.hstack(found)
 
 
-def _columns(triad: str, covariance: Covariance) -> Callable[[Excitation], list[Columns]]:
+def _columns(triad: str, covariance: Covariance, most: int | None = None) -> Callable[[Excitation], list[Columns]]:
     per = 1.0 if triad == "accelerometer" else DEG_H_PER_DEG_S
 
     def columns(seen: Excitation) -> list[Columns]:
         """Return columns of all three sensors together, and of each alone."""
-        roots = _roots(seen, covariance) / per
+        roots = _roots(seen, covariance, most) / per
         if not roots.shape[1]:
             return []
         of_sensors = np.stack([per_axis(root) for root in roots.T], axis=3)  # (n, 3, sensor, r)
@@ -127,7 +126,7 @@ ACCELEROMETER_WALK = replace(
     unit="g/sqrt(h)",
     physics="bias with the variance value^2 t",
     source="IEEE Std 1293, acceleration random walk",
-    columns=_columns("accelerometer", _walk),
+    columns=_columns("accelerometer", _walk, MOST_DRAWS),
 )
 GYROSCOPE_WALK = replace(
     GYROSCOPE_INSTABILITY,
@@ -136,5 +135,5 @@ GYROSCOPE_WALK = replace(
     unit="deg/h/sqrt(h)",
     physics="bias with the variance value^2 t",
     source="IEEE Std 952, annex C: rate random walk K",
-    columns=_columns("gyroscope", _walk),
+    columns=_columns("gyroscope", _walk, MOST_DRAWS),
 )

@@ -16,7 +16,7 @@ from procedures.frames import AXES
 from procedures.units import DEG_H_PER_DEG_S, PPM_PER_ONE, UG_PER_G
 
 SCALE_PPM = 100.0  # plausible
-DIRECTION_STD = 0.02  # rad, of gravity by the outputs of accelerometers that nobody calibrated: biases of 20 mg
+UNCALIBRATED = 0.02  # of gravity, that biases and scale factor errors of accelerometers nobody calibrated come to
 SLIP = 1e-4  # rad, plausible: 0.01 mm on 100 mm; beyond ten times that something else is wrong
 RESTING = ("dwell", "rest", "soak")
 MAX_PLACES = 200  # that are tried: of more, as in many soaks together, evenly spread ones
@@ -274,12 +274,12 @@ def tilt_columns(excitation: Excitation) -> Jumps:
         return Jumps([])
     turned = np.stack([np.cross(excitation.f, axis) for axis in np.eye(3)], axis=2)
 
-    # by outputs that nobody calibrated gravity is a little beside where it is, and a tilt shows along them too
+    # outputs of accelerometers nobody calibrated are off gravity's direction: a tilt shows along them too
     is_raw = bool(np.array_equal(excitation.f, excitation.accel_output))
     length = np.linalg.norm(excitation.f, axis=1, keepdims=True)
     along = (excitation.f / length)[:, :, None] / UG_PER_G
     names = (*AXES, ALONG) if is_raw else AXES
-    side_effects = {ALONG: DIRECTION_STD * UG_PER_G} if is_raw else {}
+    side_effects = {ALONG: UNCALIBRATED * UG_PER_G} if is_raw else {}
 
     def tilted(where: dict[str, object], later: FloatArray) -> Columns:
         acts = np.concatenate((turned, along), axis=2) if is_raw else turned

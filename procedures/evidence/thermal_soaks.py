@@ -22,6 +22,7 @@ from procedures.counts.count_rate import MIN_DWELL_SAMPLES
 from procedures.counts.dwell_means import MIN_DWELL_BLOCKS
 from procedures.counts.sample_records import CountSeries, Series, series_rows
 from procedures.effects.excitation import ExcitationStep
+from procedures.effects.jump import UNCALIBRATED
 from procedures.effects.settling import most_cycles
 from procedures.evidence.excitation import NodeBuilder, StepNodes, attitude, on_face
 from procedures.frames import AXES, TRIADS
@@ -201,7 +202,6 @@ def _force(fits: CampaignFits, campaign: Campaign, soak: SoakRecord) -> FloatArr
 
 
 MIN_SOAKS = 2
-BIAS_ACROSS = 0.02  # of gravity, that biases and scale factors nobody calibrated may come to
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -260,5 +260,5 @@ def _of_accelerometers(soaks: Sequence[tuple[int, Sequence[SoakBlock]]]) -> Iter
     mean = up.mean(axis=0)
     angle = np.linalg.norm(up - mean, axis=1)
     for (i, blocks), off, u, a in zip(soaks, length - length.mean(), up, angle, strict=True):
-        sigma = np.hypot(np.linalg.norm(u * _noise(blocks)), BIAS_ACROSS * a * length.mean())
+        sigma = np.hypot(np.linalg.norm(u * _noise(blocks)), UNCALIBRATED * a * length.mean())
         yield SoakLevel("accelerometer", i, np.array([-1]), np.array([off]), np.array([sigma]), u[None])

@@ -23,8 +23,8 @@ ONE_SIGMA = 0.8413447460685429  # probability of the normal distribution below o
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class TakenOff:
-    """What effects that were taken off the outputs leave open of the fit to these.
+class SubtractedEffects:
+    """What effects that were subtracted from the outputs leave open of the fit to these.
 
     It moves the fit's parameters by ``moved`` (9,) and adds ``covariance`` (9, 9); ``coefficients`` is how many
     numbers the poses determine of the effects.
@@ -90,7 +90,7 @@ def calibrate_means(
     gravity_std: float,
     *,
     is_std_stated: bool,
-    effects: TakenOff | None = None,
+    effects: SubtractedEffects | None = None,
 ) -> MeansCalibration | Undetermined:
     """Calibrate accelerometers by the means of poses.
 
@@ -99,7 +99,7 @@ def calibrate_means(
     accel, std : (n, 3) [output], means and their standard uncertainties
     gravity, gravity_std : [g], the specific force in every pose
     is_std_stated : whether ``std`` holds noise that was measured; else it is the rounding of the table at most
-    effects : what effects leave open that were taken off ``accel``
+    effects : what effects leave open that were subtracted from ``accel``
     """
     fit = fit_norm(accel, std, gravity)
     if isinstance(fit, Undetermined):

@@ -110,12 +110,12 @@ def infer(subject: BaseModel, effects: Sequence[Effect]) -> Inferred:
     for curved in [each for each in now.added if each.effect.added is not None]:
         search, now, found = _with_alternatives(subject, pool, library, begin, (search, now, found), curved)
     best = search.best_without_unrecorded
-    fits = now.fits if now.bare is None else averaged_fits(search, now.bare, found)
+    moved = averaged_parameters(search, found)
+    fits = now.fits if now.bare is None else averaged_fits(now.bare, moved, search.board.evidence.columns_of)
     wanted = _candidates(search.board, best)
     if {each.effect.name for each in now.added} != {each.effect.name for each in wanted}:
         with suppress(DoesNotFit):  # two linearisations that lead to each other: the model of the last one
             now = subject.refit(wanted)
-    moved = averaged_parameters(search, found)
     return Inferred(found, search.board, first, replace(now, fits=fits), subject, pool, moved)
 
 

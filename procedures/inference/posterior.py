@@ -305,14 +305,18 @@ def averaged_parameters(search: Search, found: Posterior) -> tuple[FloatArray, F
     return mean, added + ((changes - mean) * p[:, None]).T @ (changes - mean)
 
 
-def averaged_fits(search: Search, fits: CampaignFits, found: Posterior) -> CampaignFits:
+def averaged_fits(
+    fits: CampaignFits, average: tuple[FloatArray, FloatArray], columns_of: tuple[IntArray, IntArray]
+) -> CampaignFits:
     """Return fits with parameters and covariance averaged over the models of what the causes may be.
 
     Parameters
     ----------
     fits : where the board was linearised, with the covariance of noise alone
+    average : by how much the parameters (p,) move and the covariance (p, p) added, of `averaged_parameters`
+    columns_of : which of them are each triad's
     """
-    mean, added = averaged_parameters(search, found)
+    mean, added = average
 
     def moved(joint: TriadFit, columns: IntArray) -> TriadFit:
         one = joint.fit
@@ -320,7 +324,7 @@ def averaged_fits(search: Search, fits: CampaignFits, found: Posterior) -> Campa
         return replace(joint, fit=replace(one, x=one.x + mean[columns], covariance=covariance))
 
     accel, gyro = fits.accelerometer, fits.gyroscope
-    first, second = search.board.evidence.columns_of
+    first, second = columns_of
     return replace(
         fits, accelerometer=accel and moved(accel, first),
         gyroscope=gyro and replace(gyro, joint=moved(gyro.joint, second)),

@@ -299,7 +299,7 @@ def _stands_out(blocks: SampleBlocks, power: FloatArray, sensors: int) -> tuple[
     coarse = np.concatenate([np.full(len(each), np.median(each)) for each in chunks])
     over = power / np.maximum(coarse, np.finfo(float).tiny)
     slowest = max(MIN_PERIODS / longest, PERIODS_OF_A_BLOCK / (blocks.rates.shape[1] * blocks.period))
-    over[: int(per_hertz * slowest)] = 0.0  # what is slower was taken off with each block's line
+    over[: int(per_hertz * slowest)] = 0.0  # what is slower was subtracted with each block's line
     at = int(np.argmax(over))
     near = np.concatenate((power[max(at - about, 0) : max(at - spread, 0)], power[at + spread : at + about]))
     if not len(near):

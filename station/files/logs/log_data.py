@@ -32,12 +32,11 @@ from station.errors import DataRefused
 from station.files.logs.log_columns import LogColumns, outputs
 from station.files.logs.time_units import contradiction_of_rate
 from station.files.output_units import GYRO_UNITS, outputs_per_unit
-from station.files.tables.strict_csv import TRIADS
+from station.files.tables.strict_csv import RATE_TABLE_COLUMNS, TRIADS
 from station.files.tables.table import Table
 
 MAX_OFF = 0.02  # of 1, by which a stated unit and the angle may differ before a note says so
 STEADY = 0.1  # of the mean rate: one that spans less is held against the whole angle, a line has no slope there
-ANGLES = ("rate_ref_deg_s", "t_s", *TRIADS["gyro"], "temp_c")
 
 
 def angle_at_ends(found: LogColumns) -> tuple[float, bool] | None:
@@ -69,7 +68,7 @@ def rates_of_angle(
         what = f"{len(angle)} rows" if np.ptp(angle) else f"{found.reference} that never changes"
         raise DataRefused(found.table.file, None, what, f"at least {LEAST_ROWS} rows of an angle that turns")
     t, angle = columns["t_s"], unwrapped(angle)
-    names = [name for name in ANGLES[2:] if name in columns]
+    names = [name for name in RATE_TABLE_COLUMNS[2:] if name in columns]
     values = np.stack([columns[name] for name in names], axis=1)
     gyro = [i for i, name in enumerate(names) if name in TRIADS["gyro"]]
     turned = mean_rates(t, angle, values)
@@ -154,7 +153,7 @@ def log_data(found: LogColumns, rate_hz: float | None, name: str) -> tuple[Table
         columns, lines = rates_of_angle(found, columns, reference[keep] * found.degrees_per_angle, notes), None
     elif reference is not None:
         columns = {"rate_ref_deg_s": reference[keep], **columns}
-        columns = {each: values for each, values in columns.items() if each in _TURNTABLE}
+        columns = {each: values for each, values in columns.items() if each in RATE_TABLE_COLUMNS}
     read = Table(Path(name), columns, table.sha256, lines)
     if reference is None:
         read, text = _bridged(read, {triad: known[keep] for triad, known in there.items()})
@@ -245,9 +244,6 @@ def _bridged(read: Table, there: Mapping[str, BoolArray]) -> tuple[Table, str]:
             columns[name] = bridged(columns["t_s"], t[known], read.columns[name][known])
     lines = [read.line(row) for row in source.tolist()] if read.lines is not None else None
     return replace(read, columns=columns, lines=lines), text
-
-
-_TURNTABLE = ("rate_ref_deg_s", "t_s", *TRIADS["gyro"], "temp_c")
 
 
 def _without_empty(found: LogColumns, notes: list[str]) -> LogColumns:

@@ -26,7 +26,7 @@ MAX_EXACT_INTEGER = 2**53  # integers below it are exact in float64
 
 _AUX = re.compile(r"aux_[A-Za-z0-9_]+")
 _SAMPLE_COLUMNS = ("t_s", *OUTPUTS, "temp_c", "utc_s", INTERPOLATED, "aux_NAME")
-_TURNTABLE_COLUMNS = ("rate_ref_deg_s", "t_s", *TRIADS["gyro"], "temp_c")
+RATE_TABLE_COLUMNS = ("rate_ref_deg_s", "t_s", *TRIADS["gyro"], "temp_c")
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +72,7 @@ class SampleColumns:
     @property
     def columns(self) -> tuple[str, ...]:
         """The columns that may be there."""
-        return _TURNTABLE_COLUMNS if self.rate_table else _SAMPLE_COLUMNS
+        return RATE_TABLE_COLUMNS if self.rate_table else _SAMPLE_COLUMNS
 
     def cell(self, name: str) -> str:
         """Return what a cell of a column holds, as text."""
