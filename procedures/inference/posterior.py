@@ -314,7 +314,7 @@ def averaged_fits(
     ----------
     fits : where the board was linearised, with the covariance of noise alone
     average : by how much the parameters (p,) move and the covariance (p, p) added, of `averaged_parameters`
-    columns_of : which of them are each triad's
+    columns_of : (k,) of each triad, which of them are its own
     """
     mean, added = average
 
